@@ -1,0 +1,157 @@
+//! What a test scene is: objects, their motion over time and a camera path.
+//!
+//! Independent of the library, so that the oracle can work on it without
+//! sharing code with what it checks.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Mat4, Vec3};
+
+/// Seconds between two frames of every path.
+pub const FRAME_SECONDS: f64 = 1.0 / 30.0;
+
+/// An indexed triangle mesh in object space.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Vertex indices, three per triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The exact geometry of an object, in world space.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    /// A solid sphere.
+    Sphere {
+        /// Centre in metres.
+        center: Vec3,
+        /// Radius in metres.
+        radius: f32,
+    },
+    /// A solid axis-aligned box.
+    Box {
+        /// Least corner.
+        min: Vec3,
+        /// Greatest corner.
+        max: Vec3,
+    },
+    /// A triangle mesh (a surface; seen from both sides).
+    Mesh {
+        /// The mesh in object space.
+        mesh: Arc<Mesh>,
+        /// Object space to world space.
+        transform: Affine3A,
+    },
+}
+
+/// How an object moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Never moves.
+    Static,
+    /// May move, at most this fast (metres per second).
+    Dynamic {
+        /// Promised greatest speed of any point of the object.
+        max_speed: f32,
+    },
+}
+
+/// One object of a test scene.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// A name for messages; may be empty.
+    pub name: String,
+    /// Where it is now, exactly.
+    pub shape: Shape,
+    /// Whether it can move.
+    pub motion: Motion,
+    /// Whether it hides others. An object that does not occlude is still
+    /// tested, but the oracle lets one see through it.
+    pub occludes: bool,
+    /// Whether its visibility is asked for.
+    pub tested: bool,
+}
+
+/// A camera of the path: exact eye and the matrices a renderer would use.
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    /// Position of the eye in world space.
+    pub eye: Vec3,
+    /// World to view space, right-handed, looking along -z.
+    pub view: Mat4,
+    /// View to clip space, depth 0 to 1.
+    pub projection: Mat4,
+}
+
+impl Camera {
+    /// A perspective camera at `eye` looking at `target`, y up.
+    pub fn look_at(eye: Vec3, target: Vec3, fov_y_degrees: f32, aspect: f32, near: f32, far: f32) -> Self {
+        let forward = (target - eye).normalize_or(Vec3::NEG_Z);
+        let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+        Self {
+            eye,
+            view: Mat4::look_to_rh(eye, forward, up),
+            projection: Mat4::perspective_rh(fov_y_degrees.to_radians(), aspect, near, far),
+        }
+    }
+
+    /// World to clip space.
+    pub fn view_projection(&self) -> Mat4 {
+        self.projection * self.view
+    }
+}
+
+/// The grid a scene asks for unless the user says otherwise.
+#[derive(Debug, Clone, Copy)]
+pub struct GridHint {
+    /// Least corner of the region that holds every object at every frame.
+    pub min: Vec3,
+    /// Greatest corner.
+    pub max: Vec3,
+    /// Edge length of a cell in metres.
+    pub cell: f32,
+}
+
+/// Moves the objects of a world and its camera. Deterministic: the same frame
+/// gives the same positions, whatever was asked before.
+pub trait Animation: Send + Sync {
+    /// The shapes of moving objects at `frame`, as (object index, shape),
+    /// passed to `set` in ascending order of index.
+    fn shapes(&self, frame: usize, set: &mut dyn FnMut(usize, Shape));
+    /// The camera at `frame`, for pictures `aspect` times as wide as high.
+    fn camera(&self, frame: usize, aspect: f32) -> Camera;
+}
+
+/// A test scene.
+pub struct World {
+    /// Name as given on the command line, or the file's name.
+    pub name: String,
+    /// All objects, with their shapes at the frame last set (0 at first).
+    pub objects: Vec<Object>,
+    /// The grid it asks for.
+    pub grid: GridHint,
+    /// Frames of the path.
+    pub frames: usize,
+    /// Motion and camera.
+    pub animation: Box<dyn Animation>,
+}
+
+impl World {
+    /// Moves every object to where it is at `frame`; returns the indices of
+    /// the objects whose shape was set, in ascending order.
+    pub fn set_frame(&mut self, frame: usize) -> Vec<usize> {
+        let mut moved = Vec::new();
+        let objects = &mut self.objects;
+        self.animation.shapes(frame, &mut |index, shape| {
+            objects[index].shape = shape;
+            moved.push(index);
+        });
+        moved
+    }
+
+    /// The camera at `frame`.
+    pub fn camera(&self, frame: usize, aspect: f32) -> Camera {
+        self.animation.camera(frame, aspect)
+    }
+}
