@@ -1,0 +1,99 @@
+//! Plain geometric values of the public interface.
+
+use glam::{DVec3, Vec3};
+
+use crate::error::{Error, finite3, not_negative};
+
+/// An axis-aligned box in world units; both corners belong to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aabb {
+    /// Least corner.
+    pub min: Vec3,
+    /// Greatest corner.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box between two corners, in this order.
+    pub const fn new(min: Vec3, max: Vec3) -> Self {
+        Self { min, max }
+    }
+
+    /// The box around `center` that reaches `half` to each side.
+    pub fn from_center(center: Vec3, half: Vec3) -> Self {
+        Self { min: center - half, max: center + half }
+    }
+
+    /// The least box that holds all points; `None` without points.
+    pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        points.into_iter().map(|p| Self::new(p, p)).reduce(|a, b| a.union(&b))
+    }
+
+    /// The least box that holds both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
+        finite3(what, self.min)?;
+        finite3(what, self.max)?;
+        if self.min.cmple(self.max).all() {
+            Ok(())
+        } else {
+            Err(Error::InvertedBox { what, min: self.min, max: self.max })
+        }
+    }
+}
+
+/// A sphere in world units, with its surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, not negative.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// The sphere around `center`.
+    pub const fn new(center: Vec3, radius: f32) -> Self {
+        Self { center, radius }
+    }
+
+    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
+        finite3(what, self.center)?;
+        not_negative(what, f64::from(self.radius))
+    }
+}
+
+/// A box in `f64`: what shapes are compared with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Block {
+    pub(crate) min: DVec3,
+    pub(crate) max: DVec3,
+}
+
+impl Block {
+    pub(crate) fn new((min, max): (DVec3, DVec3)) -> Self {
+        Self { min, max }
+    }
+
+    pub(crate) fn contains(&self, other: &Self) -> bool {
+        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
+    }
+
+    pub(crate) fn contains_point(&self, p: DVec3) -> bool {
+        self.min.cmple(p).all() && self.max.cmpge(p).all()
+    }
+
+    /// Whether the interiors meet.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()
+    }
+}
+
+impl From<Aabb> for Block {
+    fn from(b: Aabb) -> Self {
+        Self { min: b.min.as_dvec3(), max: b.max.as_dvec3() }
+    }
+}

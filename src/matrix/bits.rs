@@ -1,0 +1,221 @@
+//! Bit matrices O and H: one bit a cell, 64 cells a word, read as 8x8 tiles.
+
+use glam::IVec3;
+
+use crate::bricks::{BRICK, Bricks};
+
+/// A sparse matrix of one bit per cell, read and written in words of 64 cells.
+#[derive(Clone)]
+pub struct BitMatrix {
+    dims: IVec3,
+    /// Word z of a brick holds its slice: bit 8y+x.
+    bricks: Bricks<[u64; 8]>,
+}
+
+/// O: cells wholly inside solid geometry (an underestimate).
+pub type OpacityMatrix = BitMatrix;
+
+/// H: cells hidden from the viewer (an underestimate).
+pub type OcclusionMatrix = BitMatrix;
+
+impl BitMatrix {
+    /// All cells clear, for a grid of `dims` cells.
+    pub fn new(dims: IVec3) -> Self {
+        let dims = dims.max(IVec3::ONE);
+        Self { dims, bricks: Bricks::new(dims) }
+    }
+
+    /// Whether the cell is set; cells outside the grid are not.
+    pub fn get(&self, cell: IVec3) -> bool {
+        if cell.cmplt(IVec3::ZERO).any() || cell.cmpge(self.dims).any() {
+            return false;
+        }
+        self.bricks.get(cell >> 3i32)[(cell.z & 7) as usize] >> (((cell.y & 7) << 3) | (cell.x & 7)) & 1 != 0
+    }
+
+    /// Sets a cell; one outside the grid is ignored.
+    pub fn set(&mut self, cell: IVec3) {
+        if cell.cmpge(IVec3::ZERO).all() && cell.cmplt(self.dims).all() {
+            self.set_run(cell.x, cell.x, cell.y, cell.z);
+        }
+    }
+
+    /// Sets the cells from `x0` to `x1`, both included and inside the grid.
+    pub(crate) fn set_run(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
+        for bx in x0 >> 3..=x1 >> 3 {
+            let word = &mut self.bricks.get_mut(IVec3::new(bx, y >> 3, z >> 3))[(z & 7) as usize];
+            *word |= span8(x0 - bx * BRICK, x1 - bx * BRICK) << ((y & 7) << 3);
+        }
+    }
+
+    /// Clears a cell inside the grid; an empty brick is given back.
+    pub(crate) fn clear_cell(&mut self, cell: IVec3) {
+        if let Some(brick) = self.bricks.get_existing_mut(cell >> 3i32) {
+            brick[(cell.z & 7) as usize] &= !(1 << (((cell.y & 7) << 3) | (cell.x & 7)));
+            if *brick == [0; 8] {
+                self.bricks.release(cell >> 3i32);
+            }
+        }
+    }
+
+    /// Clears every cell.
+    pub fn clear(&mut self) {
+        self.bricks.clear();
+    }
+
+    /// Number of cells set.
+    pub fn count(&self) -> u64 {
+        self.bricks.iter().flat_map(|(_, b)| b).map(|w| u64::from(w.count_ones())).sum()
+    }
+
+    /// All cells set, brick by brick.
+    pub fn iter(&self) -> impl Iterator<Item = IVec3> {
+        self.bricks.iter().flat_map(|(corner, brick)| {
+            (0..512)
+                .filter(move |i| brick[(i >> 6) as usize] >> (i & 63) & 1 != 0)
+                .map(move |i: i32| corner * BRICK + IVec3::new(i & 7, i >> 3 & 7, i >> 6))
+        })
+    }
+
+    /// Whether every cell set here is set in `other` too.
+    pub fn is_subset(&self, other: &Self) -> bool {
+        self.dims == other.dims
+            && self
+                .bricks
+                .iter()
+                .all(|(at, brick)| brick.iter().zip(other.bricks.get(at)).all(|(a, b)| a & !b == 0))
+    }
+
+    /// Cells along each axis.
+    pub fn dims(&self) -> IVec3 {
+        self.dims
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.bricks.bytes()
+    }
+
+    /// The 8x8 tile of the brick's cells with coordinate `at` along the axis
+    /// of the side: bit 8 * row + column (see [`SideAxes`]).
+    #[inline]
+    pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
+        tile_of(self.bricks.get(brick), axes, at)
+    }
+}
+
+/// The bits `lo..=hi` of a byte; bounds outside 0..8 are cut off.
+#[inline]
+pub(crate) fn span8(lo: i32, hi: i32) -> u64 {
+    let (lo, hi) = (lo.max(0), hi.min(7));
+    if lo > hi { 0 } else { (0xff >> (7 - hi)) & (0xff << lo) & 0xff }
+}
+
+/// Which axes of space are the normal, the columns and the rows of a side of
+/// a chessboard shell. Columns run along x where they can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SideAxes {
+    pub(crate) normal: usize,
+    pub(crate) col: usize,
+    pub(crate) row: usize,
+}
+
+impl SideAxes {
+    pub(crate) const ALL: [Self; 3] = [
+        Self { normal: 0, col: 1, row: 2 },
+        Self { normal: 1, col: 0, row: 2 },
+        Self { normal: 2, col: 0, row: 1 },
+    ];
+}
+
+/// Reads a tile out of a brick whose word z holds slice z (bit 8y+x).
+#[inline]
+pub(crate) fn tile_of(brick: &[u64; 8], axes: &SideAxes, at: i32) -> u64 {
+    let at = (at & 7) as u32;
+    match axes.normal {
+        2 => brick[at as usize],
+        1 => {
+            let mut tile = 0;
+            for (z, &word) in brick.iter().enumerate() {
+                tile |= (word >> (8 * at) & 0xff) << (8 * z);
+            }
+            tile
+        }
+        _ => {
+            let mut tile = 0;
+            for (z, &word) in brick.iter().enumerate() {
+                // Gathers bit 0 of each byte into one byte, lowest first.
+                let column = (word >> at & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+                tile |= column << (8 * z);
+            }
+            tile
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_read_and_write_what_cells_say() {
+        let dims = IVec3::new(20, 17, 30);
+        let mut m = BitMatrix::new(dims);
+        let mut n = BitMatrix::new(dims);
+        let mut state = 7u32;
+        for z in 0..dims.z {
+            for y in 0..dims.y {
+                for x in 0..dims.x {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    if state >> 30 == 0 {
+                        m.set(IVec3::new(x, y, z));
+                    }
+                }
+            }
+        }
+        for axes in &SideAxes::ALL {
+            n.clear();
+            for bz in 0..4 {
+                for by in 0..3 {
+                    for bx in 0..3 {
+                        let brick = IVec3::new(bx, by, bz);
+                        for at in 0..8 {
+                            let tile = m.tile(brick, axes, at);
+                            for row in 0..8 {
+                                for col in 0..8 {
+                                    let mut c = brick * 8;
+                                    c[axes.normal] += at;
+                                    c[axes.row] += row;
+                                    c[axes.col] += col;
+                                    let set = tile >> (8 * row + col) & 1 != 0;
+                                    assert_eq!(set, m.get(c), "{axes:?} {c}");
+                                    if set {
+                                        n.set(c);
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            assert!(m.is_subset(&n) && n.is_subset(&m));
+            assert_eq!(n.count(), m.iter().count() as u64);
+        }
+    }
+
+    #[test]
+    fn runs_and_clearing() {
+        let mut m = BitMatrix::new(IVec3::new(40, 9, 9));
+        m.set_run(3, 28, 8, 5);
+        assert_eq!(m.count(), 26);
+        for x in 3..=28 {
+            m.clear_cell(IVec3::new(x, 8, 5));
+        }
+        assert_eq!(m.count(), 0);
+        assert_eq!(m.iter().count(), 0);
+        m.set(IVec3::new(-1, 0, 0));
+        m.set(IVec3::new(40, 0, 0));
+        assert_eq!(m.count(), 0);
+        assert!(!m.get(IVec3::splat(-1)));
+    }
+}

@@ -1,0 +1,215 @@
+//! Txy, Txz, Tyz: temporal bounding volumes as hollow squares in three
+//! projections (thesis, section 3.4.1).
+//!
+//! A box whose projections are drawn hollow costs O(n) cells instead of
+//! O(n^3). A cell (x, y, z) lies on the surface of the box iff at least two of
+//! (x, y) in Txy, (x, z) in Txz and (y, z) in Tyz hold: on the face x = x0 both
+//! projections that contain x do; strictly inside none does; outside at most
+//! the one without the axis that it misses.
+//!
+//! The projections are kept brick by brick, so that a volume is found only from
+//! the part of space where it is, however many others share its rows.
+
+use glam::IVec3;
+
+use super::bits::{SideAxes, span8};
+use crate::bricks::{BRICK, Bricks};
+
+/// A block of cells, both corners included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct CellBox {
+    pub(crate) lo: IVec3,
+    pub(crate) hi: IVec3,
+}
+
+impl CellBox {
+    pub(crate) fn contains(&self, cell: IVec3) -> bool {
+        cell.cmpge(self.lo).all() && cell.cmple(self.hi).all()
+    }
+
+    /// The bricks that the surface passes through.
+    fn surface_bricks(self) -> impl Iterator<Item = IVec3> {
+        let (b0, b1) = (self.lo >> 3i32, self.hi >> 3i32);
+        (b0.z..=b1.z).flat_map(move |z| {
+            (b0.y..=b1.y).flat_map(move |y| {
+                (b0.x..=b1.x).map(move |x| IVec3::new(x, y, z)).filter(move |&b| !self.swallows(b))
+            })
+        })
+    }
+
+    /// Whether all cells of a brick lie strictly inside.
+    fn swallows(&self, brick: IVec3) -> bool {
+        let (first, last) = (brick * BRICK, brick * BRICK + BRICK - 1);
+        first.cmpgt(self.lo).all() && last.cmplt(self.hi).all()
+    }
+
+    /// The hollow projection along one axis as an 8x8 tile of a brick: bit 8b+a
+    /// for the axes a and b that remain.
+    fn hollow(&self, brick: IVec3, a: usize, b: usize) -> u64 {
+        let corner = brick * BRICK;
+        let (a0, a1) = (self.lo[a] - corner[a], self.hi[a] - corner[a]);
+        let (b0, b1) = (self.lo[b] - corner[b], self.hi[b] - corner[b]);
+        rectangle(a0, a1, b0, b1) & !rectangle(a0 + 1, a1 - 1, b0 + 1, b1 - 1)
+    }
+
+    fn projections(&self, brick: IVec3) -> Projections {
+        Projections {
+            xy: self.hollow(brick, 0, 1),
+            xz: self.hollow(brick, 0, 2),
+            yz: self.hollow(brick, 1, 2),
+        }
+    }
+}
+
+/// A rectangle of an 8x8 tile, cut off at its borders.
+fn rectangle(a0: i32, a1: i32, b0: i32, b1: i32) -> u64 {
+    if a0 > a1 {
+        return 0;
+    }
+    let rows = span8(b0, b1);
+    span8(a0, a1) * spread(rows)
+}
+
+/// Puts bit i of a byte at bit 8i.
+fn spread(byte: u64) -> u64 {
+    (0..8).map(|i| (byte >> i & 1) << (8 * i)).sum()
+}
+
+/// The three projections inside one brick; bit 8 * second + first axis.
+#[derive(Clone, Copy, Default)]
+struct Projections {
+    xy: u64,
+    xz: u64,
+    yz: u64,
+}
+
+impl Projections {
+    fn union(self, o: Self) -> Self {
+        Self { xy: self.xy | o.xy, xz: self.xz | o.xz, yz: self.yz | o.yz }
+    }
+
+    /// The cells of a tile that at least two of the three projections hold.
+    fn tile(&self, axes: &SideAxes, at: i32) -> u64 {
+        let at = (at & 7) as u32;
+        let row = |tile: u64| (tile >> (8 * at) & 0xff).wrapping_mul(0x0101_0101_0101_0101);
+        let row_up = |tile: u64| spread(tile >> (8 * at) & 0xff) * 0xff;
+        let column = |tile: u64| (tile >> at & 0x0101_0101_0101_0101) * 0xff;
+        let column_across = |tile: u64| {
+            let byte = (tile >> at & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            byte.wrapping_mul(0x0101_0101_0101_0101)
+        };
+        let (a, b, c) = match axes.normal {
+            // Rows z, columns y.
+            0 => (self.yz, column_across(self.xy), column(self.xz)),
+            // Rows z, columns x.
+            1 => (self.xz, row(self.xy), column(self.yz)),
+            // Rows y, columns x.
+            _ => (self.xy, row(self.xz), row_up(self.yz)),
+        };
+        (a & b) | (b & c) | (a & c)
+    }
+}
+
+#[derive(Clone, Default)]
+struct TbvBrick {
+    /// Union of what the volumes project; may hold more after removals.
+    all: Projections,
+    ids: Vec<u32>,
+}
+
+/// Txy, Txz and Tyz: the projections of hollow temporal bounding volumes.
+#[derive(Clone)]
+pub struct TbvMatrix {
+    bricks: Bricks<TbvBrick>,
+    volumes: usize,
+}
+
+impl TbvMatrix {
+    pub(crate) fn new(dims: IVec3) -> Self {
+        Self { bricks: Bricks::new(dims), volumes: 0 }
+    }
+
+    /// Draws the volume of an object; it lies inside the grid.
+    pub(crate) fn insert(&mut self, volume: &CellBox, slot: u32) {
+        self.volumes += 1;
+        for b in volume.surface_bricks() {
+            let brick = self.bricks.get_mut(b);
+            brick.all = brick.all.union(volume.projections(b));
+            brick.ids.push(slot);
+        }
+    }
+
+    /// Erases a volume drawn before.
+    pub(crate) fn remove(&mut self, volume: &CellBox, slot: u32) {
+        self.volumes -= 1;
+        for b in volume.surface_bricks() {
+            let Some(brick) = self.bricks.get_existing_mut(b) else { continue };
+            if let Some(i) = brick.ids.iter().position(|&s| s == slot) {
+                brick.ids.swap_remove(i);
+            }
+            if brick.ids.is_empty() {
+                self.bricks.release(b);
+            }
+        }
+    }
+
+    /// The cells of a tile on the surface of some volume (a superset).
+    #[inline]
+    pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
+        let b = self.bricks.get(brick);
+        if b.ids.is_empty() { 0 } else { b.all.tile(axes, at) }
+    }
+
+    /// The objects whose volumes have surface in a brick.
+    pub(crate) fn ids(&self, brick: IVec3) -> &[u32] {
+        &self.bricks.get(brick).ids
+    }
+
+    /// The cells of a tile on the surface of one volume.
+    pub(crate) fn surface_tile(volume: &CellBox, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
+        volume.projections(brick).tile(axes, at)
+    }
+
+    /// Number of volumes drawn.
+    pub fn volumes(&self) -> usize {
+        self.volumes
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.bricks.bytes() + self.bricks.iter().map(|(_, b)| b.ids.capacity() * 4).sum::<usize>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_of_three_projections_make_the_surface() {
+        let boxes = [
+            CellBox { lo: IVec3::new(3, 5, 6), hi: IVec3::new(20, 17, 9) },
+            CellBox { lo: IVec3::new(0, 0, 0), hi: IVec3::new(23, 23, 23) },
+            CellBox { lo: IVec3::new(9, 8, 7), hi: IVec3::new(9, 8, 7) },
+            CellBox { lo: IVec3::new(1, 2, 3), hi: IVec3::new(2, 3, 4) },
+        ];
+        for volume in &boxes {
+            let mut m = TbvMatrix::new(IVec3::splat(24));
+            m.insert(volume, 5);
+            for axes in &SideAxes::ALL {
+                for i in 0..24 * 24 * 24 {
+                    let c = IVec3::new(i % 24, i / 24 % 24, i / 576);
+                    let inner = c.cmpgt(volume.lo).all() && c.cmplt(volume.hi).all();
+                    let surface = volume.contains(c) && !inner;
+                    let bit = 8 * (c[axes.row] & 7) + (c[axes.col] & 7);
+                    let tile = TbvMatrix::surface_tile(volume, c >> 3i32, axes, c[axes.normal]);
+                    assert_eq!(tile >> bit & 1 != 0, surface, "{volume:?} {axes:?} {c}");
+                    let tile = m.tile(c >> 3i32, axes, c[axes.normal]);
+                    assert_eq!(tile >> bit & 1 != 0, surface, "{volume:?} {axes:?} {c}");
+                }
+            }
+            m.remove(volume, 5);
+            assert_eq!((m.volumes(), m.bricks.iter().count()), (0, 0));
+        }
+    }
+}

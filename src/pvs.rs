@@ -1,0 +1,159 @@
+//! The potentially visible set of a view: what a query answers.
+
+use std::time::Duration;
+
+use glam::IVec3;
+
+use crate::object::ObjectId;
+use crate::query::Method;
+use crate::scene::Scene;
+use crate::view::{Origin, View};
+
+/// What a query did. Times depend on the machine; all else does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct Stats {
+    /// Chessboard shells walked.
+    pub shells: u32,
+    /// Cells inside the frustum that were visited, counted once for each side
+    /// of a shell that they belong to.
+    pub cells_visited: u64,
+    /// How many of them were hidden.
+    pub cells_hidden: u64,
+    /// Sides of shells whose blocked cells were drawn as occluders.
+    pub caps_drawn: u32,
+    /// Sides of shells with opaque cells in sight that were too small to draw.
+    pub caps_skipped: u32,
+    /// Objects whose bounds were compared with the frustum.
+    pub objects_tested: u32,
+    /// Temporal bounding volumes revealed.
+    pub tbvs_revealed: u32,
+    /// Whether the eye was inside an occluder, so that nothing was hidden.
+    pub eye_in_occluder: bool,
+    /// Wall-clock time of the query.
+    pub elapsed: Duration,
+}
+
+/// The potentially visible set: every object of which any point can be seen,
+/// and a few more.
+#[derive(Debug, Clone)]
+pub struct Pvs {
+    pub(crate) scene: u32,
+    pub(crate) revision: u64,
+    pub(crate) method: Method,
+    pub(crate) view: Option<View>,
+    pub(crate) cell: Option<IVec3>,
+    pub(crate) visible: Vec<ObjectId>,
+    pub(crate) revealed: Vec<ObjectId>,
+    /// By slot: 1 + the place in `visible`, or 0.
+    pub(crate) places: Vec<u32>,
+    pub(crate) stats: Stats,
+}
+
+impl Pvs {
+    pub(crate) fn empty() -> Self {
+        Self {
+            scene: 0,
+            revision: 0,
+            method: Method::Cell,
+            view: None,
+            cell: None,
+            visible: Vec::new(),
+            revealed: Vec::new(),
+            places: Vec::new(),
+            stats: Stats::default(),
+        }
+    }
+
+    /// The objects that can be seen, front to back: in the order of the
+    /// chessboard shells in which they were found. [`Method::Frustum`] gives
+    /// them in the order of their indices.
+    pub fn visible(&self) -> &[ObjectId] {
+        &self.visible
+    }
+
+    /// Empties the set for a scene of `slots` slots.
+    pub(crate) fn reset(&mut self, slots: usize) {
+        for id in self.visible.drain(..) {
+            self.places[id.index()] = 0;
+        }
+        self.places.resize(slots, 0);
+        self.revealed.clear();
+        self.stats = Stats::default();
+    }
+
+    pub(crate) fn push(&mut self, id: ObjectId) {
+        self.visible.push(id);
+        self.places[id.index()] = self.visible.len() as u32;
+    }
+
+    /// Number of objects that can be seen.
+    pub fn len(&self) -> usize {
+        self.visible.len()
+    }
+
+    /// Whether nothing can be seen.
+    pub fn is_empty(&self) -> bool {
+        self.visible.is_empty()
+    }
+
+    /// Whether an object can be seen. Costs one look-up.
+    pub fn contains(&self, id: ObjectId) -> bool {
+        let place = self.places.get(id.index()).copied().unwrap_or(0) as usize;
+        place > 0 && self.visible[place - 1] == id
+    }
+
+    /// Dynamic objects whose temporal bounding volume came into sight, visible or not.
+    pub fn revealed(&self) -> &[ObjectId] {
+        &self.revealed
+    }
+
+    /// What the query did.
+    pub fn stats(&self) -> &Stats {
+        &self.stats
+    }
+
+    /// How it was found.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The cell of the grid (or beyond it) whose every point it is valid for, where
+    /// there is one.
+    pub fn view_cell(&self) -> Option<IVec3> {
+        self.cell
+    }
+
+    /// Whether this result still holds for a new view: nothing moved, the eye
+    /// is in the same cell and inside no occluder, and sees nothing outside the
+    /// frustum of this result. In doubt, no.
+    ///
+    /// Results of [`Method::Frustum`] hold for any eye. A result for all
+    /// directions ([`View::around`]) holds for every view from its cell.
+    pub fn holds(&self, scene: &Scene, view: &View) -> bool {
+        let Some(own) = &self.view else { return false };
+        let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
+        if scene.tag() != self.scene || revision != self.revision {
+            return false;
+        }
+        if own == view {
+            return true;
+        }
+        let (min, max) = scene.extent();
+        if !own.holds(view, min, max) {
+            return false;
+        }
+        if self.method == Method::Frustum || self.stats.eye_in_occluder {
+            return true;
+        }
+        let (Origin::Eye { at, error }, Origin::Eye { at: old, .. }) = (view.origin, own.origin) else {
+            return false;
+        };
+        let same_cell = [at - error, at + error].iter().all(|&e| Some(scene.grid().cell_of(e)) == self.cell);
+        let seen_from = own.planes.iter().all(|p| {
+            at == old
+                || p.distance(at) - error + (-p.distance(old)).max(0.0) >= p.margin(at.abs().max_element())
+        });
+        same_cell && seen_from && !scene.inside_occluder(at)
+    }
+}

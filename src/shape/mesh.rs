@@ -1,0 +1,410 @@
+//! Triangle meshes: touched cells from the triangles, opaque cells from slices
+//! and parity (thesis, section 3.4.1).
+//!
+//! Cells that no triangle touches lie wholly inside or wholly outside a closed
+//! mesh, and so do all cells reached from them without crossing the surface. Such
+//! a component is opaque if the lines along x through the middles of *all*
+//! its rows count an odd number of crossings: a wrong count on one line can
+//! only make it transparent.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use super::{CellRun, Shape};
+use crate::Aabb;
+use crate::error::{Error, finite3};
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::matrix::BitMatrix;
+
+/// A triangle mesh in world space, checked once.
+#[derive(Debug, Clone)]
+pub struct TriMesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    bounds: Aabb,
+    closed: bool,
+}
+
+impl TriMesh {
+    /// Takes positions in world units and triangles as indices of three
+    /// positions. Vertices at equal positions count as one.
+    ///
+    /// Costs a sort of the edges.
+    ///
+    /// # Errors
+    /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions.len()) {
+                return Err(Error::MeshIndex { triangle, vertex, vertices: positions.len() });
+            }
+        }
+        positions.iter().try_for_each(|&p| finite3("a mesh position", p))?;
+        let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
+        let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
+        let closed = is_closed(&positions, &triangles);
+        Ok(Self { positions, triangles, bounds, closed })
+    }
+
+    /// The positions given.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// The triangles given.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The box of all corners of triangles.
+    pub fn aabb(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Whether every edge belongs to exactly two triangles, so that the mesh
+    /// has an inside. Others make no opaque cells.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        self.triangles.iter().map(|t| t.map(|v| self.positions[v as usize].as_dvec3()))
+    }
+
+    /// The block of grid cells that holds the mesh, and its surface as bits
+    /// relative to the block's first cell.
+    fn surface(&self, grid: &Grid) -> Option<(IVec3, BitMatrix)> {
+        let (lo, hi) = grid.cover(self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3());
+        let (lo, hi) = grid.clip(lo, hi)?;
+        let mut bits = BitMatrix::new(hi - lo + 1);
+        for t in self.corners() {
+            let (min, max) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
+            let margin = margin(&t);
+            let (a, b) = grid.cover(min - margin, max + margin);
+            let (a, b) = (a.max(lo), b.min(hi));
+            if a.cmpgt(b).any() {
+                continue;
+            }
+            let single = a == b;
+            for z in a.z..=b.z {
+                for y in a.y..=b.y {
+                    for x in a.x..=b.x {
+                        let cell = IVec3::new(x, y, z);
+                        if single || triangle_meets_box(&t, grid.cell_bounds(cell), margin) {
+                            bits.set(cell - lo);
+                        }
+                    }
+                }
+            }
+        }
+        Some((lo, bits))
+    }
+
+    /// Where the line along `axis` through `point` crosses the mesh.
+    fn crossings(&self, axis: usize, point: DVec3, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(self.corners().filter_map(|t| crossing(&t, axis, point)));
+    }
+}
+
+/// Whether each edge, by position, has two triangles. Triangles with two equal
+/// corners are passed over.
+fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+    let key = |v: u32| positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
+    let mut edges = Vec::with_capacity(triangles.len() * 3);
+    for t in triangles {
+        let [a, b, c] = t.map(key);
+        if a == b || b == c || c == a {
+            continue;
+        }
+        edges.extend([(a.min(b), a.max(b)), (b.min(c), b.max(c)), (c.min(a), c.max(a))]);
+    }
+    edges.sort_unstable();
+    !edges.is_empty() && edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
+}
+
+/// How much a triangle is widened: roundings of the separating-axis test stay
+/// below a few units in the last place of the products.
+fn margin(t: &[DVec3; 3]) -> f64 {
+    let largest = t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    largest * 1e-12
+}
+
+/// Separating-axis test of a triangle against a closed box widened by `margin`.
+fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -> bool {
+    let center = (min + max) * 0.5;
+    let half = (max - min) * 0.5 + margin;
+    let [a, b, c] = t.map(|p| p - center);
+    let apart = |axis: DVec3| {
+        let (pa, pb, pc) = (axis.dot(a), axis.dot(b), axis.dot(c));
+        let reach = axis.abs().dot(half);
+        pa.min(pb).min(pc) > reach || pa.max(pb).max(pc) < -reach
+    };
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    if [DVec3::X, DVec3::Y, DVec3::Z].into_iter().any(apart) || apart(ab.cross(bc)) {
+        return false;
+    }
+    ![ab, bc, ca].into_iter().any(|e| {
+        apart(DVec3::new(0.0, -e.z, e.y))
+            || apart(DVec3::new(e.z, 0.0, -e.x))
+            || apart(DVec3::new(-e.y, e.x, 0.0))
+    })
+}
+
+/// Where the line along `axis` through `point` crosses the triangle. Each edge
+/// is judged from its two ends in a fixed order, so that triangles which share
+/// it agree, and crossings of a closed mesh come in pairs whatever is rounded.
+fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<f64> {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (pu, pv) = (point[u], point[v]);
+    let above = t.map(|p| p[v] > pv);
+    if above[0] == above[1] && above[1] == above[2] {
+        return None;
+    }
+    let mut inside = false;
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        if above[i] != above[j] {
+            let (a, b) = if above[i] { (t[j], t[i]) } else { (t[i], t[j]) };
+            let at = a[u] + (pv - a[v]) / (b[v] - a[v]) * (b[u] - a[u]);
+            inside ^= at > pu;
+        }
+    }
+    if !inside {
+        return None;
+    }
+    let normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    let along = (normal[u] * (t[0][u] - pu) + normal[v] * (t[0][v] - pv)) / normal[axis] + t[0][axis];
+    let (lo, hi) = (t[0].min(t[1]).min(t[2])[axis], t[0].max(t[1]).max(t[2])[axis]);
+    Some(if along.is_nan() { lo } else { along.clamp(lo, hi) })
+}
+
+/// A run of cells without surface in one row of the block.
+struct Gap {
+    x0: i32,
+    x1: i32,
+    parent: u32,
+}
+
+fn root(gaps: &mut [Gap], mut i: u32) -> u32 {
+    while gaps[i as usize].parent != i {
+        let up = gaps[gaps[i as usize].parent as usize].parent;
+        gaps[i as usize].parent = up;
+        i = up;
+    }
+    i
+}
+
+/// Joins the gaps of two neighbouring rows that overlap.
+fn join(gaps: &mut [Gap], a: std::ops::Range<usize>, b: std::ops::Range<usize>) {
+    let (mut i, mut j) = (a.start, b.start);
+    while i < a.end && j < b.end {
+        if gaps[i].x0 <= gaps[j].x1 && gaps[j].x0 <= gaps[i].x1 {
+            let (ri, rj) = (root(gaps, i as u32), root(gaps, j as u32));
+            gaps[ri.max(rj) as usize].parent = ri.min(rj);
+        }
+        if gaps[i].x1 < gaps[j].x1 { i += 1 } else { j += 1 }
+    }
+}
+
+impl Shape for TriMesh {
+    fn bounds(&self) -> (DVec3, DVec3) {
+        (self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3())
+    }
+
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let Some((lo, bits)) = self.surface(grid) else { return };
+        for c in bits.iter() {
+            let c = c + lo;
+            out(CellRun { x0: c.x, x1: c.x, y: c.y, z: c.z });
+        }
+    }
+
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        if !self.closed {
+            return;
+        }
+        let Some((lo, surface)) = self.surface(grid) else { return };
+        let dims = surface.dims();
+        let mut gaps: Vec<Gap> = Vec::new();
+        let mut odd: Vec<bool> = Vec::new();
+        let mut rows = Vec::with_capacity((dims.y * dims.z) as usize + 1);
+        let mut crossed = Vec::new();
+        let mut by_row: Vec<Vec<u32>> = vec![Vec::new(); (dims.y * dims.z) as usize];
+        for (i, t) in self.corners().enumerate() {
+            let (min, max) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
+            let (a, b) = grid.cover(min, max);
+            let (a, b) = ((a - lo).max(IVec3::ZERO), (b - lo).min(dims - 1));
+            for z in a.z..=b.z {
+                for y in a.y..=b.y {
+                    by_row[(z * dims.y + y) as usize].push(i as u32);
+                }
+            }
+        }
+        for z in 0..dims.z {
+            for y in 0..dims.y {
+                rows.push(gaps.len());
+                let (min, max) = grid.cell_bounds(lo + IVec3::new(0, y, z));
+                let middle = (min + max) * 0.5;
+                crossed.clear();
+                crossed.extend(by_row[(z * dims.y + y) as usize].iter().filter_map(|&i| {
+                    let t = self.triangles[i as usize].map(|v| self.positions[v as usize].as_dvec3());
+                    crossing(&t, 0, middle)
+                }));
+                let mut x = 0;
+                while x < dims.x {
+                    if surface.get(IVec3::new(x, y, z)) {
+                        x += 1;
+                        continue;
+                    }
+                    let x0 = x;
+                    while x < dims.x && !surface.get(IVec3::new(x, y, z)) {
+                        x += 1;
+                    }
+                    let start = grid.plane(0, lo.x + x0);
+                    odd.push(crossed.iter().filter(|&&c| c < start).count() % 2 == 1);
+                    let parent = gaps.len() as u32;
+                    gaps.push(Gap { x0, x1: x - 1, parent });
+                }
+                let (here, end) = (rows.len() - 1, gaps.len());
+                if y > 0 {
+                    join(&mut gaps, rows[here - 1]..rows[here], rows[here]..end);
+                }
+                if z > 0 {
+                    let below = here - dims.y as usize;
+                    join(&mut gaps, rows[below]..rows[below + 1], rows[here]..end);
+                }
+            }
+        }
+        rows.push(gaps.len());
+        let mut solid = odd;
+        for i in 0..gaps.len() {
+            let r = root(&mut gaps, i as u32) as usize;
+            solid[r] &= solid[i];
+        }
+        for (row, range) in rows.windows(2).enumerate() {
+            let (y, z) = (row as i32 % dims.y, row as i32 / dims.y);
+            for i in range[0]..range[1] {
+                if solid[root(&mut gaps, i as u32) as usize] {
+                    let (x0, x1) = (gaps[i].x0 + lo.x, gaps[i].x1 + lo.x);
+                    out(CellRun { x0, x1, y: y + lo.y, z: z + lo.z });
+                }
+            }
+        }
+    }
+
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+        if !self.closed || !Block::from(self.bounds).contains(&Block { min, max }) {
+            return false;
+        }
+        if self.corners().any(|t| triangle_meets_box(&t, (min, max), margin(&t))) {
+            return false;
+        }
+        let middle = (min + max) * 0.5;
+        let mut crossed = Vec::new();
+        (0..3).all(|axis| {
+            self.crossings(axis, middle, &mut crossed);
+            crossed.iter().filter(|&&c| c < middle[axis]).count() % 2 == 1
+        })
+    }
+
+    fn contains_point(&self, point: DVec3) -> bool {
+        if !self.closed || !Block::from(self.bounds).contains_point(point) {
+            return false;
+        }
+        let mut crossed = Vec::new();
+        (0..3).any(|axis| {
+            self.crossings(axis, point, &mut crossed);
+            crossed.iter().filter(|&&c| c < point[axis]).count() % 2 == 1
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use glam::UVec3;
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    /// A box as twelve triangles.
+    fn cuboid(min: Vec3, max: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let corner = |i: u32| {
+            let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { min[axis] } else { max[axis] };
+            Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+        };
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+        ((0..8).map(corner).collect(), triangles)
+    }
+
+    fn cells(shape: &dyn Shape, grid: &Grid, opaque: bool) -> BTreeSet<[i32; 3]> {
+        let mut set = BTreeSet::new();
+        let mut add = |run: CellRun| run.cells().for_each(|c| assert!(set.insert(c.to_array())));
+        if opaque {
+            shape.opaque(grid, &mut add)
+        } else {
+            shape.touched(grid, &mut add)
+        }
+        set
+    }
+
+    fn grid(cells: u32) -> Grid {
+        Grid::new(&GridSpec { min: Vec3::ZERO, cell: 10.0 / cells as f32, dims: UVec3::splat(cells) })
+            .unwrap()
+    }
+
+    #[test]
+    fn a_closed_box_has_the_cells_of_the_box() {
+        let (min, max) = (Vec3::new(1.3, 2.2, 3.1), Vec3::new(7.9, 8.0, 9.3));
+        let (p, t) = cuboid(min, max);
+        let mesh = TriMesh::new(p, t).unwrap();
+        assert!(mesh.is_closed());
+        let g = grid(20);
+        let (opaque, of_box) = (cells(&mesh, &g, true), cells(&Aabb::new(min, max), &g, true));
+        assert!(opaque.is_subset(&of_box) && opaque.len() * 10 > of_box.len() * 6, "{}", opaque.len());
+        for c in &of_box {
+            let (lo, hi) = g.cell_bounds(IVec3::from_array(*c));
+            assert_eq!(mesh.contains_box(lo, hi), opaque.contains(c), "{c:?}");
+        }
+        assert!(cells(&mesh, &g, false).is_disjoint(&opaque));
+        assert!(mesh.contains_point(DVec3::splat(5.0)) && !mesh.contains_point(DVec3::splat(1.0)));
+    }
+
+    #[test]
+    fn a_hollow_shell_is_not_solid() {
+        let (mut p, mut t) = cuboid(Vec3::splat(1.0), Vec3::splat(9.0));
+        let (q, u) = cuboid(Vec3::splat(3.0), Vec3::splat(7.0));
+        p.extend(q);
+        t.extend(u.iter().map(|c| c.map(|v| v + 8)));
+        let mesh = TriMesh::new(p, t).unwrap();
+        let opaque = cells(&mesh, &grid(40), true);
+        assert!(!opaque.is_empty() && !opaque.contains(&[20, 20, 20]));
+        assert!(opaque.contains(&[8, 20, 20]));
+    }
+
+    #[test]
+    fn an_open_box_touches_only() {
+        let (p, mut t) = cuboid(Vec3::splat(1.0), Vec3::splat(9.0));
+        t.pop();
+        let mesh = TriMesh::new(p, t).unwrap();
+        assert!(!mesh.is_closed());
+        assert!(cells(&mesh, &grid(20), true).is_empty());
+        assert!(!cells(&mesh, &grid(20), false).is_empty());
+        assert!(!mesh.contains_point(DVec3::splat(5.0)));
+    }
+
+    #[test]
+    fn refuses_broken_meshes() {
+        assert_eq!(TriMesh::new(vec![], vec![]).unwrap_err(), Error::EmptyMesh);
+        let one = vec![Vec3::ZERO; 3];
+        let missing = TriMesh::new(one.clone(), vec![[0, 1, 3]]).unwrap_err();
+        assert_eq!(missing, Error::MeshIndex { triangle: 0, vertex: 3, vertices: 3 });
+        assert!(TriMesh::new(vec![Vec3::NAN; 3], vec![[0, 1, 2]]).is_err());
+        let point = TriMesh::new(one, vec![[0, 1, 2]]).unwrap();
+        assert!(!point.is_closed());
+        assert_eq!(cells(&point, &grid(10), false).len(), 1);
+    }
+}

@@ -1,0 +1,231 @@
+//! How solids become cells (thesis, sections 3.3.1 and 3.4.1).
+//!
+//! *Touched* cells are a superset of the cells that hold a point of the shape:
+//! every point lies in at least one of them. *Opaque* cells are a subset of the
+//! cells wholly inside the solid. A new kind of shape joins by implementing [`Shape`].
+
+mod aabb;
+mod mesh;
+mod sphere;
+
+use std::sync::Arc;
+
+use glam::{DVec3, IVec3};
+
+pub use mesh::TriMesh;
+
+use crate::error::Error;
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::{Aabb, Sphere};
+
+/// A run of cells along x, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellRun {
+    /// First cell.
+    pub x0: i32,
+    /// Last cell.
+    pub x1: i32,
+    /// Row.
+    pub y: i32,
+    /// Slice.
+    pub z: i32,
+}
+
+impl CellRun {
+    /// The cells of the run.
+    pub fn cells(self) -> impl Iterator<Item = IVec3> {
+        (self.x0..=self.x1).map(move |x| IVec3::new(x, self.y, self.z))
+    }
+}
+
+/// A shape that can be written into the matrices of a grid.
+pub trait Shape {
+    /// Corners of a box that holds the shape, in world units.
+    fn bounds(&self) -> (DVec3, DVec3);
+
+    /// Calls `out` with runs of cells that cover the shape's part of the grid.
+    /// No cell comes twice.
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun));
+
+    /// Calls `out` with runs of cells wholly inside the solid. No cell comes twice.
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun));
+
+    /// Whether the box from `min` to `max` lies wholly inside the solid; in doubt, no.
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool;
+
+    /// Whether the point lies in the solid or on its surface; in doubt, yes.
+    fn contains_point(&self, point: DVec3) -> bool;
+}
+
+/// What is tested for visibility: it must hold the object's whole geometry.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Bounds {
+    /// A sphere.
+    Sphere(Sphere),
+    /// An axis-aligned box.
+    Box(Aabb),
+    /// The triangles themselves, in world space. Their bounding box is tested
+    /// against the frustum; only cells that triangles touch hold the object.
+    Mesh(Arc<TriMesh>),
+}
+
+/// The part of an object that hides others: it must lie inside the object's
+/// solid geometry.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Occluder {
+    /// A solid sphere.
+    Sphere(Sphere),
+    /// A solid axis-aligned box.
+    Box(Aabb),
+    /// The inside of a closed mesh in world space. An open mesh hides nothing.
+    Mesh(Arc<TriMesh>),
+}
+
+macro_rules! shapes {
+    ($name:ident, $what:literal) => {
+        impl $name {
+            fn shape(&self) -> &dyn Shape {
+                match self {
+                    Self::Sphere(s) => s,
+                    Self::Box(b) => b,
+                    Self::Mesh(m) => &**m,
+                }
+            }
+
+            pub(crate) fn check(&self) -> Result<(), Error> {
+                match self {
+                    Self::Sphere(s) => s.check($what),
+                    Self::Box(b) => b.check($what),
+                    Self::Mesh(_) => Ok(()),
+                }
+            }
+
+            /// Whether both are the same shape at the same place.
+            pub(crate) fn same(&self, other: &Self) -> bool {
+                match (self, other) {
+                    (Self::Sphere(a), Self::Sphere(b)) => a == b,
+                    (Self::Box(a), Self::Box(b)) => a == b,
+                    (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
+                    _ => false,
+                }
+            }
+
+            /// A box that holds the shape.
+            pub(crate) fn block(&self) -> Block {
+                Block::new(self.shape().bounds())
+            }
+        }
+
+        impl Shape for $name {
+            fn bounds(&self) -> (DVec3, DVec3) {
+                self.shape().bounds()
+            }
+
+            fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+                self.shape().touched(grid, out)
+            }
+
+            fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+                self.shape().opaque(grid, out)
+            }
+
+            fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+                self.shape().contains_box(min, max)
+            }
+
+            fn contains_point(&self, point: DVec3) -> bool {
+                self.shape().contains_point(point)
+            }
+        }
+
+        impl From<Sphere> for $name {
+            fn from(s: Sphere) -> Self {
+                Self::Sphere(s)
+            }
+        }
+
+        impl From<Aabb> for $name {
+            fn from(b: Aabb) -> Self {
+                Self::Box(b)
+            }
+        }
+
+        impl From<Arc<TriMesh>> for $name {
+            fn from(m: Arc<TriMesh>) -> Self {
+                Self::Mesh(m)
+            }
+        }
+    };
+}
+
+shapes!(Bounds, "the bounds");
+shapes!(Occluder, "the occluder");
+
+/// Whether the union of solids wholly contains a block; in doubt, no.
+///
+/// Boxes are cut off exactly, so walls of abutting boxes are solid across their
+/// seams; what remains must lie inside one of the other solids.
+pub(crate) fn union_contains(block: &Block, solids: &[&Occluder]) -> bool {
+    fn covered(block: &Block, solids: &[&Occluder], budget: &mut u32) -> bool {
+        if solids.iter().any(|s| s.contains_box(block.min, block.max)) {
+            return true;
+        }
+        if *budget == 0 {
+            return false;
+        }
+        *budget -= 1;
+        let cutter = solids.iter().find_map(|s| match s {
+            Occluder::Box(b) => Some(Block::from(*b)).filter(|b| b.overlaps(block)),
+            _ => None,
+        });
+        let Some(cut) = cutter else { return false };
+        // Slabs of the block outside the box, axis by axis; what is left lies inside it.
+        let mut rest = *block;
+        for axis in 0..3 {
+            if rest.min[axis] < cut.min[axis] {
+                let mut slab = rest;
+                slab.max[axis] = cut.min[axis];
+                rest.min[axis] = cut.min[axis];
+                if !covered(&slab, solids, budget) {
+                    return false;
+                }
+            }
+            if rest.max[axis] > cut.max[axis] {
+                let mut slab = rest;
+                slab.min[axis] = cut.max[axis];
+                rest.max[axis] = cut.max[axis];
+                if !covered(&slab, solids, budget) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+    covered(block, solids, &mut 64)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn abutting_boxes_are_solid_across_their_seam() {
+        let a = Occluder::from(Aabb::new(Vec3::ZERO, Vec3::new(0.37, 2.0, 2.0)));
+        let b = Occluder::from(Aabb::new(Vec3::new(0.37, 0.0, 0.0), Vec3::splat(2.0)));
+        let gap = Occluder::from(Aabb::new(Vec3::new(0.3701, 0.0, 0.0), Vec3::splat(2.0)));
+        let block = Block { min: DVec3::splat(0.1), max: DVec3::splat(1.0) };
+        assert!(!union_contains(&block, &[&a]));
+        assert!(union_contains(&block, &[&a, &b]));
+        assert!(!union_contains(&block, &[&a, &gap]));
+        let ball = Occluder::from(Sphere::new(Vec3::splat(0.5), 0.9));
+        assert!(union_contains(&block, &[&a, &gap, &ball]));
+        let thin = Block { min: DVec3::splat(0.1), max: DVec3::new(1.9, 0.2, 0.2) };
+        let low = Occluder::from(Sphere::new(Vec3::new(1.2, 0.1, 0.1), 0.9));
+        assert!(union_contains(&thin, &[&a, &low]));
+    }
+}

@@ -1,0 +1,131 @@
+//! Spheres, row by row.
+//!
+//! Margin: the products and the root below err by a few units in the last place
+//! of the largest coordinate. The radius is widened or narrowed by 16 of them,
+//! which covers all roundings with room to spare.
+
+use glam::{DVec3, IVec3};
+
+use super::{CellRun, Shape};
+use crate::Sphere;
+use crate::grid::Grid;
+
+impl Sphere {
+    fn parts(&self) -> (DVec3, f64, f64) {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        (c, r, 16.0 * f64::EPSILON * (c.abs().max_element() + r))
+    }
+}
+
+/// Nearest and farthest distance from `c` to the interval from `lo` to `hi`.
+fn distances(c: f64, lo: f64, hi: f64) -> (f64, f64) {
+    ((lo - c).max(c - hi).max(0.0), (c - lo).abs().max((hi - c).abs()))
+}
+
+impl Shape for Sphere {
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let (c, r, margin) = self.parts();
+        (c - (r + margin), c + (r + margin))
+    }
+
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let (c, r, margin) = self.parts();
+        let r = r + margin;
+        let (lo, hi) = grid.cover(c - r, c + r);
+        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+        for z in lo.z..=hi.z {
+            let (dz, _) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
+            for y in lo.y..=hi.y {
+                let (dy, _) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
+                let rest = r * r - dz * dz - dy * dy;
+                if rest < 0.0 {
+                    continue;
+                }
+                let dx = rest.sqrt() + margin;
+                let row = |x| DVec3::new(x, c.y, c.z);
+                let (a, b) = grid.cover(row(c.x - dx), row(c.x + dx));
+                let (x0, x1) = (a.x.max(lo.x), b.x.min(hi.x));
+                if x0 <= x1 {
+                    out(CellRun { x0, x1, y, z });
+                }
+            }
+        }
+    }
+
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let (c, r, margin) = self.parts();
+        let r = r - margin;
+        if r <= 0.0 {
+            return;
+        }
+        let Some((lo, hi)) = grid.inside(c - r, c + r) else { return };
+        for z in lo.z..=hi.z {
+            let (_, dz) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
+            for y in lo.y..=hi.y {
+                let (_, dy) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
+                let rest = r * r - dz * dz - dy * dy;
+                if rest <= 0.0 {
+                    continue;
+                }
+                let dx = rest.sqrt() - margin;
+                let (cell_min, cell_max) = grid.cell_bounds(IVec3::new(lo.x, y, z));
+                let inside = grid.inside(
+                    DVec3::new(c.x - dx, cell_min.y, cell_min.z),
+                    DVec3::new(c.x + dx, cell_max.y, cell_max.z),
+                );
+                if let Some((a, b)) = inside {
+                    out(CellRun { x0: a.x, x1: b.x, y, z });
+                }
+            }
+        }
+    }
+
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+        let (c, r, margin) = self.parts();
+        let farthest = (c - min).abs().max((max - c).abs());
+        let r = r - margin;
+        r > 0.0 && farthest.length_squared() <= r * r
+    }
+
+    fn contains_point(&self, point: DVec3) -> bool {
+        let (c, r, margin) = self.parts();
+        point.distance_squared(c) <= (r + margin) * (r + margin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    #[test]
+    fn rows_agree_with_cell_by_cell_tests() {
+        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) }).unwrap();
+        let spheres = [
+            Sphere::new(Vec3::splat(5.0), 3.3),
+            Sphere::new(Vec3::new(0.1, 9.9, 4.2), 2.0),
+            Sphere::new(Vec3::splat(5.1), 0.01),
+            Sphere::new(Vec3::splat(5.25), 100.0),
+            Sphere::new(Vec3::splat(50.0), 1.0),
+        ];
+        for s in spheres {
+            let (mut touched, mut opaque) = (BTreeSet::new(), BTreeSet::new());
+            s.touched(&grid, &mut |run| run.cells().for_each(|c| assert!(touched.insert(c.to_array()))));
+            s.opaque(&grid, &mut |run| run.cells().for_each(|c| assert!(opaque.insert(c.to_array()))));
+            let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
+            for i in 0..8000 {
+                let cell = IVec3::new(i % 20, i / 20 % 20, i / 400);
+                let (min, max) = grid.cell_bounds(cell);
+                let near = (c.clamp(min, max) - c).length();
+                let far = (c - min).abs().max((max - c).abs()).length();
+                assert_eq!(near < r, touched.contains(&cell.to_array()), "{s:?} {cell}");
+                assert_eq!(far < r, opaque.contains(&cell.to_array()), "{s:?} {cell}");
+                assert_eq!(far < r, s.contains_box(min, max));
+            }
+        }
+    }
+}

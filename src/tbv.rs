@@ -1,0 +1,293 @@
+//! Temporal bounding volumes: boxes of cells that hold hidden dynamic objects
+//! for a while (Sudarsky & Gotsman 1996; thesis, sections 3.3.2 and 3.4.1).
+//!
+//! A volume is the object's bounds widened by the way it can go while the
+//! volume is valid. Validity adapts: twice as long after the object left or
+//! outlived its volume unseen, half as long after the volume was revealed.
+//! Limits on the widening: the radius of the thesis, and the rule that a hollow
+//! volume must not contain a viewer.
+
+use std::collections::HashMap;
+
+use glam::IVec3;
+
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::matrix::{CellBox, TbvMatrix};
+
+/// Validity of the first volume of an object, in seconds.
+pub(crate) const FIRST_VALIDITY: f64 = 0.5;
+/// Bounds of what adaptation can make of it.
+pub(crate) const VALIDITY_RANGE: (f64, f64) = (1.0 / 64.0, 64.0);
+
+/// One object's volume.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tbv {
+    pub(crate) cells: CellBox,
+    /// Its cells as a box in world units.
+    pub(crate) block: Block,
+    /// How far the object can move and stay inside.
+    pub(crate) slack: f64,
+}
+
+/// Lays the volume of an object with the given bounds, or none: the object
+/// leaves the grid, is too large or too close to a viewer.
+///
+/// `keep_inside` forbids to cut the volume off at the border of the grid.
+pub(crate) fn lay(
+    grid: &Grid,
+    bounds: &Block,
+    way: f64,
+    viewers: &[IVec3],
+    keep_inside: bool,
+) -> Option<Tbv> {
+    let (lo, hi) = grid.cover(bounds.min, bounds.max);
+    if !(grid.contains(lo) && grid.contains(hi)) {
+        return None;
+    }
+    let cell = grid.cell_size();
+    let dims = grid.dims().as_dvec3();
+    let limit = (dims.x / 5.0).hypot(dims.y / 5.0) * cell;
+    let half = (bounds.max - bounds.min).max_element() * 0.5;
+    let mut slack = way.min(limit.max(cell) - half);
+    if slack.is_nan() || slack < 0.0 {
+        return None;
+    }
+    for &viewer in viewers {
+        let gap = (lo - viewer).max(viewer - hi).max_element();
+        if gap <= 0 {
+            return None;
+        }
+        slack = slack.min(f64::from(gap - 1) * cell);
+    }
+    if keep_inside {
+        let room = (bounds.min - grid.min()).min(grid.max() - bounds.max).min_element();
+        slack = slack.min(room);
+        if slack < 0.0 {
+            return None;
+        }
+    }
+    let (a, b) = grid.cover(bounds.min - slack, bounds.max + slack);
+    let (lo, hi) = grid.clip(a, b)?;
+    let cells = CellBox { lo, hi };
+    if viewers.iter().any(|&v| cells.contains(v)) {
+        return None;
+    }
+    Some(Tbv { cells, block: Block::new(grid.range_bounds(lo, hi)), slack })
+}
+
+/// Finds the volumes that hold a cell, to keep the rule that a hollow volume
+/// must not contain the viewer: a volume of up to 2^level cells is filed by its
+/// centre in a hash grid of that pitch, so that 8 places a level are looked up.
+#[derive(Clone, Default)]
+pub(crate) struct Containing {
+    levels: Vec<HashMap<[i32; 3], Vec<u32>>>,
+}
+
+fn level_and_key(volume: &CellBox) -> (usize, [i32; 3]) {
+    let size = (volume.hi - volume.lo).max_element() as u32 + 1;
+    let level = size.next_power_of_two().trailing_zeros() as usize;
+    (level, (((volume.lo + volume.hi) >> 1i32) >> level as i32).to_array())
+}
+
+impl Containing {
+    fn insert(&mut self, volume: &CellBox, slot: u32) {
+        let (level, key) = level_and_key(volume);
+        if self.levels.len() <= level {
+            self.levels.resize_with(level + 1, HashMap::new);
+        }
+        self.levels[level].entry(key).or_default().push(slot);
+    }
+
+    fn remove(&mut self, volume: &CellBox, slot: u32) {
+        let (level, key) = level_and_key(volume);
+        let Some(map) = self.levels.get_mut(level) else { return };
+        let Some(list) = map.get_mut(&key) else { return };
+        if let Some(i) = list.iter().position(|&s| s == slot) {
+            list.swap_remove(i);
+        }
+        if list.is_empty() {
+            map.remove(&key);
+        }
+    }
+
+    /// Calls `found` for a superset of the volumes that hold a cell.
+    fn find(&self, cell: IVec3, mut found: impl FnMut(u32)) {
+        for (level, map) in self.levels.iter().enumerate() {
+            if map.is_empty() {
+                continue;
+            }
+            // A volume reaches at most 2^(level-1) cells from its centre, rounded up.
+            let reach = (1 << level >> 1i32) + 1;
+            let (a, b) = ((cell - reach) >> level as i32, (cell + reach) >> level as i32);
+            for z in a.z..=b.z {
+                for y in a.y..=b.y {
+                    for x in a.x..=b.x {
+                        if let Some(list) = map.get(&[x, y, z]) {
+                            list.iter().for_each(|&s| found(s));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let entry = size_of::<([i32; 3], Vec<u32>)>() + 1;
+        self.levels
+            .iter()
+            .map(|m| m.capacity() * entry + m.values().map(|l| l.capacity() * 4).sum::<usize>())
+            .sum()
+    }
+}
+
+/// All volumes of a scene.
+#[derive(Clone)]
+pub(crate) struct Volumes {
+    pub(crate) matrix: TbvMatrix,
+    /// By slot; only read for slots in the matrix.
+    cells: Vec<CellBox>,
+    containing: Containing,
+}
+
+impl Volumes {
+    pub(crate) fn new(grid: &Grid) -> Self {
+        Self { matrix: TbvMatrix::new(grid.dims()), cells: Vec::new(), containing: Containing::default() }
+    }
+
+    pub(crate) fn insert(&mut self, slot: u32, volume: &CellBox) {
+        if self.cells.len() <= slot as usize {
+            self.cells.resize(slot as usize + 1, CellBox::default());
+        }
+        self.cells[slot as usize] = *volume;
+        self.matrix.insert(volume, slot);
+        self.containing.insert(volume, slot);
+    }
+
+    pub(crate) fn remove(&mut self, slot: u32) {
+        let volume = self.cells[slot as usize];
+        self.matrix.remove(&volume, slot);
+        self.containing.remove(&volume, slot);
+    }
+
+    #[inline]
+    pub(crate) fn cells(&self, slot: u32) -> &CellBox {
+        &self.cells[slot as usize]
+    }
+
+    /// The volumes that hold a cell, on their surface or inside.
+    pub(crate) fn holding(&self, cell: IVec3, mut found: impl FnMut(u32)) {
+        self.containing.find(cell, |slot| {
+            if self.cells[slot as usize].contains(cell) {
+                found(slot);
+            }
+        });
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.matrix.bytes() + self.cells.capacity() * size_of::<CellBox>() + self.containing.bytes()
+    }
+}
+
+/// An object whose volume expires, ordered by time and then by slot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Expiry {
+    pub(crate) at: f64,
+    pub(crate) slot: u32,
+    pub(crate) generation: u32,
+}
+
+impl Eq for Expiry {}
+
+impl PartialOrd for Expiry {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Expiry {
+    /// Earliest is greatest: for a heap that gives the earliest first.
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        other
+            .at
+            .total_cmp(&self.at)
+            .then(other.slot.cmp(&self.slot))
+            .then(other.generation.cmp(&self.generation))
+    }
+}
+
+/// How far an object may go in `validity` seconds.
+pub(crate) fn way(speed: f64, validity: f64) -> f64 {
+    let way = speed * validity;
+    if way.is_finite() { way } else { f64::MAX }
+}
+
+/// Grows a box by a distance on all sides.
+#[cfg(test)]
+fn grown(block: &Block, by: f64) -> Block {
+    Block { min: block.min - by, max: block.max + by }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, UVec3, Vec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    fn grid() -> Grid {
+        Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(100, 60, 100) }).unwrap()
+    }
+
+    fn bounds(center: [f64; 3], half: f64) -> Block {
+        let c = DVec3::from_array(center);
+        Block { min: c - half, max: c + half }
+    }
+
+    #[test]
+    fn a_volume_holds_the_way_and_no_viewer() {
+        let g = grid();
+        let b = bounds([50.5, 30.5, 50.5], 1.0);
+        let v = lay(&g, &b, 4.0, &[], false).unwrap();
+        assert!(v.block.contains(&grown(&b, 4.0)));
+        let viewer = IVec3::new(55, 30, 50);
+        let near = lay(&g, &b, 4.0, &[viewer], false).unwrap();
+        assert!(!near.cells.contains(viewer) && near.block.contains(&grown(&b, near.slack)));
+        assert!(lay(&g, &b, 4.0, &[IVec3::new(50, 30, 50)], false).is_none());
+        let far = lay(&g, &b, 1e9, &[], false).unwrap();
+        assert!(far.slack < 24.0 && (far.cells.hi - far.cells.lo).max_element() < 50);
+        assert!(lay(&g, &bounds([50.0; 3], 30.0), 1.0, &[], false).is_none());
+        assert!(lay(&g, &bounds([0.5, 30.0, 30.0], 1.0), 1.0, &[], false).is_none());
+        let edge = lay(&g, &bounds([3.5, 30.0, 30.0], 1.0), 9.0, &[], true).unwrap();
+        assert!(edge.slack <= 2.5 && edge.slack > 2.0);
+    }
+
+    #[test]
+    fn finds_every_volume_around_a_cell() {
+        let mut volumes = Volumes::new(&grid());
+        let mut boxes = Vec::new();
+        let mut state = 9u32;
+        let mut next = |n: i32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as i32 % n
+        };
+        for slot in 0..400 {
+            let lo = IVec3::new(next(90), next(50), next(90));
+            let hi = (lo + IVec3::new(next(30), next(9), next(20))).min(IVec3::new(99, 59, 99));
+            boxes.push(CellBox { lo, hi });
+            volumes.insert(slot, &boxes[slot as usize]);
+        }
+        for slot in (0..400).step_by(3) {
+            volumes.remove(slot);
+        }
+        for _ in 0..500 {
+            let c = IVec3::new(next(100), next(60), next(100));
+            let mut found = Vec::new();
+            volumes.holding(c, |s| found.push(s));
+            found.sort_unstable();
+            let expect: Vec<u32> =
+                (0..400).filter(|s| s % 3 != 0 && boxes[*s as usize].contains(c)).collect();
+            assert_eq!(found, expect, "{c}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The frustum as the walk sees it: half-spaces in cells around the viewer's
+//! cell, asked for one row of cells at a time (thesis, section 3.4.2).
+
+use glam::{DVec3, IVec3};
+use smallvec::SmallVec;
+
+use crate::grid::Grid;
+use crate::mask::Side;
+use crate::view::{HalfSpace, Origin, View};
+
+/// Half-spaces are widened by this many cells: far more than the rounding of
+/// coordinates up to 2^21 cells, far less than a cell.
+const MARGIN: f64 = 1e-6;
+
+#[derive(Debug, Clone, Copy)]
+struct CellPlane {
+    normal: [f64; 3],
+    /// Value at the centre of the viewer's cell, widened by half a cell.
+    offset: f64,
+}
+
+/// The cells that may meet the frustum, relative to the viewer's cell V.
+///
+/// Every half-space is widened until it holds the eye. The region is then convex
+/// and holds the eye, so segments from the eye to anything in it stay in it.
+#[derive(Debug, Clone)]
+pub(crate) struct CellFrustum {
+    planes: SmallVec<[CellPlane; 6]>,
+}
+
+impl CellFrustum {
+    pub(crate) fn new(grid: &Grid, view: &View, cell: IVec3) -> Self {
+        Self::around(grid, view, cell, true)
+    }
+
+    /// The frustum as it is, for a walk that starts elsewhere.
+    pub(crate) fn without_eye(grid: &Grid, view: &View, cell: IVec3) -> Self {
+        Self::around(grid, view, cell, false)
+    }
+
+    fn around(grid: &Grid, view: &View, cell: IVec3, hold_eye: bool) -> Self {
+        let (lo, hi) = grid.cell_bounds(cell);
+        let center = (lo + hi) * 0.5;
+        let widened = |plane: &HalfSpace| {
+            let mut offset = plane.offset;
+            if let (Origin::Eye { at, error }, true) = (view.origin, hold_eye) {
+                let reach = plane.normal.abs().element_sum() * error;
+                offset += (reach - plane.distance(at)).max(0.0);
+            }
+            let half = plane.normal.abs().element_sum() * 0.5;
+            let offset = (plane.normal.dot(center) + offset) / grid.cell_size() + half + MARGIN;
+            CellPlane { normal: plane.normal.to_array(), offset }
+        };
+        Self { planes: view.planes.iter().map(widened).collect() }
+    }
+
+    /// Whether some cells of a block may meet the frustum.
+    pub(crate) fn meets(&self, lo: IVec3, hi: IVec3) -> bool {
+        let (lo, hi) = (lo.as_dvec3(), hi.as_dvec3());
+        self.planes.iter().all(|p| {
+            let n = DVec3::from_array(p.normal);
+            n.dot(DVec3::select(n.cmpge(DVec3::ZERO), hi, lo)) + p.offset >= 0.0
+        })
+    }
+
+    /// The columns between `lo` and `hi` of one row of a side that may meet the frustum.
+    #[inline]
+    pub(crate) fn row(&self, side: &Side, depth: i32, row: i32, (lo, hi): (i32, i32)) -> Option<(i32, i32)> {
+        let (mut a, mut b) = (f64::from(lo), f64::from(hi));
+        for p in &self.planes {
+            let rest = p.offset
+                + p.normal[side.axes.normal] * f64::from(depth)
+                + p.normal[side.axes.row] * f64::from(row);
+            let slope = p.normal[side.axes.col];
+            // rest + slope * col >= 0; a slope too small to divide by is decided at the ends.
+            if slope > 1e-9 {
+                a = a.max(-rest / slope);
+            } else if slope < -1e-9 {
+                b = b.min(rest / -slope);
+            } else if rest + (slope * a).max(slope * b) < 0.0 {
+                return None;
+            }
+        }
+        let (a, b) = (a.ceil() as i32, b.floor() as i32);
+        (a <= b).then_some((a, b))
+    }
+}
+
+/// Chessboard distance from a cell to the nearest and farthest cell of the grid.
+pub(crate) fn shell_range(grid: &Grid, cell: IVec3) -> (i32, i32) {
+    let last = grid.dims() - 1;
+    let nearest = (-cell).max(cell - last).max(IVec3::ZERO).max_element();
+    let farthest = cell.abs().max((last - cell).abs()).max_element();
+    (nearest, farthest)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::camera::rh::{proj::directx, view::look_to_mat4};
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    #[test]
+    fn rows_hold_every_cell_that_the_frustum_meets() {
+        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(24) }).unwrap();
+        let eye = Vec3::new(5.1, 6.2, 3.3);
+        let matrix =
+            directx::perspective(0.9, 1.4, 0.1, 6.0) * look_to_mat4(eye, Vec3::new(0.5, 0.1, 0.8), Vec3::Y);
+        let view = View::perspective(eye, matrix).unwrap();
+        let v = grid.cell_of(eye.as_dvec3());
+        let frustum = CellFrustum::new(&grid, &view, v);
+        let (mut inside, mut outside) = (0, 0);
+        for m in 1..24 {
+            for side in &Side::ALL {
+                for row in -m..=m {
+                    let found = frustum.row(side, m * side.sign, row, (-m, m));
+                    for col in -m..=m {
+                        let mut c = IVec3::ZERO;
+                        c[side.axes.normal] = m * side.sign;
+                        c[side.axes.row] = row;
+                        c[side.axes.col] = col;
+                        let (lo, hi) = grid.cell_bounds(c + v);
+                        let meets = (0..64).any(|i| {
+                            let t =
+                                DVec3::new(f64::from(i & 3), f64::from(i >> 2 & 3), f64::from(i >> 4)) / 3.0;
+                            let p = lo + t * (hi - lo);
+                            view.planes.iter().all(|h| h.distance(p) >= 0.0)
+                        });
+                        let listed = found.is_some_and(|(a, b)| a <= col && col <= b);
+                        assert!(listed || !meets, "{c}");
+                        inside += i32::from(meets);
+                        outside += i32::from(listed && !meets);
+                    }
+                }
+            }
+        }
+        assert!(inside > 500 && outside < inside, "{inside} {outside}");
+    }
+}
