@@ -40,8 +40,9 @@ pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
     WhenMoved,
-    /// Only while the last PVS holds it, and when [`crate::Scene::begin_frame`]
-    /// lists it. Needs a greatest speed, which must be kept while it goes unreported.
+    /// In every frame in which the last PVS holds it, and when
+    /// [`crate::Scene::begin_frame`] lists it. Needs a greatest speed, which must be
+    /// kept while it goes unreported. Counts as visible when its volume is revealed.
     OnExpiry,
 }
 

@@ -371,7 +371,14 @@ impl<'a> Walk<'a> {
         *mark = self.scratch.epoch * 2;
         self.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.scene.id(slot));
-        let bounds = &self.scene.object(slot).bounds;
+        let object = self.scene.object(slot);
+        if object.on_expiry() {
+            // Its bounds are old: it may be anywhere in the volume.
+            self.scratch.marks[slot as usize] += 1;
+            self.pvs.push(self.scene.id(slot));
+            return;
+        }
+        let bounds = &object.bounds;
         if !self.view.may_see(bounds) {
             return;
         }
@@ -394,8 +401,10 @@ impl<'a> Walk<'a> {
         let Some(list) = self.scratch.pending.get_mut(m as usize) else { return };
         let mut list = std::mem::take(list);
         for (c, slot) in list.drain(..) {
+            let relative = c - self.cell;
             if self.scratch.marks[slot as usize] == self.scratch.epoch * 2
-                && !self.is_hidden(c - self.cell, m, scale)
+                && self.frustum.meets(relative, relative)
+                && !self.is_hidden(relative, m, scale)
             {
                 self.decide(slot);
             }

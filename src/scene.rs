@@ -58,7 +58,7 @@ impl Object {
         self.motion == Motion::Static
     }
 
-    fn on_expiry(&self) -> bool {
+    pub(crate) fn on_expiry(&self) -> bool {
         matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
     }
 }
@@ -455,6 +455,11 @@ impl Scene {
                 State::Hidden { .. } => self.volumes.remove(next.slot),
                 // Listed, but not seen in the last frame: nobody reports it either.
                 State::Listed if next.at == f64::NEG_INFINITY => self.unlist(next.slot),
+                // Revealed in the last frame: its bounds are old.
+                State::Unlocated if next.at == f64::NEG_INFINITY => {
+                    due.push(self.id(next.slot));
+                    continue;
+                }
                 _ => continue,
             }
             self.object_mut(next.slot).state = State::Unlocated;
@@ -501,7 +506,13 @@ impl Scene {
             self.volumes.remove(id.slot);
             let object = self.object_mut(id.slot);
             object.validity = (object.validity * 0.5).max(VALIDITY_RANGE.0);
-            if is_seen(id.slot) {
+            if object.on_expiry() {
+                let generation = id.generation;
+                object.state = State::Unlocated;
+                self.remember_always(id.slot);
+                self.revision += 1;
+                self.expiries.push(Expiry { at: f64::NEG_INFINITY, slot: id.slot, generation });
+            } else if is_seen(id.slot) {
                 object.state = State::Listed;
                 self.list(id.slot);
             } else {
