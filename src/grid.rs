@@ -40,8 +40,7 @@ impl GridSpec {
             return Err(Error::CellSize(cell));
         }
         let extent = region.max.as_dvec3() - region.min.as_dvec3();
-        // The corner is snapped down by less than a cell: one more cell covers it.
-        let dims = (extent / f64::from(cell)).floor() + 1.0;
+        let dims = (extent / f64::from(cell)).ceil().max(DVec3::ONE);
         if dims.max_element() > f64::from(MAX_CELLS_PER_AXIS) {
             let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
             return Err(Error::GridDims { dims, max: MAX_CELLS_PER_AXIS });
@@ -49,6 +48,7 @@ impl GridSpec {
         let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
         let spec = Self { min: region.min, cell, dims };
         let grid = Grid::new(&spec)?;
+        // The corner is snapped down by less than a cell: one more may be needed.
         let short = region.max.as_dvec3().cmpgt(grid.max());
         let dims = dims + UVec3::new(short.x.into(), short.y.into(), short.z.into());
         let spec = Self { dims, ..spec };

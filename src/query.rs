@@ -93,6 +93,8 @@ struct Scratch {
     /// one more if the object itself was decided.
     marks: Vec<u32>,
     epoch: u32,
+    /// Tiles of bricks with objects (true) or surfaces of volumes (false) in sight.
+    hits: Vec<(IVec3, u64, bool)>,
     /// Cells of revealed objects by shell.
     pending: Vec<Vec<(IVec3, u32)>>,
 }
@@ -122,6 +124,7 @@ impl Query {
                 band: Vec::new(),
                 marks: Vec::new(),
                 epoch: 0,
+                hits: Vec::new(),
                 pending: Vec::new(),
             },
             visited: None,
@@ -464,7 +467,8 @@ impl<'a> Walk<'a> {
         let band = &mut self.scratch.band;
         band.clear();
         band.resize(words * 8, 0);
-        let mut hits: Vec<(IVec3, u64, bool)> = Vec::new();
+        let on_side = self.frustum.on_side(&side, depth);
+        let mut hits = std::mem::take(&mut self.scratch.hits);
         let (mut total, mut in_sight) = (0u64, 0u64);
         let mut top = (v[axes.row] + r0) & !7;
         while top <= v[axes.row] + r1 {
@@ -472,7 +476,7 @@ impl<'a> Walk<'a> {
             let (mut left, mut right) = (i32::MAX, i32::MIN);
             if self.frustum.meets(corner(first, c0), corner(last, c1)) {
                 for row in first..=last {
-                    let Some((lo, hi)) = self.frustum.row(&side, depth, row, (c0, c1)) else { continue };
+                    let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
                     let i = (v[axes.row] + row - top) as usize;
                     let line = &mut band[i * words..(i + 1) * words];
                     set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
@@ -544,43 +548,35 @@ impl<'a> Walk<'a> {
             }
             top += 8;
         }
-        for (brick, tile, objects) in hits {
+        for (brick, tile, objects) in hits.drain(..) {
             if objects {
                 self.meet_objects(&side, brick, at, tile, m, scale);
             } else {
                 self.meet_volumes(&side, brick, at, tile, m);
             }
         }
+        self.scratch.hits = hits;
         (total, in_sight)
     }
 
-    fn meet_objects(
-        &mut self,
-        side: &Side,
-        brick: IVec3,
-        at: i32,
-        mut tile: u64,
-        m: i32,
-        scale: &ShellScale,
-    ) {
+    fn meet_objects(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32, scale: &ShellScale) {
         let axes = side.axes;
-        while tile != 0 {
-            let bit = tile.trailing_zeros() as i32;
-            tile &= tile - 1;
-            let mut c = brick << 3i32;
-            c[axes.normal] = at;
+        let mut corner = (brick << 3i32) - self.cell;
+        corner[axes.normal] = at - self.cell[axes.normal];
+        let decided = self.scratch.epoch * 2 + 1;
+        let scene = self.scene;
+        scene.ids.for_tile(brick, &axes, at, tile, |bit, objects| {
+            if objects.iter().all(|&slot| self.scratch.marks[slot as usize] == decided) {
+                return;
+            }
+            let mut c = corner;
             c[axes.row] += bit >> 3;
             c[axes.col] += bit & 7;
-            let relative = c - self.cell;
-            let on_edge = relative[axes.row].abs() == m || relative[axes.col].abs() == m;
-            if on_edge && self.is_hidden(relative, m, scale) {
-                continue;
+            let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
+            if !(on_edge && self.is_hidden(c, m, scale)) {
+                objects.iter().for_each(|&slot| self.decide(slot));
             }
-            let scene = self.scene;
-            for &slot in scene.ids.get(c) {
-                self.decide(slot);
-            }
-        }
+        });
     }
 
     fn meet_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {

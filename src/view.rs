@@ -173,19 +173,21 @@ impl View {
 
     /// Whether the box or sphere may meet every half-space of the view.
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
-        self.planes.iter().all(|plane| match bounds {
+        match bounds {
             Bounds::Sphere(s) => {
-                let c = s.center.as_dvec3();
-                let r = f64::from(s.radius);
-                plane.distance(c) >= -(r + plane.margin(c.abs().max_element() + r))
+                let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
+                let reach = c.abs().max_element() + r;
+                self.planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
             }
             other => {
                 let (min, max) = other.bounds();
-                let n = plane.normal;
-                let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
-                plane.distance(farthest) >= -plane.margin(farthest.abs().max_element())
+                let reach = min.abs().max(max.abs()).max_element();
+                self.planes.iter().all(|p| {
+                    let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), max, min);
+                    p.distance(farthest) >= -p.margin(reach)
+                })
             }
-        })
+        }
     }
 
     /// Whether all that `other` sees inside the box from `min` to `max` lies in

@@ -63,27 +63,71 @@ impl CellFrustum {
         })
     }
 
-    /// The columns between `lo` and `hi` of one row of a side that may meet the frustum.
+    /// The half-spaces on one side of a shell, ready to be asked row by row.
+    pub(crate) fn on_side(&self, side: &Side, depth: i32) -> SideFrustum {
+        let line = |p: &CellPlane| {
+            let slope = p.normal[side.axes.col];
+            RowPlane {
+                at_zero: p.offset + p.normal[side.axes.normal] * f64::from(depth),
+                by_row: p.normal[side.axes.row],
+                slope,
+                // A slope too small to divide by is decided at the ends of the row.
+                inverse: if slope.abs() > 1e-9 { 1.0 / slope } else { 0.0 },
+            }
+        };
+        SideFrustum { planes: self.planes.iter().map(line).collect() }
+    }
+}
+
+/// One half-space on a side: `at_zero + by_row * row + slope * col >= 0`.
+#[derive(Debug, Clone, Copy)]
+struct RowPlane {
+    at_zero: f64,
+    by_row: f64,
+    slope: f64,
+    inverse: f64,
+}
+
+/// The half-spaces of the frustum on one side of one shell.
+#[derive(Debug, Clone)]
+pub(crate) struct SideFrustum {
+    planes: SmallVec<[RowPlane; 6]>,
+}
+
+impl SideFrustum {
+    /// The columns between `lo` and `hi` of a row that may meet the frustum.
     #[inline]
-    pub(crate) fn row(&self, side: &Side, depth: i32, row: i32, (lo, hi): (i32, i32)) -> Option<(i32, i32)> {
+    pub(crate) fn row(&self, row: i32, (lo, hi): (i32, i32)) -> Option<(i32, i32)> {
         let (mut a, mut b) = (f64::from(lo), f64::from(hi));
         for p in &self.planes {
-            let rest = p.offset
-                + p.normal[side.axes.normal] * f64::from(depth)
-                + p.normal[side.axes.row] * f64::from(row);
-            let slope = p.normal[side.axes.col];
-            // rest + slope * col >= 0; a slope too small to divide by is decided at the ends.
-            if slope > 1e-9 {
-                a = a.max(-rest / slope);
-            } else if slope < -1e-9 {
-                b = b.min(rest / -slope);
-            } else if rest + (slope * a).max(slope * b) < 0.0 {
+            let rest = p.at_zero + p.by_row * f64::from(row);
+            let end = -rest * p.inverse;
+            if p.inverse > 0.0 {
+                a = a.max(end);
+            } else if p.inverse < 0.0 {
+                b = b.min(end);
+            } else if rest + (p.slope * a).max(p.slope * b) < 0.0 {
                 return None;
             }
         }
-        let (a, b) = (a.ceil() as i32, b.floor() as i32);
+        // The end may be off by one rounding of a quotient up to 2^21: far below the margin.
+        let (a, b) = (ceil(a), floor(b));
         (a <= b).then_some((a, b))
     }
+}
+
+/// The floor of a number within the range of `i32`, without a call into the
+/// mathematics library, which processors of the baseline would need.
+#[inline]
+fn floor(v: f64) -> i32 {
+    let whole = v as i32;
+    whole - i32::from(f64::from(whole) > v)
+}
+
+#[inline]
+fn ceil(v: f64) -> i32 {
+    let whole = v as i32;
+    whole + i32::from(f64::from(whole) < v)
 }
 
 /// Chessboard distance from a cell to the nearest and farthest cell of the grid.
@@ -114,8 +158,9 @@ mod tests {
         let (mut inside, mut outside) = (0, 0);
         for m in 1..24 {
             for side in &Side::ALL {
+                let on_side = frustum.on_side(side, m * side.sign);
                 for row in -m..=m {
-                    let found = frustum.row(side, m * side.sign, row, (-m, m));
+                    let found = on_side.row(row, (-m, m));
                     for col in -m..=m {
                         let mut c = IVec3::ZERO;
                         c[side.axes.normal] = m * side.sign;

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Affine3A, Mat4, Vec3, camera};
 
 /// Seconds between two frames of every path.
 pub const FRAME_SECONDS: f64 = 1.0 / 30.0;
@@ -80,7 +80,7 @@ pub struct Camera {
     pub eye: Vec3,
     /// World to view space, right-handed, looking along -z.
     pub view: Mat4,
-    /// View to clip space, depth 0 to 1.
+    /// View to clip space, y up, depth 0 to 1.
     pub projection: Mat4,
 }
 
@@ -91,8 +91,8 @@ impl Camera {
         let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
         Self {
             eye,
-            view: Mat4::look_to_rh(eye, forward, up),
-            projection: Mat4::perspective_rh(fov_y_degrees.to_radians(), aspect, near, far),
+            view: camera::rh::view::look_to_mat4(eye, forward, up),
+            projection: camera::rh::proj::directx::perspective(fov_y_degrees.to_radians(), aspect, near, far),
         }
     }
 

@@ -122,6 +122,39 @@ impl IdMatrix {
         }
     }
 
+    /// Calls `found` with each cell of a tile whose bit is set, which must have
+    /// objects, as its bit and its objects.
+    #[inline]
+    pub(crate) fn for_tile(
+        &self,
+        brick: IVec3,
+        axes: &SideAxes,
+        at: i32,
+        mut tile: u64,
+        mut found: impl FnMut(i32, &[u32]),
+    ) {
+        let brick = self.bricks.get(brick);
+        let at = at & 7;
+        while tile != 0 {
+            let bit = tile.trailing_zeros() as i32;
+            tile &= tile - 1;
+            let (row, col) = (bit >> 3, bit & 7);
+            let (word, bit_in_word) = match axes.normal {
+                0 => (row, col << 3 | at),
+                1 => (row, at << 3 | col),
+                _ => (at, bit),
+            };
+            let below = brick.bits[(word & 7) as usize] & !(u64::MAX << bit_in_word);
+            let place = usize::from(brick.before[(word & 7) as usize]) + below.count_ones() as usize;
+            let Some(held) = brick.cells.get(place) else { continue };
+            let objects = match held & SEVERAL {
+                0 => std::slice::from_ref(held),
+                _ => &self.lists[(held & !SEVERAL) as usize][..],
+            };
+            found(bit, objects);
+        }
+    }
+
     /// Which cells of a tile have objects.
     #[inline]
     pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {

@@ -1,0 +1,123 @@
+//! Puts a test scene into the library and keeps it up to date.
+
+use std::sync::Arc;
+
+use casca::{
+    Aabb, Bounds, Error, GridSpec, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere, TriMesh, View,
+};
+use glam::{UVec3, Vec3};
+
+use crate::world::{Camera, GridHint, Motion, Object, Shape, World};
+
+/// A scene of the library that follows a [`World`].
+pub struct Driver {
+    /// The scene.
+    pub scene: Scene,
+    ids: Vec<ObjectId>,
+}
+
+/// The shapes of an object as the library takes them. Moving meshes are tested by
+/// their box and hide nothing.
+fn shapes(object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
+    let (bounds, occluder): (Bounds, Option<Occluder>) = match &object.shape {
+        Shape::Sphere { center, radius } => {
+            let s = Sphere::new(*center, *radius);
+            (s.into(), Some(s.into()))
+        }
+        Shape::Box { min, max } => {
+            let b = Aabb::new(*min, *max);
+            (b.into(), Some(b.into()))
+        }
+        Shape::Mesh { mesh, transform } => {
+            let positions: Vec<Vec3> =
+                mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
+            if object.motion == Motion::Static {
+                let mesh = Arc::new(TriMesh::new(positions, mesh.triangles.clone())?);
+                let occluder = mesh.is_closed().then(|| mesh.clone().into());
+                (mesh.into(), occluder)
+            } else {
+                let corners = mesh.triangles.iter().flatten().map(|&v| positions[v as usize]);
+                (Aabb::from_points(corners).ok_or(Error::EmptyMesh)?.into(), None)
+            }
+        }
+    };
+    Ok((bounds, occluder.filter(|_| object.occludes)))
+}
+
+fn describe(object: &Object) -> Result<ObjectDesc, Error> {
+    let (bounds, occluder) = shapes(object)?;
+    let desc = match object.motion {
+        Motion::Static => ObjectDesc::fixed(bounds),
+        Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
+    };
+    Ok(match occluder {
+        Some(occluder) => desc.occluder(occluder),
+        None => desc,
+    })
+}
+
+/// The grid for a scene: as it asks, or with `dims` cells whose size fits all axes.
+///
+/// # Errors
+/// As [`GridSpec::covering`].
+pub fn grid_for(hint: &GridHint, dims: Option<UVec3>) -> Result<GridSpec, Error> {
+    match dims {
+        None => GridSpec::covering(Aabb::new(hint.min, hint.max), hint.cell),
+        Some(dims) => {
+            let cell = ((hint.max - hint.min) / dims.as_vec3()).max_element();
+            Ok(GridSpec { min: hint.min, cell, dims })
+        }
+    }
+}
+
+/// The view of a camera.
+///
+/// # Errors
+/// As [`View::perspective`].
+pub fn view_of(camera: &Camera) -> Result<View, Error> {
+    View::perspective(camera.eye, camera.view_projection())
+}
+
+impl Driver {
+    /// Inserts every object of the world as it is now; `progress` is told
+    /// the number inserted.
+    ///
+    /// # Errors
+    /// As [`Scene::new`] and [`Scene::insert`].
+    pub fn new(world: &World, grid: &GridSpec, mut progress: impl FnMut(usize)) -> Result<Self, Error> {
+        let mut scene = Scene::new(grid)?;
+        let mut ids = Vec::with_capacity(world.objects.len());
+        for object in &world.objects {
+            ids.push(scene.insert(describe(object)?)?);
+            progress(ids.len());
+        }
+        Ok(Self { scene, ids })
+    }
+
+    /// Reports the objects that moved.
+    ///
+    /// # Errors
+    /// As [`Scene::update`].
+    pub fn update(&mut self, objects: &[Object], moved: &[usize]) -> Result<(), Error> {
+        for &i in moved {
+            let (bounds, occluder) = shapes(&objects[i])?;
+            self.scene.update(self.ids[i], bounds, occluder)?;
+        }
+        Ok(())
+    }
+
+    /// The id of an object of the world.
+    pub fn id(&self, object: usize) -> ObjectId {
+        self.ids[object]
+    }
+
+    /// Whether a result holds an object of the world.
+    pub fn sees(&self, pvs: &Pvs, object: usize) -> bool {
+        pvs.contains(self.ids[object])
+    }
+
+    /// How many objects whose visibility is asked for a result holds.
+    pub fn count(&self, pvs: &Pvs, objects: &[Object]) -> usize {
+        self.ids.iter().zip(objects).filter(|(id, o)| o.tested && pvs.contains(**id)).count()
+    }
+}
