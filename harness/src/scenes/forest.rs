@@ -1,0 +1,72 @@
+//! A wood: thin trunks, foliage that one can see through, and little to hide.
+
+use glam::Vec3;
+
+use super::motion::{Path, Swing, Swinging, Walk};
+use super::{Dice, SceneOptions, object, solid_box, standing_box};
+use crate::world::{GridHint, Object, Shape, World};
+
+const SIZE: f32 = 120.0;
+const HEIGHT: f32 = 20.0;
+const GROUND: f32 = 1.0;
+const TREES: f32 = 2000.0;
+
+fn path() -> Path {
+    let at = |x, z| Vec3::new(x, GROUND + 1.7, z);
+    Path::new(&[at(6.0, 8.0), at(40.0, 20.0), at(60.0, 60.0), at(30.0, 90.0), at(70.0, 110.0), at(112.0, 70.0)])
+}
+
+pub(super) fn build(options: &SceneOptions) -> World {
+    let mut dice = Dice::new(options.seed, 4);
+    let path = path();
+    let samples: Vec<Vec3> = (0..=600).map(|i| path.at(path.length() * i as f32 / 600.0)).collect();
+    let flat = Vec3::new(1.0, 0.0, 1.0);
+    let spot = |dice: &mut Dice, margin: f32| loop {
+        let p = dice.point(Vec3::new(margin, GROUND, margin), Vec3::new(SIZE - margin, GROUND, SIZE - margin));
+        if samples.iter().all(|s| ((*s - p) * flat).length() > margin) {
+            return p;
+        }
+    };
+    let see_through = |name: &str, center: Vec3, radius: f32| Object {
+        occludes: false,
+        ..object(name, Shape::Sphere { center, radius })
+    };
+    let mut objects = vec![solid_box("ground", Vec3::ZERO, Vec3::new(SIZE, GROUND, SIZE))];
+    for _ in 0..(TREES * options.scale) as usize {
+        let base = spot(&mut dice, 2.2);
+        let (width, height) = (dice.range(0.3, 0.6), dice.range(6.0, 12.0));
+        objects.push(standing_box("trunk", base, Vec3::new(width, height, width)));
+        let crown = base + Vec3::Y * (height + dice.range(-1.0, 1.0));
+        objects.push(see_through("foliage", crown, dice.range(1.0, 2.1)));
+    }
+    for _ in 0..(200.0 * options.scale) as usize {
+        let (base, radius) = (spot(&mut dice, 1.5), dice.range(0.3, 0.9));
+        objects.push(see_through("bush", base + Vec3::Y * radius, radius));
+    }
+    for _ in 0..(100.0 * options.scale) as usize {
+        let (center, radius) = (spot(&mut dice, 1.5), dice.range(0.2, 0.8));
+        objects.push(object("stone", Shape::Sphere { center, radius }));
+    }
+    let mut swinging = Vec::new();
+    for _ in 0..20 {
+        let base = spot(&mut dice, 6.0);
+        objects.push(standing_box("animal", base, Vec3::new(0.5, 0.7, 1.1)));
+        let reach = Vec3::new(dice.range(0.5, 3.0), 0.0, dice.range(0.5, 3.0));
+        swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 3.0)));
+    }
+    World {
+        name: "forest".to_owned(),
+        objects,
+        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },
+        frames: options.frames,
+        animation: Box::new(Walk {
+            swinging,
+            sliding: Vec::new(),
+            path,
+            frames: options.frames,
+            fov_y: 60.0,
+            glance: 0.6,
+            far: 250.0,
+        }),
+    }
+}

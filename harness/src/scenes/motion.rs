@@ -1,0 +1,188 @@
+//! Motion and camera paths as functions of time.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+
+use super::Dice;
+use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
+
+/// Seconds from the start of the path.
+pub(super) fn seconds(frame: usize) -> f32 {
+    (frame as f64 * FRAME_SECONDS) as f32
+}
+
+/// A swing around a place: a sine along each axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Swing {
+    pub(super) reach: Vec3,
+    pub(super) rate: Vec3,
+    pub(super) phase: Vec3,
+}
+
+impl Swing {
+    /// A swing of at most `reach` along each axis whose speed stays below `speed`.
+    pub(super) fn random(dice: &mut Dice, reach: Vec3, speed: f32) -> Self {
+        let phase = dice.point(Vec3::ZERO, Vec3::splat(TAU));
+        let share = speed / 3f32.sqrt();
+        let rate = Vec3::from_array(reach.to_array().map(|r| {
+            if r > 0.0 { (share / r).min(6.0) * dice.range(0.4, 1.0) } else { 0.0 }
+        }));
+        Self { reach, rate, phase }
+    }
+
+    pub(super) fn offset(&self, t: f32) -> Vec3 {
+        let a = self.phase + self.rate * t;
+        self.reach * Vec3::new(a.x.sin(), a.y.sin(), a.z.sin())
+    }
+
+    /// No point moves faster.
+    pub(super) fn max_speed(&self) -> f32 {
+        (self.reach * self.rate).length() * 1.0001
+    }
+}
+
+/// A moving object: its shape at rest, and how it swings.
+#[derive(Debug, Clone)]
+pub(super) struct Swinging {
+    pub(super) index: usize,
+    pub(super) rest: Shape,
+    pub(super) swing: Swing,
+}
+
+impl Swinging {
+    /// Makes the last object of a list swing.
+    pub(super) fn last(objects: &mut [Object], swing: Swing) -> Self {
+        let index = objects.len() - 1;
+        objects[index].motion = Motion::Dynamic { max_speed: swing.max_speed() };
+        let swinging = Self { index, rest: objects[index].shape.clone(), swing };
+        objects[index].shape = swinging.shape(0.0);
+        swinging
+    }
+
+    pub(super) fn shape(&self, t: f32) -> Shape {
+        moved(&self.rest, self.swing.offset(t))
+    }
+}
+
+pub(super) fn moved(shape: &Shape, by: Vec3) -> Shape {
+    match shape {
+        Shape::Sphere { center, radius } => Shape::Sphere { center: *center + by, radius: *radius },
+        Shape::Box { min, max } => Shape::Box { min: *min + by, max: *max + by },
+        mesh => mesh.clone(),
+    }
+}
+
+/// A walk along a closed or open polyline with rounded corners, at even pace.
+#[derive(Debug, Clone)]
+pub(super) struct Path {
+    points: Vec<Vec3>,
+    lengths: Vec<f32>,
+}
+
+impl Path {
+    /// Rounds the corners of a polyline by cutting them three times.
+    pub(super) fn new(corners: &[Vec3]) -> Self {
+        let mut points = corners.to_vec();
+        for _ in 0..3 {
+            let mut cut = vec![points[0]];
+            for pair in points.windows(2) {
+                cut.push(pair[0].lerp(pair[1], 0.25));
+                cut.push(pair[0].lerp(pair[1], 0.75));
+            }
+            cut.push(points[points.len() - 1]);
+            points = cut;
+        }
+        let mut lengths = vec![0.0];
+        for pair in points.windows(2) {
+            lengths.push(lengths[lengths.len() - 1] + pair[0].distance(pair[1]));
+        }
+        Self { points, lengths }
+    }
+
+    pub(super) fn length(&self) -> f32 {
+        self.lengths[self.lengths.len() - 1]
+    }
+
+    /// The point at a distance from the start; beyond the end, straight on.
+    pub(super) fn at(&self, distance: f32) -> Vec3 {
+        let i = self.lengths.partition_point(|&l| l < distance).clamp(1, self.points.len() - 1);
+        let (from, to) = (self.lengths[i - 1], self.lengths[i]);
+        let t = if to > from { (distance - from) / (to - from) } else { 0.0 };
+        self.points[i - 1].lerp(self.points[i], t)
+    }
+}
+
+/// Swinging objects and a walker who looks where they go.
+pub(super) struct Walk {
+    pub(super) swinging: Vec<Swinging>,
+    /// Sliding objects: index, shape at rest, and their offset at a time.
+    pub(super) sliding: Vec<Sliding>,
+    pub(super) path: Path,
+    pub(super) frames: usize,
+    pub(super) fov_y: f32,
+    /// How far the walker looks to the sides, in radians.
+    pub(super) glance: f32,
+    pub(super) far: f32,
+}
+
+/// An object that goes to and fro along a line, slowing down at its ends.
+#[derive(Debug, Clone)]
+pub(super) struct Sliding {
+    pub(super) index: usize,
+    pub(super) rest: Shape,
+    pub(super) way: Vec3,
+    /// Radians a second.
+    pub(super) rate: f32,
+    pub(super) phase: f32,
+}
+
+impl Sliding {
+    pub(super) fn last(objects: &mut [Object], way: Vec3, rate: f32, phase: f32) -> Self {
+        let index = objects.len() - 1;
+        let max_speed = way.length() * 0.5 * rate * 1.0001;
+        objects[index].motion = Motion::Dynamic { max_speed };
+        let sliding = Self { index, rest: objects[index].shape.clone(), way, rate, phase };
+        objects[index].shape = sliding.shape(0.0);
+        sliding
+    }
+
+    pub(super) fn shape(&self, t: f32) -> Shape {
+        let share = 0.5 - 0.5 * (self.phase + self.rate * t).cos();
+        moved(&self.rest, self.way * share)
+    }
+}
+
+impl Animation for Walk {
+    fn shapes(&self, frame: usize, set: &mut dyn FnMut(usize, Shape)) {
+        let t = seconds(frame);
+        let (mut a, mut b) = (self.swinging.iter().peekable(), self.sliding.iter().peekable());
+        loop {
+            match (a.peek(), b.peek()) {
+                (Some(s), Some(l)) if s.index < l.index => {
+                    set(s.index, s.shape(t));
+                    a.next();
+                }
+                (Some(s), None) => {
+                    set(s.index, s.shape(t));
+                    a.next();
+                }
+                (_, Some(l)) => {
+                    set(l.index, l.shape(t));
+                    b.next();
+                }
+                (None, None) => break,
+            }
+        }
+    }
+
+    fn camera(&self, frame: usize, aspect: f32) -> Camera {
+        let share = frame as f32 / self.frames.max(2) as f32;
+        let at = share * self.path.length();
+        let eye = self.path.at(at);
+        let ahead = self.path.at(at + 1.5) - self.path.at(at - 0.5);
+        let turn = self.glance * (share * TAU * 2.0).sin();
+        let forward = glam::Quat::from_rotation_y(turn) * ahead.normalize_or(Vec3::NEG_Z);
+        Camera::look_at(eye, eye + forward, self.fov_y, aspect, 0.1, self.far)
+    }
+}

@@ -1,0 +1,95 @@
+//! The scene of the thesis (section 4): clusters of spheres of varied sizes.
+
+use glam::Vec3;
+
+use super::motion::{Path, Swing, Swinging, Walk};
+use super::{Dice, SceneOptions, object, solid_box};
+use crate::world::{GridHint, Object, Shape, World};
+
+const SIZE: Vec3 = Vec3::new(100.0, 60.0, 100.0);
+const STATIC: f32 = 4800.0;
+const DYNAMIC: f32 = 200.0;
+/// Room kept free around the path.
+const CLEARANCE: f32 = 1.2;
+
+fn path() -> Path {
+    Path::new(&[
+        Vec3::new(8.0, 28.0, 12.0),
+        Vec3::new(34.0, 33.0, 18.0),
+        Vec3::new(52.0, 30.0, 48.0),
+        Vec3::new(30.0, 24.0, 72.0),
+        Vec3::new(58.0, 30.0, 90.0),
+        Vec3::new(88.0, 36.0, 66.0),
+    ])
+}
+
+pub(super) fn build(options: &SceneOptions) -> World {
+    let mut dice = Dice::new(options.seed, 1);
+    let path = path();
+    let samples: Vec<Vec3> = (0..=400).map(|i| path.at(path.length() * i as f32 / 400.0)).collect();
+    let free = |center: Vec3, reach: f32| samples.iter().all(|p| p.distance(center) > reach + CLEARANCE);
+    let clusters: Vec<(Vec3, f32)> =
+        (0..70).map(|_| (dice.point(Vec3::ZERO, SIZE), dice.range(4.0, 16.0))).collect();
+    let place = |dice: &mut Dice, reach: Vec3| loop {
+        // A few large spheres, many small ones; centres gather in clusters.
+        let radius = 0.5 + 5.0 * dice.range(0.0, 1.0).powi(7);
+        let center = if dice.chance(0.8) {
+            let (middle, spread) = clusters[dice.range(0.0, 69.99) as usize];
+            let offset = dice.point(Vec3::NEG_ONE, Vec3::ONE) + dice.point(Vec3::NEG_ONE, Vec3::ONE);
+            middle + offset * spread * 0.5
+        } else {
+            dice.point(Vec3::ZERO, SIZE)
+        };
+        let margin = reach + radius;
+        let inside = center.cmpgt(margin).all() && center.cmplt(SIZE - margin).all();
+        if inside && free(center, radius + reach.length()) {
+            return Shape::Sphere { center, radius };
+        }
+    };
+    let mut objects: Vec<Object> = Vec::new();
+    for _ in 0..(STATIC * options.scale) as usize {
+        let shape = place(&mut dice, Vec3::ZERO);
+        objects.push(object("sphere", shape));
+    }
+    let mut swinging = Vec::new();
+    for _ in 0..(DYNAMIC * options.scale) as usize {
+        let reach = dice.point(Vec3::splat(0.5), Vec3::splat(4.0));
+        let shape = place(&mut dice, reach);
+        objects.push(object("moving sphere", shape));
+        let speed = dice.range(0.5, 4.0);
+        swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, speed)));
+    }
+    let mut max = SIZE;
+    if options.bunker || options.hidden_extra > 0 {
+        max.x = 132.0;
+        let (lo, hi) = (Vec3::new(102.0, 2.0, 20.0), Vec3::new(130.0, 30.0, 80.0));
+        for axis in 0..3 {
+            for (from, to) in [(lo[axis], lo[axis] + 2.0), (hi[axis] - 2.0, hi[axis])] {
+                let (mut a, mut b) = (lo, hi);
+                (a[axis], b[axis]) = (from, to);
+                objects.push(solid_box("bunker", a, b));
+            }
+        }
+        for _ in 0..options.hidden_extra {
+            let reach = dice.point(Vec3::splat(0.1), Vec3::splat(1.0));
+            let center = dice.point(lo + 2.0 + reach + 0.3, hi - 2.0 - reach - 0.3);
+            objects.push(object("hidden sphere", Shape::Sphere { center, radius: 0.3 }));
+            swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.0)));
+        }
+    }
+    World {
+        name: "spheres".to_owned(),
+        objects,
+        grid: GridHint { min: Vec3::ZERO, max, cell: 1.0 },
+        frames: options.frames,
+        animation: Box::new(Walk {
+            swinging,
+            sliding: Vec::new(),
+            path,
+            frames: options.frames,
+            fov_y: 55.0,
+            glance: 0.6,
+            far: 300.0,
+        }),
+    }
+}
