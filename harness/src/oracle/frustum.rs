@@ -236,8 +236,15 @@ impl Frustum {
             normal: a.normal + b.normal * sign,
             constant: a.constant + b.constant * sign,
         };
-        [combine(w, 1.0, x), combine(w, -1.0, x), combine(w, 1.0, y), combine(w, -1.0, y), z, combine(w, -1.0, z)]
-            .into_iter()
+        [
+            combine(w, 1.0, x),
+            combine(w, -1.0, x),
+            combine(w, 1.0, y),
+            combine(w, -1.0, y),
+            z,
+            combine(w, -1.0, z),
+        ]
+        .into_iter()
     }
 
     /// Where the ray to `target` leaves the near plane; the target itself if

@@ -79,7 +79,8 @@ impl Primitive {
                 let inverse = safe_inverse(step);
                 if grown {
                     let (low, high) = (min - origin, max - origin);
-                    let margin = (high - low) * GROW + low.abs().max(high.abs()).max_element() * GROW_DISTANCE;
+                    let margin =
+                        (high - low) * GROW + low.abs().max(high.abs()).max_element() * GROW_DISTANCE;
                     let (low, high) = (low - margin, high + margin);
                     if low.max_element() >= 0.0 || high.min_element() <= 0.0 {
                         return enter_slabs(low, high, inverse);

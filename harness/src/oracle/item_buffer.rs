@@ -242,8 +242,11 @@ impl ItemBuffer {
             rayon::join(|| Bins::new(&hiding, columns, rows), || Bins::new(&others, columns, rows));
 
         let counts: Vec<AtomicU32> = objects.iter().map(|_| AtomicU32::new(0)).collect();
-        self.index.par_chunks_mut(width * TILE).zip(self.depth.par_chunks_mut(width * TILE)).enumerate().for_each(
-            |(row, (index, depth))| {
+        self.index
+            .par_chunks_mut(width * TILE)
+            .zip(self.depth.par_chunks_mut(width * TILE))
+            .enumerate()
+            .for_each(|(row, (index, depth))| {
                 let mut tile = Tile::new();
                 for column in 0..columns {
                     let number = row * columns + column;
@@ -264,8 +267,7 @@ impl ItemBuffer {
                         depth[to].copy_from_slice(&tile.depth[from]);
                     }
                 }
-            },
-        );
+            });
         self.visible.clear();
         self.visible.extend(counts.into_iter().map(AtomicU32::into_inner));
 
@@ -396,9 +398,8 @@ impl Setup<'_> {
 
     /// The rectangle and the least depth of a box given relative to the eye.
     fn box_rect(&self, min: DVec3, max: DVec3) -> Option<([u16; 4], f64)> {
-        const EDGES: [(usize, usize); 12] = [
-            (0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (0, 4), (1, 5), (2, 6), (3, 7),
-        ];
+        const EDGES: [(usize, usize); 12] =
+            [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (0, 4), (1, 5), (2, 6), (3, 7)];
         let corners: [DVec3; 8] = std::array::from_fn(|i| {
             let pick = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
             DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
@@ -635,7 +636,13 @@ struct Area {
 /// Calls `plot` with each pixel of the tile whose ray hits the entry, and the
 /// depth of the hit.
 #[inline(always)]
-fn trace(area: &Area, inverse: &[DVec3; AREA], frame: &Frame, entry: &Entry, mut plot: impl FnMut(usize, f64)) {
+fn trace(
+    area: &Area,
+    inverse: &[DVec3; AREA],
+    frame: &Frame,
+    entry: &Entry,
+    mut plot: impl FnMut(usize, f64),
+) {
     let [left, top, right, bottom] = entry.rect.map(usize::from);
     let columns = left.max(area.x)..(right + 1).min(area.x + area.columns);
     let rows = top.max(area.y)..(bottom + 1).min(area.y + area.rows);
@@ -654,8 +661,11 @@ fn trace(area: &Area, inverse: &[DVec3; AREA], frame: &Frame, entry: &Entry, mut
                 let (a0, a1, a2) =
                     (step.length_squared(), 2.0 * step.dot(rays.step[1]), rays.step[1].length_squared());
                 let (b0, b1) = (step.dot(to_center), rays.step[1].dot(to_center) - step.dot(slope));
-                let (c0, c1, c2) =
-                    (to_center.length_squared() - squared, -2.0 * to_center.dot(slope), slope.length_squared());
+                let (c0, c1, c2) = (
+                    to_center.length_squared() - squared,
+                    -2.0 * to_center.dot(slope),
+                    slope.length_squared(),
+                );
                 for x in columns.clone() {
                     let px = x as f64;
                     let a = a0 + px * (a1 + px * a2);
@@ -708,8 +718,8 @@ fn trace(area: &Area, inverse: &[DVec3; AREA], frame: &Frame, entry: &Entry, mut
                 for x in columns.clone() {
                     let px = x as f64;
                     let e: [f64; 3] = std::array::from_fn(|i| e[i] + px * triangle.edges[i][1]);
-                    let inside =
-                        (e[0] >= 0.0 && e[1] >= 0.0 && e[2] >= 0.0) || (e[0] <= 0.0 && e[1] <= 0.0 && e[2] <= 0.0);
+                    let inside = (e[0] >= 0.0 && e[1] >= 0.0 && e[2] >= 0.0)
+                        || (e[0] <= 0.0 && e[1] <= 0.0 && e[2] <= 0.0);
                     if !inside {
                         continue;
                     }
@@ -757,11 +767,7 @@ impl TriangleSetup {
             } else {
                 let (start, step) = (rays.start[0], rays.step[0]);
                 let across = (p - q).cross(step);
-                [
-                    step.dot((p - start).cross(q - start)),
-                    rays.start[1].dot(across),
-                    rays.start[2].dot(across),
-                ]
+                [step.dot((p - start).cross(q - start)), rays.start[1].dot(across), rays.start[2].dot(across)]
             }
         });
         let over = if rays.perspective {
@@ -785,7 +791,8 @@ impl TriangleSetup {
         let mut negative = false;
         let mut positive = false;
         for [e, ex, ey] in self.edges {
-            let values = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| e + y[j] as f64 * ey + x[i] as f64 * ex);
+            let values =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| e + y[j] as f64 * ey + x[i] as f64 * ex);
             negative |= values.iter().all(|&v| v < 0.0);
             positive |= values.iter().all(|&v| v > 0.0);
         }

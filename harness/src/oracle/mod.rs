@@ -162,7 +162,12 @@ impl Oracle {
         for (object, found) in self.confirm(objects, &frustum, &missing) {
             match found {
                 Some((origin, target)) => {
-                    false_negatives.push(FalseNegative { object, origin, target, found_by: FoundBy::ItemBuffer });
+                    false_negatives.push(FalseNegative {
+                        object,
+                        origin,
+                        target,
+                        found_by: FoundBy::ItemBuffer,
+                    });
                 }
                 None => unconfirmed.push(object),
             }
@@ -221,8 +226,9 @@ impl Oracle {
                 let found = self.pixels_of(objects, frustum, object).into_iter().find_map(|pixel| {
                     let (origin, step) = self.buffer.pixel_ray(frustum, pixel);
                     let target = origin + step * enter_shape(shape, origin, step)?;
-                    (frustum.surely_contains(target) && self.rays.surely_sees(origin, target, object, is_mesh))
-                        .then_some((origin, target))
+                    (frustum.surely_contains(target)
+                        && self.rays.surely_sees(origin, target, object, is_mesh))
+                    .then_some((origin, target))
                 });
                 (object, found)
             })
@@ -231,7 +237,9 @@ impl Oracle {
 
     /// Some of the pixels that show an object, spread over all of them.
     fn pixels_of(&self, objects: &[Object], frustum: &Frustum, object: usize) -> Vec<usize> {
-        let Some([x0, y0, x1, y1]) = self.buffer.rectangle(frustum, &objects[object]) else { return Vec::new() };
+        let Some([x0, y0, x1, y1]) = self.buffer.rectangle(frustum, &objects[object]) else {
+            return Vec::new();
+        };
         let width = self.buffer.width();
         let places = (usize::from(y0)..=usize::from(y1))
             .flat_map(|y| (usize::from(x0)..=usize::from(x1)).map(move |x| y * width + x));

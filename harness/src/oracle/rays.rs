@@ -108,8 +108,11 @@ impl Tree {
         }
         let scale = scale_of(&parts);
         let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
-        let bvh =
-            if boxes.is_empty() { Bvh2::default() } else { build_bvh2(&boxes, params, &mut Duration::default()) };
+        let bvh = if boxes.is_empty() {
+            Bvh2::default()
+        } else {
+            build_bvh2(&boxes, params, &mut Duration::default())
+        };
         let parts = bvh.primitive_indices.iter().map(|&i| parts[i as usize]).collect();
         Self { parts, bvh, scale, refits: 0 }
     }
@@ -237,7 +240,8 @@ impl RayOracle {
     /// Builds the hierarchies over all objects that occlude.
     pub fn new(objects: &[Object]) -> Self {
         let empty = || Tree { parts: Vec::new(), bvh: Bvh2::default(), scale: 0.0, refits: 0 };
-        let mut oracle = Self { fixed: empty(), moving: empty(), place: Vec::new(), meshes: MeshCache::default() };
+        let mut oracle =
+            Self { fixed: empty(), moving: empty(), place: Vec::new(), meshes: MeshCache::default() };
         oracle.rebuild(objects);
         oracle
     }

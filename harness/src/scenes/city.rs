@@ -67,7 +67,9 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let block = Vec3::new(dice.range(0.0, 4.99).floor(), 0.0, dice.range(0.0, 4.99).floor()) * PITCH;
         let base = if dice.chance(0.4) {
             // In a courtyard.
-            block + Vec3::new(dice.range(21.6, 30.4), GROUND, dice.range(21.6, 30.4)) + Vec3::new(0.0, 0.0, 0.0)
+            block
+                + Vec3::new(dice.range(21.6, 30.4), GROUND, dice.range(21.6, 30.4))
+                + Vec3::new(0.0, 0.0, 0.0)
         } else {
             // On a pavement, along x or along z.
             let across = if dice.chance(0.5) { dice.range(0.6, 1.9) } else { dice.range(10.1, 11.4) };

@@ -66,7 +66,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let (yard, place, places) = (i % yards, i / yards, people.div_ceil(yards));
         let rows = (places as f32).sqrt().ceil().max(1.0);
         let pitch = 23.0 / rows;
-        let corner = Vec3::new((yard % YARDS) as f32 * PITCH + 4.5, GROUND, (yard / YARDS) as f32 * PITCH + 4.5);
+        let corner =
+            Vec3::new((yard % YARDS) as f32 * PITCH + 4.5, GROUND, (yard / YARDS) as f32 * PITCH + 4.5);
         let spot = Vec3::new((place as f32 % rows) * pitch, 0.0, (place as f32 / rows).floor() * pitch);
         let base = corner + spot + Vec3::new(pitch, 0.0, pitch) * 0.5;
         let height = dice.range(1.4, 1.9);

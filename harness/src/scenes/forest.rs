@@ -13,7 +13,14 @@ const TREES: f32 = 2000.0;
 
 fn path() -> Path {
     let at = |x, z| Vec3::new(x, GROUND + 1.7, z);
-    Path::new(&[at(6.0, 8.0), at(40.0, 20.0), at(60.0, 60.0), at(30.0, 90.0), at(70.0, 110.0), at(112.0, 70.0)])
+    Path::new(&[
+        at(6.0, 8.0),
+        at(40.0, 20.0),
+        at(60.0, 60.0),
+        at(30.0, 90.0),
+        at(70.0, 110.0),
+        at(112.0, 70.0),
+    ])
 }
 
 pub(super) fn build(options: &SceneOptions) -> World {
@@ -22,7 +29,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let samples: Vec<Vec3> = (0..=600).map(|i| path.at(path.length() * i as f32 / 600.0)).collect();
     let flat = Vec3::new(1.0, 0.0, 1.0);
     let spot = |dice: &mut Dice, margin: f32| loop {
-        let p = dice.point(Vec3::new(margin, GROUND, margin), Vec3::new(SIZE - margin, GROUND, SIZE - margin));
+        let p =
+            dice.point(Vec3::new(margin, GROUND, margin), Vec3::new(SIZE - margin, GROUND, SIZE - margin));
         if samples.iter().all(|s| ((*s - p) * flat).length() > margin) {
             return p;
         }

@@ -25,9 +25,9 @@ impl Swing {
     pub(super) fn random(dice: &mut Dice, reach: Vec3, speed: f32) -> Self {
         let phase = dice.point(Vec3::ZERO, Vec3::splat(TAU));
         let share = speed / 3f32.sqrt();
-        let rate = Vec3::from_array(reach.to_array().map(|r| {
-            if r > 0.0 { (share / r).min(6.0) * dice.range(0.4, 1.0) } else { 0.0 }
-        }));
+        let rate = Vec3::from_array(
+            reach.to_array().map(|r| if r > 0.0 { (share / r).min(6.0) * dice.range(0.4, 1.0) } else { 0.0 }),
+        );
         Self { reach, rate, phase }
     }
 

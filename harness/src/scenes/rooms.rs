@@ -20,9 +20,8 @@ const DOOR_WIDTH: f32 = 1.0;
 const DOOR_HEIGHT: f32 = 2.1;
 
 /// The rooms that the walk passes, each next to the one before.
-const ROUTE: [(usize, usize); 13] = [
-    (0, 0), (1, 0), (1, 1), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 4), (2, 4), (3, 4), (4, 4),
-];
+const ROUTE: [(usize, usize); 13] =
+    [(0, 0), (1, 0), (1, 1), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 4), (2, 4), (3, 4), (4, 4)];
 
 fn center(room: (usize, usize)) -> Vec3 {
     Vec3::new((room.0 as f32 + 0.5) * PITCH, FLOOR + 1.6, (room.1 as f32 + 0.5) * PITCH)
