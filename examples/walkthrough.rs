@@ -198,8 +198,13 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         if number == world.frames / 2 {
             recorder.run(&driver.scene, &view);
             if let (Some(visited), Some(hidden)) = (recorder.visited_cells(), recorder.hidden_cells()) {
-                let volumes: Vec<_> =
-                    driver.scene.ids().filter_map(|id| driver.scene.tbv(id).ok().flatten()).collect();
+                let height = f64::from(camera.eye.y);
+                let volumes: Vec<_> = driver
+                    .scene
+                    .ids()
+                    .filter_map(|id| driver.scene.tbv(id).ok().flatten())
+                    .filter(|(lo, hi)| lo.y <= height && height <= hi.y)
+                    .collect();
                 let title = format!("{}, frame {number}: the grid from above", world.name);
                 let scene = &driver.scene;
                 let picture = TopView { scene, visited, hidden, volumes: &volumes, camera, path: &path };

@@ -335,7 +335,8 @@ impl Reader {
             return Err(Trouble::NoTriangles);
         }
 
-        let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(1.0, 1e5) as usize;
+        // Both ends of the clip are frames.
+        let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, 1e5) as usize + 1;
         let camera = camera_of(document, &nodes, &order);
         let frames = match &camera {
             Some(c) if nodes.moves(c.node) => clip_frames,
@@ -700,7 +701,7 @@ mod tests {
     #[test]
     fn reads_meshes_roles_and_the_camera_path() {
         let world = read("small", &small_file(), None).unwrap();
-        assert_eq!((world.objects.len(), world.frames), (1, 60));
+        assert_eq!((world.objects.len(), world.frames), (1, 61));
         let leaf = &world.objects[0];
         assert!(leaf.name == "leaf" && leaf.tested && !leaf.occludes && leaf.motion == Motion::Static);
         let eye = world.camera(30, 1.5).eye;
@@ -727,7 +728,10 @@ mod tests {
             // Either way is fine; it must not panic.
             let _ = read("flipped", &broken, None);
         }
-        assert!(matches!(load(Path::new("/no/such/file.glb")).unwrap_err().why, Trouble::Read(_)));
+        assert!(matches!(
+            load(Path::new("/no/such/file.glb")).err().expect("no such file").why,
+            Trouble::Read(_)
+        ));
     }
 
     #[test]

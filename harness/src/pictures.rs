@@ -113,7 +113,7 @@ pub struct TopView<'a> {
     pub visited: &'a BitMatrix,
     /// Cells that it found hidden.
     pub hidden: &'a BitMatrix,
-    /// Temporal bounding volumes: their corners.
+    /// Temporal bounding volumes at the eye's height: their corners.
     pub volumes: &'a [(DVec3, DVec3)],
     /// The camera.
     pub camera: Camera,

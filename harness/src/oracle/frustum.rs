@@ -206,7 +206,7 @@ impl Frustum {
         inside(x, y, z, w, margin)
     }
 
-    /// Whether a box may meet the clip volume; false only if it does not.
+    /// Whether a box may meet the clip volume; false only if it does not (NaN may).
     pub fn may_meet_box(&self, min: DVec3, max: DVec3) -> bool {
         let center = (min + max) * 0.5 - self.eye;
         let half = (max - min) * 0.5;
@@ -214,19 +214,20 @@ impl Frustum {
             let value = row.at(center);
             let reach = row.normal.abs().dot(half);
             let slack = 1e-9 * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
-            // Not written as a plain comparison so that NaN may meet.
-            !(value + reach < -slack)
+            let outside = value + reach < -slack;
+            !outside
         })
     }
 
-    /// Whether a sphere may meet the clip volume; false only if it does not.
+    /// Whether a sphere may meet the clip volume; false only if it does not (NaN may).
     pub fn may_meet_sphere(&self, center: DVec3, radius: f64) -> bool {
         let center = center - self.eye;
         self.planes().all(|row| {
             let value = row.at(center);
             let reach = row.normal.length() * radius;
             let slack = 1e-9 * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
-            !(value + reach < -slack)
+            let outside = value + reach < -slack;
+            !outside
         })
     }
 

@@ -44,6 +44,12 @@ impl Primitive {
         }
     }
 
+    /// Whether it is finite, and a box the right way round.
+    pub(super) fn is_sound(&self) -> bool {
+        let (min, max) = self.bounds();
+        min.is_finite() && max.is_finite() && min.cmple(max).all()
+    }
+
     /// Where the ray `origin + t * step`, t >= 0, enters a solid from outside
     /// or crosses a triangle. A solid that holds the origin is not entered.
     ///

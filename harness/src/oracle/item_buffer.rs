@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::frustum::Frustum;
-use super::geometry::{MeshCache, safe_inverse};
+use super::geometry::{MeshCache, Primitive, safe_inverse};
 use crate::world::{Camera, Object, Shape};
 
 /// No object.
@@ -321,7 +321,8 @@ struct Setup<'a> {
 
 impl Setup<'_> {
     fn solid(&self, index: u32, object: &Object) -> Option<Entry> {
-        if !object.occludes && !object.tested {
+        let is_mesh = matches!(object.shape, Shape::Mesh { .. });
+        if is_mesh || (!object.occludes && !object.tested) || !Primitive::of(&object.shape, 0).is_sound() {
             return None;
         }
         let eye = self.frustum.eye();
@@ -329,12 +330,15 @@ impl Setup<'_> {
             Shape::Sphere { center, radius } => {
                 let (center, radius) = (center.as_dvec3() - eye, f64::from(radius));
                 let depth = self.frustum.forward().dot(center);
-                if depth + radius < self.rays.near {
+                if depth + radius < self.rays.near || !self.frustum.may_meet_sphere(center + eye, radius) {
                     return None;
                 }
-                let x = self.frustum.sphere_range(center, radius, 0).unwrap_or([-1.0, 1.0]);
-                let y = self.frustum.sphere_range(center, radius, 1).unwrap_or([-1.0, 1.0]);
-                (self.rect([x[0], y[0]], [x[1], y[1]])?, depth - radius)
+                let range = |axis| self.frustum.sphere_range(center, radius, axis);
+                if let (Some(x), Some(y)) = (range(0), range(1)) {
+                    (self.rect([x[0], y[0]], [x[1], y[1]])?, depth - radius)
+                } else {
+                    (self.box_rect(center - radius, center + radius)?.0, depth - radius)
+                }
             }
             Shape::Box { min, max } => self.box_rect(min.as_dvec3() - eye, max.as_dvec3() - eye)?,
             Shape::Mesh { .. } => return None,
@@ -481,7 +485,7 @@ impl Setup<'_> {
             Shape::Sphere { center, radius } => {
                 let to_center = center.as_dvec3() - eye;
                 let outside = to_center.length_squared() - f64::from(radius) * f64::from(radius);
-                if !(outside < 0.0) {
+                if outside >= 0.0 {
                     return false;
                 }
                 Box::new(move |step| {
@@ -724,7 +728,7 @@ fn trace(
                         continue;
                     }
                     let t = (number + px * triangle.number[1]) / (over + px * triangle.over[1]);
-                    if triangle.behind && !(t >= near) {
+                    if triangle.behind && (t < near || t.is_nan()) {
                         continue;
                     }
                     let t = t.max(triangle.depths[0]).min(triangle.depths[1]);

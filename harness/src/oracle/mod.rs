@@ -208,7 +208,6 @@ impl Oracle {
     }
 
     /// For each object in `missing` the ends of a ray that surely sees it.
-    #[expect(clippy::type_complexity, reason = "used once")]
     fn confirm(
         &self,
         objects: &[Object],

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -100,8 +100,7 @@ impl Tree {
             }
             for triangle in 0..primitive_count(&object.shape) as u32 {
                 let shape = Primitive::of(&object.shape, triangle);
-                let (min, max) = shape.bounds();
-                if min.is_finite() && max.is_finite() {
+                if shape.is_sound() {
                     parts.push(Part { shape, object: i as u32, triangle });
                 }
             }
@@ -117,12 +116,17 @@ impl Tree {
         Self { parts, bvh, scale, refits: 0 }
     }
 
-    /// Takes up new shapes of objects; the tree stays as it is.
-    fn refit(&mut self, objects: &[Object], moved: &[bool]) {
+    /// Takes up new shapes of objects; the order of the tree stays as it is.
+    /// Returns false, with the tree unfit for use, if a shape is unsound.
+    fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
         self.refits += 1;
-        self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).for_each(|part| {
+        let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
             part.shape = Primitive::of(&objects[part.object as usize].shape, part.triangle);
+            !part.shape.is_sound()
         });
+        if unsound.reduce(|| false, |a, b| a | b) {
+            return false;
+        }
         self.scale = scale_of(&self.parts);
         for node in &mut self.bvh.nodes {
             if node.is_leaf() {
@@ -135,14 +139,14 @@ impl Tree {
             }
         }
         self.bvh.refit_all();
+        true
     }
 
     /// The ray in f32, with a unit direction, and its length. It may start
     /// later than `origin`, where the tree begins.
     fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
         let length = step.length();
-        // Not written as a plain comparison so that NaN hits nothing.
-        if !(length > 0.0) || self.parts.is_empty() {
+        if length.is_nan() || length <= 0.0 || self.parts.is_empty() {
             return None;
         }
         let direction = step / length;
@@ -282,9 +286,7 @@ impl RayOracle {
         let same = moved
             .iter()
             .all(|&i| self.place[i] == Place::Nowhere || counts[i] == primitive_count(&objects[i].shape));
-        if same && self.moving.refits < REFITS {
-            self.moving.refit(objects, &flags);
-        } else {
+        if !same || self.moving.refits >= REFITS || !self.moving.refit(objects, &flags) {
             self.moving = Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build());
         }
     }
@@ -439,16 +441,5 @@ fn sure_segment(origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> 
         grown: true,
         end: 1.0 + 1e-9,
         own_end: if own_is_mesh { 1.0 - END } else { 0.0 },
-    }
-}
-
-/// To f32, for the hierarchy.
-trait AsVec3A {
-    fn as_vec3a(self) -> Vec3A;
-}
-
-impl AsVec3A for DVec3 {
-    fn as_vec3a(self) -> Vec3A {
-        Vec3A::new(self.x as f32, self.y as f32, self.z as f32)
     }
 }
