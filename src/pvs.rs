@@ -124,9 +124,23 @@ impl Pvs {
         self.cell
     }
 
+    /// Whether what the near plane of a new view cuts away holds no opaque cells.
+    fn near_is_clear(&self, scene: &Scene, view: &View) -> bool {
+        let Some(cell) = self.cell else { return false };
+        let (min, max) = scene.extent();
+        let reach = view.cut_reach(min, max) / scene.grid().cell_size();
+        if reach > 4.0 {
+            return false;
+        }
+        let r = reach.ceil() as i32;
+        let near =
+            (-r..=r).flat_map(|z| (-r..=r).flat_map(move |y| (-r..=r).map(move |x| IVec3::new(x, y, z))));
+        !near.into_iter().any(|offset| scene.is_opaque(cell + offset))
+    }
+
     /// Whether this result still holds for a new view: nothing moved, the eye
     /// is in the same cell and inside no occluder, and sees nothing outside the
-    /// frustum of this result. In doubt, no.
+    /// frustum of this result, nor past solids through its near plane. In doubt, no.
     ///
     /// Results of [`Method::Frustum`] hold for any eye. A result for all
     /// directions ([`View::around`]) holds for every view from its cell.
@@ -154,6 +168,6 @@ impl Pvs {
             at == old
                 || p.distance(at) - error + (-p.distance(old)).max(0.0) >= p.margin(at.abs().max_element())
         });
-        same_cell && seen_from && !scene.inside_occluder(at)
+        same_cell && seen_from && !scene.inside_occluder(at) && self.near_is_clear(scene, view)
     }
 }

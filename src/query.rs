@@ -274,8 +274,11 @@ impl<'a> Walk<'a> {
         for &slot in &self.scene.always {
             let object = self.scene.object(slot);
             if object.is_unlocated() {
-                self.scratch.marks[slot as usize] = self.scratch.epoch * 2 + 1;
-                self.pvs.push(self.scene.id(slot));
+                let mark = &mut self.scratch.marks[slot as usize];
+                if *mark != self.scratch.epoch * 2 + 1 {
+                    *mark = self.scratch.epoch * 2 + 1;
+                    self.pvs.push(self.scene.id(slot));
+                }
             } else {
                 self.decide(slot);
             }
@@ -526,7 +529,8 @@ impl<'a> Walk<'a> {
                     if volumes != 0 {
                         hits.push((brick, volumes, false));
                     }
-                    let blocked = opaque & tile;
+                    let blocked =
+                        self.frustum.uncut(opaque & tile, (brick << 3i32) - v, at - v[axes.normal], &axes);
                     if blocked != 0 {
                         for i in 0..8 {
                             let byte = blocked >> (8 * i) & 0xff;

@@ -28,8 +28,9 @@ enum State {
     Listed,
     /// In a temporal bounding volume. `expires` counts for objects that are reported on expiry.
     Hidden { tbv: Tbv, expires: f64 },
-    /// Its volume expired and nobody told where it is: visible to all.
-    Unlocated,
+    /// Its volume expired and nobody told where it is: visible to all. The
+    /// volume stays where it is, for the case that the object is still inside.
+    Unlocated { tbv: Option<Tbv> },
 }
 
 #[derive(Debug, Clone)]
@@ -51,7 +52,7 @@ const NOWHERE: u32 = u32::MAX;
 
 impl Object {
     pub(crate) fn is_unlocated(&self) -> bool {
-        matches!(self.state, State::Unlocated)
+        matches!(self.state, State::Unlocated { .. })
     }
 
     fn is_static(&self) -> bool {
@@ -355,13 +356,29 @@ impl Scene {
                 self.revision += 1;
                 self.hide_or_list(slot);
             }
-            State::Unlocated => {
+            State::Unlocated { tbv } => {
+                let block = bounds.block();
                 object.bounds = bounds;
                 object.occluder = occluder;
-                object.lengthen();
                 self.forget_always(slot);
                 self.revision += 1;
-                self.hide_or_list(slot);
+                self.object_mut(slot).lengthen();
+                let next = self.lay_volume(slot);
+                if let (Some(tbv), Some((wished, _))) = (tbv, &next) {
+                    // Where a new volume would not hold much longer, the old one stays.
+                    let room = (block.min - tbv.block.min).min(tbv.block.max - block.max).min_element();
+                    if room >= 0.5 * wished.slack {
+                        self.stay_in_volume(slot, tbv, room);
+                        return Ok(());
+                    }
+                }
+                if tbv.is_some() {
+                    self.volumes.remove(slot);
+                }
+                match next {
+                    Some((tbv, expires)) => self.enter_volume(slot, tbv, expires),
+                    None => self.list(slot),
+                }
             }
             State::Listed => {
                 self.revision += 1;
@@ -407,7 +424,12 @@ impl Scene {
         match self.object(id.slot).state {
             State::Listed => self.unlist(id.slot),
             State::Hidden { .. } => self.volumes.remove(id.slot),
-            State::Unlocated => self.forget_always(id.slot),
+            State::Unlocated { tbv } => {
+                self.forget_always(id.slot);
+                if tbv.is_some() {
+                    self.volumes.remove(id.slot);
+                }
+            }
         }
         let slot = &mut self.slots[id.slot as usize];
         slot.object = None;
@@ -447,22 +469,25 @@ impl Scene {
                 continue;
             }
             let Some(object) = &mut slot.object else { continue };
-            match object.state {
+            let tbv = match object.state {
                 State::Hidden { expires, .. } if !backwards && expires > now => {
                     self.expiries.push(Expiry { at: expires, ..next });
                     continue;
                 }
-                State::Hidden { .. } => self.volumes.remove(next.slot),
+                State::Hidden { tbv, .. } => Some(tbv),
                 // Listed, but not seen in the last frame: nobody reports it either.
-                State::Listed if next.at == f64::NEG_INFINITY => self.unlist(next.slot),
+                State::Listed if next.at == f64::NEG_INFINITY => {
+                    self.unlist(next.slot);
+                    None
+                }
                 // Revealed in the last frame: its bounds are old.
-                State::Unlocated if next.at == f64::NEG_INFINITY => {
+                State::Unlocated { .. } if next.at == f64::NEG_INFINITY => {
                     due.push(self.id(next.slot));
                     continue;
                 }
                 _ => continue,
-            }
-            self.object_mut(next.slot).state = State::Unlocated;
+            };
+            self.object_mut(next.slot).state = State::Unlocated { tbv };
             self.remember_always(next.slot);
             self.revision += 1;
             due.push(self.id(next.slot));
@@ -508,7 +533,7 @@ impl Scene {
             object.validity = (object.validity * 0.5).max(VALIDITY_RANGE.0);
             if object.on_expiry() {
                 let generation = id.generation;
-                object.state = State::Unlocated;
+                object.state = State::Unlocated { tbv: None };
                 self.remember_always(id.slot);
                 self.revision += 1;
                 self.expiries.push(Expiry { at: f64::NEG_INFINITY, slot: id.slot, generation });
@@ -811,14 +836,24 @@ impl Scene {
     }
 
     fn enter_volume(&mut self, slot: u32, tbv: Tbv, expires: f64) {
+        self.volumes.insert(slot, &tbv.cells);
+        self.revision += 1;
+        self.set_hidden(slot, tbv, expires);
+    }
+
+    /// Leaves an object in the volume that it has, `room` away from its walls.
+    fn stay_in_volume(&mut self, slot: u32, tbv: Tbv, room: f64) {
+        let expires = self.now + seconds(room, self.object(slot).speed());
+        self.set_hidden(slot, tbv, expires);
+    }
+
+    fn set_hidden(&mut self, slot: u32, tbv: Tbv, expires: f64) {
         let generation = self.slots[slot as usize].generation;
         let object = self.object_mut(slot);
         object.state = State::Hidden { tbv, expires };
         if object.on_expiry() && expires.is_finite() {
             self.expiries.push(Expiry { at: expires, slot, generation });
         }
-        self.volumes.insert(slot, &tbv.cells);
-        self.revision += 1;
     }
 }
 

@@ -63,6 +63,8 @@ pub(crate) enum Origin {
 pub struct View {
     pub(crate) origin: Origin,
     pub(crate) planes: SmallVec<[HalfSpace; 6]>,
+    /// One bit for each plane that cuts the eye off from what lies inside it.
+    cutting: u32,
 }
 
 impl View {
@@ -120,8 +122,13 @@ impl View {
             let v = p.normal.as_dvec3().extend(f64::from(p.offset));
             HalfSpace::new(v).ok_or(Error::Plane(i))
         });
-        let planes = planes.collect::<Result<_, _>>()?;
-        Ok(Self { origin: Origin::Eye { at: eye.as_dvec3(), error: 0.0 }, planes })
+        let planes: SmallVec<[HalfSpace; 6]> = planes.collect::<Result<_, _>>()?;
+        let at = eye.as_dvec3();
+        // Planes through the eye miss it by their rounding to single precision.
+        let rounding = |p: &HalfSpace| 2f64.powi(-20) * (at.abs().max_element() + p.offset.abs());
+        let cuts = |p: &HalfSpace| p.distance(at) < -rounding(p);
+        let cutting = planes.iter().zip(0..).filter(|(p, _)| cuts(p)).map(|(_, i)| 1 << i).sum();
+        Ok(Self { origin: Origin::Eye { at, error: 0.0 }, planes, cutting })
     }
 
     fn from_clip(matrix: Mat4, gl_depth: bool, eye: Option<DVec3>) -> Result<Self, Error> {
@@ -141,26 +148,46 @@ impl View {
             None if is_parallel(&m) => Origin::Direction(direction(x, y, z, w)?),
             None => find_eye(x, y, w)?,
         };
-        let mut planes = SmallVec::new();
+        let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
+        let mut cutting = 0;
         let near = if gl_depth { w + z } else { z };
-        for (plane, parts) in [
-            (w + x, [w, x]),
-            (w - x, [w, x]),
-            (w + y, [w, y]),
-            (w - y, [w, y]),
-            (near, [w, z]),
-            (w - z, [w, z]),
-        ] {
+        let sides = [(w + x, [w, x]), (w - x, [w, x]), (w + y, [w, y]), (w - y, [w, y])];
+        for (i, (plane, parts)) in sides.into_iter().chain([(near, [w, z]), (w - z, [w, z])]).enumerate() {
             // What remains of two rows that cancel is rounding: an infinite far plane.
             let size = parts[0].truncate().length() + parts[1].truncate().length();
             if plane.truncate().length() > 1e-6 * size {
-                planes.extend(HalfSpace::new(plane));
+                // Of near and far plane, whichever lies between the eye and the rest.
+                let space = HalfSpace::new(plane);
+                if let (Some(space), Origin::Eye { at, .. }, true) = (space, origin, i >= 4) {
+                    cutting |= u32::from(space.distance(at) < 0.0) << planes.len();
+                }
+                planes.extend(space);
             }
         }
         if planes.len() < 4 {
             return Err(Error::Matrix("it maps space to a plane, a line or a point"));
         }
-        Ok(Self { origin, planes })
+        Ok(Self { origin, planes, cutting })
+    }
+
+    /// The half-spaces that do not hold the eye, such as that of a near plane.
+    pub(crate) fn cutting_planes(&self) -> impl Iterator<Item = &HalfSpace> {
+        self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 != 0).map(|(p, _)| p)
+    }
+
+    /// How far from the eye what the cutting planes cut away reaches, inside the
+    /// box from `min` to `max`.
+    pub(crate) fn cut_reach(&self, min: DVec3, max: DVec3) -> f64 {
+        let Some(eye) = self.eye() else { return 0.0 };
+        let cutting: Vec<HalfSpace> = self.cutting_planes().copied().collect();
+        let reach = |cut: &HalfSpace| {
+            let mut planes: SmallVec<[HalfSpace; 6]> =
+                self.planes.iter().filter(|p| !cutting.contains(p)).copied().collect();
+            planes.push(HalfSpace { normal: -cut.normal, offset: -cut.offset });
+            let part = Self { origin: self.origin, planes, cutting: 0 };
+            part.corners(min, max).iter().map(|c| c.distance(eye)).fold(0.0, f64::max)
+        };
+        cutting.iter().map(reach).fold(0.0, f64::max)
     }
 
     /// The eye; `None` for parallel rays.

@@ -10,6 +10,12 @@ use proptest::prelude::*;
 
 const SIZE: f32 = 24.0;
 
+/// Multiplies the cases of the property tests: set CASCA_CASES for long runs.
+fn cases(n: u32) -> ProptestConfig {
+    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
+    ProptestConfig { cases: n * times, failure_persistence: None, ..ProptestConfig::default() }
+}
+
 #[derive(Debug, Clone)]
 enum Step {
     /// Moves object `who` (of those alive) by an offset, or to a place.
@@ -173,7 +179,7 @@ fn play(steps: Vec<Step>) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(128))]
 
     #[test]
     fn volumes_change_nothing_that_is_seen(steps in prop::collection::vec(step(), 1..120)) {

@@ -7,6 +7,12 @@ use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, Settings, View};
 use glam::{DVec3, IVec3, Vec3};
 use proptest::prelude::*;
 
+/// Multiplies the cases of the property tests: set CASCA_CASES for long runs.
+fn cases(n: u32) -> ProptestConfig {
+    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
+    ProptestConfig { cases: n * times, failure_persistence: None, ..ProptestConfig::default() }
+}
+
 /// A scene whose opaque cells are exactly those of the blocks given.
 fn scene_of(dims: IVec3, blocks: &[(IVec3, IVec3)]) -> Scene {
     let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: dims.as_uvec3() }).unwrap();
@@ -68,7 +74,7 @@ fn arb_scene() -> impl Strategy<Value = (IVec3, Vec<(IVec3, IVec3)>, IVec3)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(cases(96))]
 
     #[test]
     fn masks_stay_within_the_lattice_rule_and_rays_confirm_it(

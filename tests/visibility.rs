@@ -1,0 +1,343 @@
+//! No visible object is ever lost: random scenes, motion, removal and views
+//! against exact visibility, which shares no code with the library.
+
+use casca::{
+    Bounds, GridSpec, MemoryUse, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings, Sphere, View,
+};
+use casca_harness::drive::{Driver, grid_for, view_of};
+use casca_harness::oracle::{Oracle, OracleOptions};
+use casca_harness::scenes::{SceneKind, SceneOptions, build};
+use casca_harness::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
+use glam::camera::rh::{proj::directx, view::look_to_mat4};
+use glam::{UVec3, Vec3};
+use proptest::prelude::*;
+
+/// Multiplies the cases of the property tests: set CASCA_CASES for long runs.
+fn cases(n: u32) -> ProptestConfig {
+    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
+    ProptestConfig { cases: n * times, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+const SIZE: f32 = 16.0;
+
+fn place() -> impl Strategy<Value = Vec3> {
+    let inside = prop::array::uniform3(0.0..SIZE).prop_map(Vec3::from_array);
+    let on_faces = prop::array::uniform3(0..=16u8).prop_map(|p| Vec3::from_array(p.map(f32::from)));
+    let near_faces = (prop::array::uniform3(0..=16u8), prop::array::uniform3(-1e-5..1e-5f32))
+        .prop_map(|(p, d)| Vec3::from_array(p.map(f32::from)) + Vec3::from_array(d));
+    let around = prop::array::uniform3(-SIZE..2.0 * SIZE).prop_map(Vec3::from_array);
+    prop_oneof![6 => inside, 2 => on_faces, 1 => near_faces, 1 => around]
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    let sphere = (place(), 0.05..5.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
+    let free = (place(), prop::array::uniform3(0.01..7.0f32))
+        .prop_map(|(min, size)| Shape::Box { min, max: min + Vec3::from_array(size) });
+    let on_cells = (prop::array::uniform3(-1..15i8), prop::array::uniform3(1..8i8)).prop_map(|(p, s)| {
+        let min = Vec3::from_array(p.map(f32::from));
+        Shape::Box { min, max: min + Vec3::from_array(s.map(f32::from)) }
+    });
+    prop_oneof![2 => sphere, 2 => free, 2 => on_cells]
+}
+
+fn object() -> impl Strategy<Value = Object> {
+    (shape(), any::<bool>(), prop::bool::weighted(0.8)).prop_map(|(shape, dynamic, occludes)| Object {
+        name: String::new(),
+        shape,
+        motion: if dynamic { Motion::Dynamic { max_speed: 3.0 } } else { Motion::Static },
+        occludes,
+        tested: true,
+    })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let direction =
+        prop::array::uniform3(-1.0..1.0f32).prop_map(|d| Vec3::from_array(d).normalize_or(Vec3::X));
+    let axis = (0..6usize).prop_map(|i| {
+        let mut v = Vec3::ZERO;
+        v[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
+        v
+    });
+    let fov = prop_oneof![4 => 20.0..100.0f32, 1 => 1.0..4.0f32, 1 => 150.0..179.0f32];
+    (place(), prop_oneof![direction, axis], fov, 0.4..2.5f32, 0.001..0.3f32).prop_map(
+        |(eye, forward, fov, aspect, near)| {
+            let up = if forward.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
+            Camera {
+                eye,
+                view: look_to_mat4(eye, forward, up),
+                projection: directx::perspective(fov.to_radians(), aspect, near, 100.0),
+            }
+        },
+    )
+}
+
+/// What happens between two frames.
+#[derive(Debug, Clone)]
+enum Change {
+    Nudge(usize, Vec3),
+    Replace(usize, Shape),
+    Remove(usize),
+    Insert(Object),
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let step = prop::array::uniform3(-0.7..0.7f32).prop_map(Vec3::from_array);
+    prop_oneof![
+        6 => (any::<usize>(), step).prop_map(|(i, s)| Change::Nudge(i, s)),
+        2 => (any::<usize>(), shape()).prop_map(|(i, s)| Change::Replace(i, s)),
+        1 => any::<usize>().prop_map(Change::Remove),
+        1 => object().prop_map(Change::Insert),
+    ]
+}
+
+fn shapes_of(object: &Object) -> (Bounds, Option<Occluder>) {
+    match object.shape {
+        Shape::Sphere { center, radius } => {
+            let s = Sphere::new(center, radius);
+            (s.into(), object.occludes.then(|| s.into()))
+        }
+        Shape::Box { min, max } => {
+            let b = casca::Aabb::new(min, max);
+            (b.into(), object.occludes.then(|| b.into()))
+        }
+        Shape::Mesh { .. } => unreachable!("these scenes have no meshes"),
+    }
+}
+
+fn describe(object: &Object) -> ObjectDesc {
+    let (bounds, occluder) = shapes_of(object);
+    let desc = match object.motion {
+        Motion::Static => ObjectDesc::fixed(bounds),
+        Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
+    };
+    occluder.map_or(desc.clone(), |o| desc.occluder(o))
+}
+
+fn moved_by(shape: &Shape, by: Vec3) -> Shape {
+    match *shape {
+        Shape::Sphere { center, radius } => Shape::Sphere { center: center + by, radius },
+        Shape::Box { min, max } => Shape::Box { min: min + by, max: max + by },
+        ref mesh => mesh.clone(),
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(48))]
+
+    #[test]
+    fn nothing_visible_is_lost(
+        start in prop::collection::vec(object(), 1..40),
+        frames in prop::collection::vec((prop::collection::vec(change(), 0..8), camera()), 1..10),
+        cell in prop_oneof![Just(1.0f32), Just(0.5f32), 0.3..2.0f32],
+        resolution in 6..10u32,
+        offset in prop_oneof![3 => Just(0.0f32), 1 => Just(4096.0f32), 1 => Just(-65536.0f32)],
+    ) {
+        // Everything is shifted, so that coordinates are large; shapes keep what rounding leaves.
+        let shift = |o: &Object| Object { shape: moved_by(&o.shape, Vec3::splat(offset)), ..o.clone() };
+        let corner = Vec3::splat(offset);
+        let dims = UVec3::splat((SIZE / cell).ceil() as u32);
+        let mut scene = Scene::new(&GridSpec { min: corner, cell, dims }).unwrap();
+        let mut settings = Settings::default();
+        settings.mask_resolution = 1 << resolution;
+        let mut query = Query::with_settings(settings).unwrap();
+        let mut objects: Vec<Object> = start.iter().map(shift).collect();
+        let mut ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
+        for (number, (changes, camera)) in frames.iter().enumerate() {
+            scene.begin_frame(number as f64 * FRAME_SECONDS).unwrap();
+            for change in changes {
+                let n = objects.len();
+                match change {
+                    Change::Insert(o) => {
+                        objects.push(shift(o));
+                        ids.push(scene.insert(describe(&objects[n])).unwrap());
+                    }
+                    _ if n == 0 => {}
+                    Change::Remove(i) => {
+                        objects.swap_remove(i % n);
+                        scene.remove(ids.swap_remove(i % n)).unwrap();
+                    }
+                    Change::Nudge(i, by) => objects[i % n].shape = moved_by(&objects[i % n].shape, *by),
+                    Change::Replace(i, s) => objects[i % n].shape = moved_by(s, corner),
+                }
+                if let (Change::Nudge(i, _) | Change::Replace(i, _), true) = (change, n > 0) {
+                    let (bounds, occluder) = shapes_of(&objects[i % n]);
+                    scene.update(ids[i % n], bounds, occluder).unwrap();
+                }
+            }
+            let eye = camera.eye + corner;
+            let view = glam::Mat4::from(look_to_mat4(eye, -camera.view.row(2).truncate(), camera.view.row(1).truncate()));
+            let camera = Camera { eye, view, projection: camera.projection };
+            let pvs = query.run(&scene, &View::perspective(eye, camera.view_projection()).unwrap());
+            let options = OracleOptions { width: 160, height: 120, samples_per_object: 48, max_candidates: 1000, seed: number as u64 };
+            let sees = |i: usize| pvs.contains(ids[i]);
+            let verdict = Oracle::new(&objects, options).frame(&objects, &[], &camera, &sees);
+            let lost = &verdict.false_negatives;
+            prop_assert!(lost.is_empty(), "frame {number}: {:?} of {:?}", lost[0], objects[lost[0].object]);
+            scene.end_frame([query.pvs()]).unwrap();
+        }
+    }
+
+    #[test]
+    fn nothing_visible_is_lost_in_any_direction(
+        objects in prop::collection::vec(object(), 1..40),
+        eyes in prop::collection::vec(place(), 1..4),
+    ) {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+        let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
+        let oracle = Oracle::new(&objects, OracleOptions { width: 1, height: 1, ..OracleOptions::default() });
+        let mut query = Query::new();
+        for eye in eyes {
+            let pvs = query.run(&scene, &View::around(eye).unwrap());
+            let left: Vec<usize> = (0..ids.len()).filter(|&i| !pvs.contains(ids[i])).collect();
+            let report = oracle.rays().probe(&objects, eye.as_dvec3(), &left, 200, 1, |_| true);
+            prop_assert!(report.seen.is_empty(), "{:?} of {:?}", report.seen[0], objects[report.seen[0].object]);
+        }
+    }
+}
+
+#[test]
+fn the_procedural_scenes_lose_nothing() {
+    for kind in SceneKind::ALL {
+        let crowd = kind == SceneKind::Crowd;
+        let options =
+            SceneOptions { seed: 3, frames: 60, scale: if crowd { 0.1 } else { 1.0 }, ..Default::default() };
+        let mut world = build(kind, &options);
+        let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+        let mut query = Query::new();
+        let options =
+            OracleOptions { width: 480, height: 270, samples_per_object: 4, max_candidates: 4000, seed: 3 };
+        let mut oracle = Oracle::new(&world.objects, options);
+        let (mut pvs_sum, mut exact_sum) = (0, 0);
+        for frame in (0..world.frames).step_by(6) {
+            let moved = world.set_frame(frame);
+            driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
+            driver.update(&world.objects, &moved).unwrap();
+            let camera = world.camera(frame, 16.0 / 9.0);
+            let pvs = query.run(&driver.scene, &view_of(&camera).unwrap());
+            let verdict = oracle.frame(&world.objects, &moved, &camera, &|i| driver.sees(pvs, i));
+            assert!(verdict.false_negatives.is_empty(), "{kind:?} {frame}: {:?}", verdict.false_negatives);
+            pvs_sum += driver.count(pvs, &world.objects);
+            exact_sum += verdict.exact.len();
+            driver.scene.end_frame([query.pvs()]).unwrap();
+        }
+        assert!(exact_sum > 0 && pvs_sum >= exact_sum, "{kind:?}: {pvs_sum} {exact_sum}");
+    }
+}
+
+#[test]
+fn queries_in_parallel_give_the_same_results() {
+    let world = build(SceneKind::City, &SceneOptions::default());
+    let driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+    let views: Vec<View> = (0..24).map(|f| view_of(&world.camera(f * 6, 1.5)).unwrap()).collect();
+    let alone: Vec<Vec<ObjectId>> = {
+        let mut query = Query::new();
+        views.iter().map(|v| query.run(&driver.scene, v).visible().to_vec()).collect()
+    };
+    let together: Vec<Vec<ObjectId>> = std::thread::scope(|s| {
+        let threads: Vec<_> =
+            views.iter().map(|v| s.spawn(|| Query::new().run(&driver.scene, v).visible().to_vec())).collect();
+        threads.into_iter().map(|t| t.join().unwrap()).collect()
+    });
+    assert_eq!(alone, together);
+}
+
+#[test]
+fn memory_follows_occupied_cells() {
+    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(1024, 256, 1024) };
+    let mut scene = Scene::new(&spec).unwrap();
+    let empty: MemoryUse = scene.memory();
+    assert!(empty.total() < 1 << 20, "{empty:?}");
+    let mut state = 1u64;
+    let mut next = |n: f32| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32 * n
+    };
+    for i in 0..100_000 {
+        let center = Vec3::new(2.0 + next(1020.0), 2.0 + next(252.0), 2.0 + next(1020.0));
+        let ball = Sphere::new(center, 0.3 + next(0.7));
+        let desc =
+            if i % 2 == 0 { ObjectDesc::fixed(ball) } else { ObjectDesc::dynamic(ball).max_speed(5.0) };
+        scene.insert(desc.occluder(ball)).unwrap();
+    }
+    let all_listed = scene.memory();
+    let mut query = Query::new();
+    // Looking away from everything hides all dynamic objects.
+    query.run(
+        &scene,
+        &View::from_planes(Vec3::ONE, &[casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 }]).unwrap(),
+    );
+    scene.end_frame([query.pvs()]).unwrap();
+    let half_hidden = scene.memory();
+    println!("all listed {all_listed:?}, half in volumes {half_hidden:?}");
+    assert!(scene.tbv_matrix().volumes() > 49_000);
+    assert!(all_listed.total() < 256 << 20 && half_hidden.total() < 256 << 20);
+}
+
+#[test]
+fn a_result_for_a_cell_holds_while_the_eye_stays_in_it() {
+    let world = build(SceneKind::City, &SceneOptions::default());
+    let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+    let mut query = Query::new();
+    let camera = world.camera(40, 1.5);
+    let pvs = query.run(&driver.scene, &View::around(camera.eye).unwrap()).clone();
+    let view = view_of(&camera).unwrap();
+    assert!(pvs.holds(&driver.scene, &view));
+    for frame in 41..44 {
+        let mut next = world.camera(frame, 1.5);
+        next.eye = camera.eye + (next.eye - camera.eye) * 0.01;
+        next.view = look_to_mat4(next.eye, Vec3::NEG_Z, Vec3::Y);
+        let view = view_of(&next).unwrap();
+        assert!(pvs.holds(&driver.scene, &view));
+        // What the narrow view sees by itself is in the result for all around.
+        query.run(&driver.scene, &view).visible().iter().for_each(|&id| assert!(pvs.contains(id)));
+    }
+    assert!(!pvs.holds(&driver.scene, &View::around(camera.eye + Vec3::X * 2.0).unwrap()));
+    let car = driver.id(world.objects.len() - 1);
+    driver.scene.translate(car, Vec3::Y * 0.5).unwrap();
+    assert!(!pvs.holds(&driver.scene, &view));
+}
+
+#[test]
+fn refused_calls_leave_the_scene_as_it_was() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+    let ball = Sphere::new(Vec3::splat(8.0), 3.0);
+    let id = scene.insert(ObjectDesc::dynamic(ball).occluder(ball)).unwrap();
+    let state = |s: &Scene| (s.len(), s.id_matrix().entries(), s.dynamic_opacity().count(), s.memory());
+    let before = state(&scene);
+    let broken = [
+        Sphere::new(Vec3::NAN, 1.0),
+        Sphere::new(Vec3::INFINITY, 1.0),
+        Sphere::new(Vec3::ZERO, -1.0),
+        Sphere::new(Vec3::ZERO, f32::NAN),
+    ];
+    for s in broken {
+        assert!(scene.insert(ObjectDesc::fixed(s)).is_err());
+        assert!(scene.update(id, s, None).is_err());
+        assert!(scene.update(id, ball, Some(s.into())).is_err());
+    }
+    let inverted = casca::Aabb::new(Vec3::ONE, Vec3::ZERO);
+    let message = scene.insert(ObjectDesc::fixed(inverted)).unwrap_err().to_string();
+    assert!(message.contains("the bounds") && message.contains("inverted"), "{message}");
+    assert!(scene.insert(ObjectDesc::dynamic(ball).max_speed(f32::INFINITY)).is_err());
+    assert!(scene.insert(ObjectDesc::dynamic(ball).reported_on_expiry()).is_err());
+    assert!(scene.begin_frame(f64::NAN).is_err());
+    assert!(scene.translate(id, Vec3::NAN).is_err());
+    assert!(
+        scene.translate(id, Vec3::splat(f32::MAX)).and(scene.translate(id, Vec3::splat(f32::MAX))).is_err()
+    );
+    scene.update(id, ball, Some(ball.into())).unwrap();
+    let mut settings = Settings::default();
+    settings.mask_resolution = 100;
+    assert!(Query::with_settings(settings).is_err());
+    let after = state(&scene);
+    assert_eq!((before.0, before.1, before.2), (after.0, after.1, after.2));
+
+    // Huge bounds are taken, and cost no more than the grid.
+    let huge = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::ZERO, 3e38))).unwrap();
+    let everywhere = casca::Aabb::new(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
+    let boxy = scene.insert(ObjectDesc::fixed(everywhere)).unwrap();
+    let mut query = Query::new();
+    let pvs = query.run(&scene, &View::around(Vec3::splat(1.0)).unwrap());
+    assert!(pvs.contains(huge) && pvs.contains(boxy) && pvs.contains(id));
+    assert!(scene.remove(huge).is_ok() && scene.remove(boxy).is_ok());
+}
