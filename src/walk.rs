@@ -153,6 +153,10 @@ impl SideFrustum {
                 return None;
             }
         }
+        // Both lie between `lo` and `hi` from here on; NaN bounds nothing.
+        if a > b {
+            return None;
+        }
         // The end may be off by one rounding of a quotient up to 2^21: far below the margin.
         let (a, b) = (ceil(a), floor(b));
         (a <= b).then_some((a, b))
@@ -188,6 +192,27 @@ mod tests {
 
     use super::*;
     use crate::grid::GridSpec;
+    use crate::view::Plane;
+
+    #[test]
+    fn absurd_planes_overflow_nothing() {
+        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+        for offset in [1e38, -1e38, 3e9, -3e9, f32::MIN_POSITIVE] {
+            for normal in [Vec3::ONE, Vec3::new(1.0, 1e-8, 0.0), Vec3::new(1e-30, -1e-30, 2e-30)] {
+                let plane = Plane { normal, offset };
+                let Ok(view) = View::from_planes(Vec3::splat(7.5), &[plane]) else { continue };
+                for frustum in [
+                    CellFrustum::new(&grid, &view, IVec3::splat(7)),
+                    CellFrustum::without_eye(&grid, &view, IVec3::splat(7)),
+                ] {
+                    for side in &Side::ALL {
+                        let found = frustum.on_side(side, 5 * side.sign).row(3, (-5, 5));
+                        assert!(found.is_none_or(|(a, b)| -5 <= a && a <= b && b <= 5));
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn rows_hold_every_cell_that_the_frustum_meets() {
