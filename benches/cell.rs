@@ -22,7 +22,6 @@ fn spheres(hidden_extra: usize) -> World {
 
 /// A scene whose hidden objects have settled in their volumes after a walk of all frames.
 struct Settled {
-    world: World,
     driver: Driver,
     views: Vec<View>,
 }
@@ -37,7 +36,7 @@ fn settled(hidden_extra: usize) -> Settled {
         query.run(&driver.scene, view);
         driver.scene.end_frame([query.pvs()]).unwrap();
     }
-    Settled { world, driver, views }
+    Settled { driver, views }
 }
 
 /// Masks against the thesis' caps, both in all directions.

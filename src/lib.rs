@@ -36,3 +36,7 @@ pub use query::{Method, Query, Settings};
 pub use scene::{FrameReport, MemoryUse, Scene};
 pub use shape::{Bounds, CellRun, Occluder, Shape, TriMesh};
 pub use view::{MAX_PLANES, Plane, View};
+
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;

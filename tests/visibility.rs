@@ -165,7 +165,8 @@ proptest! {
                 }
             }
             let eye = camera.eye + corner;
-            let view = glam::Mat4::from(look_to_mat4(eye, -camera.view.row(2).truncate(), camera.view.row(1).truncate()));
+            let (up, back) = (camera.view.row(1).truncate(), camera.view.row(2).truncate());
+            let view = look_to_mat4(eye, -back, up);
             let camera = Camera { eye, view, projection: camera.projection };
             let pvs = query.run(&scene, &View::perspective(eye, camera.view_projection()).unwrap());
             let options = OracleOptions { width: 160, height: 120, samples_per_object: 48, max_candidates: 1000, seed: number as u64 };
