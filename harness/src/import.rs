@@ -115,7 +115,9 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
-    let gltf::Gltf { document, mut blob } = gltf::Gltf::from_slice(bytes)?;
+    check_header(bytes)?;
+    let gltf::Gltf { document, mut blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
+    check_rules(&document)?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let index = buffer.index();
@@ -136,6 +138,53 @@ pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Tr
         buffers.push(data);
     }
     Reader { buffers }.world(name, &document)
+}
+
+/// Refuses a .glb that claims to be shorter than its header; the parser takes this for granted.
+fn check_header(bytes: &[u8]) -> Result<(), gltf::Error> {
+    let Some(length) = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..8)) else { return Ok(()) };
+    let length = length.iter().rev().fold(0, |n, &byte| n << 8 | u32::from(byte));
+    if length >= 12 {
+        return Ok(());
+    }
+    Err(gltf::Error::Binary(gltf::binary::Error::Length { length, length_read: bytes.len() }))
+}
+
+/// Validates a document, with the rules that the validation of the glTF crate leaves out but takes for granted.
+fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
+    use gltf::json::Path;
+    use gltf::json::camera::Type;
+    use gltf::json::validation::{Checked, Error, Validate};
+    let root = document.as_json();
+    let at = |list: &str, index: usize| Path::new().field(list).index(index);
+    let mut errors = Vec::new();
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let path = || at("meshes", m).field("primitives").index(p).field("attributes");
+            primitive.attributes.validate(root, path, &mut |path, error| errors.push((path(), error)));
+        }
+    }
+    for (a, animation) in root.animations.iter().enumerate() {
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let path = || at("animations", a).field("channels").index(c).field("target");
+            channel.target.validate(root, path, &mut |path, error| errors.push((path(), error)));
+        }
+    }
+    for (i, camera) in root.cameras.iter().enumerate() {
+        let missing = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_none(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_none(),
+            Checked::Invalid => true,
+        };
+        if missing {
+            errors.push((at("cameras", i), Error::Missing));
+        }
+    }
+    // Only now: it looks up the positions of meshes unchecked.
+    if errors.is_empty() {
+        root.validate(root, Path::new, &mut |path, error| errors.push((path(), error)));
+    }
+    if errors.is_empty() { Ok(()) } else { Err(gltf::Error::Validation(errors)) }
 }
 
 /// A key-framed property of a node.
@@ -252,7 +301,7 @@ impl Nodes {
     }
 
     fn moves(&self, node: usize) -> bool {
-        self.0[node].moves || self.0[node].parent.is_some_and(|p| self.moves(p))
+        std::iter::successors(Some(node), |&n| self.0[n].parent).any(|n| self.0[n].moves)
     }
 }
 
@@ -278,13 +327,16 @@ impl Reader {
         }
         let Some(view) = accessor.view() else { return fail("without data") };
         let (size, count) = (accessor.size(), accessor.count());
+        if count == 0 {
+            return fail("empty");
+        }
         let stride = view.stride().unwrap_or(size);
         if stride < size {
             return fail("packed closer than its elements are long");
         }
-        let length = count
-            .checked_sub(1)
-            .map_or(Some(0), |n| n.checked_mul(stride).and_then(|n| n.checked_add(size)))
+        let length = (count - 1)
+            .checked_mul(stride)
+            .and_then(|n| n.checked_add(size))
             .and_then(|n| n.checked_add(accessor.offset()));
         if length.is_none_or(|n| n > view.length()) {
             return fail("longer than its buffer view");
@@ -665,6 +717,11 @@ mod tests {
 
     /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
     fn small_file() -> Vec<u8> {
+        small_file_with("", "")
+    }
+
+    /// The same with a part of its JSON replaced.
+    fn small_file_with(old: &str, new: &str) -> Vec<u8> {
         let floats: [f32; 9 + 2 + 6] =
             [0.0, 0.0, -5.0, 1.0, 0.0, -5.0, 0.0, 1.0, -5.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
         let bin: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
@@ -681,7 +738,8 @@ mod tests {
             "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},
                 {"buffer":0,"byteOffset":44,"byteLength":24}],
             "buffers":[{"byteLength":68}]}"#;
-        let mut json = json.as_bytes().to_vec();
+        assert!(json.contains(old), "{old}");
+        let mut json = json.replacen(old, new, 1).into_bytes();
         while !json.len().is_multiple_of(4) {
             json.push(b' ');
         }
@@ -719,7 +777,7 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 8) as usize % n
         };
-        for _ in 0..4000 {
+        for _ in 0..20_000 {
             let mut broken = file.clone();
             for _ in 0..1 + next(3) {
                 let at = next(broken.len());
@@ -732,6 +790,39 @@ mod tests {
             load(Path::new("/no/such/file.glb")).err().expect("no such file").why,
             Trouble::Read(_)
         ));
+    }
+
+    #[test]
+    fn what_the_parser_takes_for_granted_is_checked() {
+        for (old, new) in [
+            (r#""path":"translation""#, r#""path":"colour""#),
+            (r#""target":{"node":1"#, r#""target":{"node":9"#),
+            (r#""type":"perspective""#, r#""type":"orthographic""#),
+            (r#""count":3"#, r#""count":0"#),
+            (r#""count":2"#, r#""count":0"#),
+            (r#""count":3"#, r#""count":18446744073709551615"#),
+            (r#""POSITION":0"#, r#""POSITION":7"#),
+            (r#"{"camera":0}"#, r#"{"camera":0,"children":[1]}"#),
+        ] {
+            let refused = read("bad", &small_file_with(old, new), None);
+            println!("{new}: {}", refused.err().unwrap_or_else(|| panic!("{new} was taken")));
+        }
+        let mut short = small_file();
+        short[8..12].copy_from_slice(&11u32.to_le_bytes());
+        assert!(matches!(read("short", &short, None), Err(Trouble::Format(gltf::Error::Binary(_)))));
+    }
+
+    #[test]
+    fn deep_trees_need_no_deep_stack() {
+        // A chain of nodes, with the camera at its end.
+        let depth = 30_000;
+        let mut nodes = String::from(r#"{"camera":0,"children":[2]}"#);
+        for i in 3..depth {
+            nodes += &format!(r#",{{"children":[{i}]}}"#);
+        }
+        nodes += r#",{"mesh":0}"#;
+        let world = read("deep", &small_file_with(r#"{"camera":0}"#, &nodes), None).unwrap();
+        assert!(world.objects[1].motion != Motion::Static);
     }
 
     #[test]
