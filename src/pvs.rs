@@ -28,7 +28,8 @@ pub struct Stats {
     pub objects_tested: u32,
     /// Temporal bounding volumes revealed.
     pub tbvs_revealed: u32,
-    /// Whether the eye was inside an occluder, so that nothing was hidden.
+    /// Whether the eye was inside an occluder, or the near plane cut into one, so
+    /// that one may see through it: nothing was taken to be hidden.
     pub eye_in_occluder: bool,
     /// Wall-clock time of the query.
     pub elapsed: Duration,
@@ -124,23 +125,9 @@ impl Pvs {
         self.cell
     }
 
-    /// Whether what the near plane of a new view cuts away holds no opaque cells.
-    fn near_is_clear(&self, scene: &Scene, view: &View) -> bool {
-        let Some(cell) = self.cell else { return false };
-        let (min, max) = scene.extent();
-        let reach = view.cut_reach(min, max) / scene.grid().cell_size();
-        if reach > 4.0 {
-            return false;
-        }
-        let r = reach.ceil() as i32;
-        let near =
-            (-r..=r).flat_map(|z| (-r..=r).flat_map(move |y| (-r..=r).map(move |x| IVec3::new(x, y, z))));
-        !near.into_iter().any(|offset| scene.is_opaque(cell + offset))
-    }
-
     /// Whether this result still holds for a new view: nothing moved, the eye
     /// is in the same cell and inside no occluder, and sees nothing outside the
-    /// frustum of this result, nor past solids through its near plane. In doubt, no.
+    /// frustum of this result, nor into solids through its near plane. In doubt, no.
     ///
     /// Results of [`Method::Frustum`] hold for any eye. A result for all
     /// directions ([`View::around`]) holds for every view from its cell.
@@ -168,6 +155,6 @@ impl Pvs {
             at == old
                 || p.distance(at) - error + (-p.distance(old)).max(0.0) >= p.margin(at.abs().max_element())
         });
-        same_cell && seen_from && !scene.inside_occluder(at) && self.near_is_clear(scene, view)
+        same_cell && seen_from && !scene.inside_occluder(at) && !scene.near_plane_cuts(view)
     }
 }

@@ -291,7 +291,7 @@ impl<'a> Walk<'a> {
     fn occlusion_slack(&mut self, nearest: i32) -> Option<f64> {
         let Origin::Eye { at, error } = self.view.origin else { return None };
         let grid = &self.scene.grid;
-        self.stats.eye_in_occluder = self.scene.inside_occluder(at);
+        self.stats.eye_in_occluder = self.scene.inside_occluder(at) || self.scene.near_plane_cuts(self.view);
         let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
         let slack = if sure { 0.0 } else { error / grid.cell_size() };
         (!self.stats.eye_in_occluder && nearest <= FAR_VIEWER && slack <= UNCERTAIN_EYE)
@@ -529,8 +529,7 @@ impl<'a> Walk<'a> {
                     if volumes != 0 {
                         hits.push((brick, volumes, false));
                     }
-                    let blocked =
-                        self.frustum.uncut(opaque & tile, (brick << 3i32) - v, at - v[axes.normal], &axes);
+                    let blocked = opaque & tile;
                     if blocked != 0 {
                         for i in 0..8 {
                             let byte = blocked >> (8 * i) & 0xff;

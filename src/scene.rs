@@ -13,11 +13,14 @@ use crate::object::{Motion, ObjectDesc, ObjectId, Reports};
 use crate::pvs::Pvs;
 use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
 use crate::tbv::{Expiry, FIRST_VALIDITY, Tbv, VALIDITY_RANGE, Volumes, lay, way};
-use crate::{Aabb, Sphere};
+use crate::{Aabb, Sphere, View};
 
 /// An object whose bounds span more cells than this is not written into I: it
 /// is tested against the frustum in every query.
 const MAX_SPANNED_CELLS: u64 = 1 << 22;
+
+/// Beyond this many cells before the near plane all occluders are asked instead.
+const MAX_NEAR_CELLS: u64 = 4096;
 
 static SCENES: AtomicU32 = AtomicU32::new(1);
 
@@ -614,6 +617,34 @@ impl Scene {
             |&slot: &u32| self.object(slot).occluder.as_ref().is_some_and(|o| o.contains_point(point));
         self.always.iter().any(holds)
             || self.grid.contains(cell) && (self.is_opaque(cell) || self.ids.get(cell).iter().any(holds))
+    }
+
+    /// Whether the near plane of a view may cut into an occluder: then one sees
+    /// through it, since its front is cut away.
+    pub(crate) fn near_plane_cuts(&self, view: &View) -> bool {
+        let (min, max) = self.extent();
+        view.cut_regions(min, max).any(|(region, block)| {
+            let meets = |slot: u32| match &self.object(slot).occluder {
+                Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
+                Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
+                Some(Occluder::Mesh(m)) => m.surface_meets(&block),
+                None => false,
+            };
+            let (lo, hi) = self.grid.cover(block.min, block.max);
+            let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
+            let cells = (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>();
+            if cells > MAX_NEAR_CELLS {
+                let living = |i: &u32| self.slots[*i as usize].object.is_some();
+                return (0..self.slots.len() as u32).filter(living).any(meets);
+            }
+            let in_cell = |c: IVec3| {
+                let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+                self.is_opaque(c) && opaque() || self.ids.get(c).iter().any(|&s| meets(s))
+            };
+            self.always.iter().any(|&s| meets(s))
+                || (lo.z..=hi.z)
+                    .any(|z| (lo.y..=hi.y).any(|y| (lo.x..=hi.x).any(|x| in_cell(IVec3::new(x, y, z)))))
+        })
     }
 
     fn remember_always(&mut self, slot: u32) {

@@ -3,8 +3,10 @@
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use smallvec::SmallVec;
 
+use crate::Sphere;
 use crate::error::{Error, finite3};
-use crate::shape::{Bounds, Shape};
+use crate::geometry::Block;
+use crate::shape::Bounds;
 
 /// The most planes that can bound a view.
 pub const MAX_PLANES: usize = 32;
@@ -175,19 +177,20 @@ impl View {
         self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 != 0).map(|(p, _)| p)
     }
 
-    /// How far from the eye what the cutting planes cut away reaches, inside the
-    /// box from `min` to `max`.
-    pub(crate) fn cut_reach(&self, min: DVec3, max: DVec3) -> f64 {
-        let Some(eye) = self.eye() else { return 0.0 };
-        let cutting: Vec<HalfSpace> = self.cutting_planes().copied().collect();
-        let reach = |cut: &HalfSpace| {
-            let mut planes: SmallVec<[HalfSpace; 6]> =
-                self.planes.iter().filter(|p| !cutting.contains(p)).copied().collect();
+    /// What each cutting plane cuts away of the view: convex regions with their
+    /// bounding box, as far as they lie in the box from `min` to `max`.
+    pub(crate) fn cut_regions(&self, min: DVec3, max: DVec3) -> impl Iterator<Item = (Self, Block)> {
+        self.cutting_planes().filter_map(move |cut| {
+            let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
+            let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: -cut.offset });
-            let part = Self { origin: self.origin, planes, cutting: 0 };
-            part.corners(min, max).iter().map(|c| c.distance(eye)).fold(0.0, f64::max)
-        };
-        cutting.iter().map(reach).fold(0.0, f64::max)
+            let region = Self { origin: self.origin, planes, cutting: 0 };
+            let corners = region.corners(min, max);
+            let block = corners.iter().fold(None, |b: Option<Block>, &c| {
+                Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
+            })?;
+            Some((region, block))
+        })
     }
 
     /// The eye; `None` for parallel rays.
@@ -201,20 +204,23 @@ impl View {
     /// Whether the box or sphere may meet every half-space of the view.
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
         match bounds {
-            Bounds::Sphere(s) => {
-                let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-                let reach = c.abs().max_element() + r;
-                self.planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
-            }
-            other => {
-                let (min, max) = other.bounds();
-                let reach = min.abs().max(max.abs()).max_element();
-                self.planes.iter().all(|p| {
-                    let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), max, min);
-                    p.distance(farthest) >= -p.margin(reach)
-                })
-            }
+            Bounds::Sphere(s) => self.may_see_sphere(s),
+            other => self.may_see_block(&other.block()),
         }
+    }
+
+    pub(crate) fn may_see_sphere(&self, s: &Sphere) -> bool {
+        let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
+        let reach = c.abs().max_element() + r;
+        self.planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+    }
+
+    pub(crate) fn may_see_block(&self, b: &Block) -> bool {
+        let reach = b.min.abs().max(b.max.abs()).max_element();
+        self.planes.iter().all(|p| {
+            let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), b.max, b.min);
+            p.distance(farthest) >= -p.margin(reach)
+        })
     }
 
     /// Whether all that `other` sees inside the box from `min` to `max` lies in

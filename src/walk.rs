@@ -6,7 +6,6 @@ use smallvec::SmallVec;
 
 use crate::grid::Grid;
 use crate::mask::Side;
-use crate::matrix::SideAxes;
 use crate::view::{HalfSpace, Origin, View};
 
 /// Half-spaces are widened by this many cells: far more than the rounding of
@@ -27,9 +26,6 @@ struct CellPlane {
 #[derive(Debug, Clone)]
 pub(crate) struct CellFrustum {
     planes: SmallVec<[CellPlane; 6]>,
-    /// Half-spaces without the eye, such as the near plane's: what lies outside
-    /// them is cut away and hides nothing. Narrowed by half a cell.
-    near: SmallVec<[CellPlane; 1]>,
 }
 
 impl CellFrustum {
@@ -55,46 +51,7 @@ impl CellFrustum {
             let offset = (plane.normal.dot(center) + offset) / grid.cell_size() + half + MARGIN;
             CellPlane { normal: plane.normal.to_array(), offset }
         };
-        let narrowed = |plane: &HalfSpace| {
-            let half = plane.normal.abs().element_sum() * 0.5;
-            let offset = (plane.normal.dot(center) + plane.offset) / grid.cell_size() - half - MARGIN;
-            CellPlane { normal: plane.normal.to_array(), offset }
-        };
-        let near = view.cutting_planes().map(narrowed).collect();
-        Self { planes: view.planes.iter().map(widened).collect(), near }
-    }
-
-    /// Leaves of the opaque cells of a tile those that the near plane does not
-    /// cut. `corner` is the first cell of the tile's brick, `depth` its coordinate
-    /// along the side's axis.
-    #[inline]
-    pub(crate) fn uncut(&self, tile: u64, corner: IVec3, depth: i32, axes: &SideAxes) -> u64 {
-        if tile == 0 || self.near.is_empty() {
-            return tile;
-        }
-        let mut lo = corner;
-        lo[axes.normal] = depth;
-        let mut hi = lo;
-        hi[axes.row] += 7;
-        hi[axes.col] += 7;
-        if self.beyond_near(lo, hi) {
-            return tile;
-        }
-        (0..64).filter(|bit| tile >> bit & 1 != 0).fold(0, |kept, bit| {
-            let mut c = lo;
-            c[axes.row] += bit >> 3;
-            c[axes.col] += bit & 7;
-            if self.beyond_near(c, c) { kept | 1 << bit } else { kept }
-        })
-    }
-
-    /// Whether no cell of a block is cut by the near plane.
-    fn beyond_near(&self, lo: IVec3, hi: IVec3) -> bool {
-        self.near.iter().all(|p| {
-            let n = DVec3::from_array(p.normal);
-            let nearest = DVec3::select(n.cmpge(DVec3::ZERO), lo.as_dvec3(), hi.as_dvec3());
-            n.dot(nearest) + p.offset >= 0.0
-        })
+        Self { planes: view.planes.iter().map(widened).collect() }
     }
 
     /// Whether some cells of a block may meet the frustum.

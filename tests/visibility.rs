@@ -226,6 +226,28 @@ fn the_procedural_scenes_lose_nothing() {
 }
 
 #[test]
+fn a_solid_that_the_near_plane_cuts_hides_nothing() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(32) }).unwrap();
+    let ball = Sphere::new(Vec3::new(5.274932, 4.053323, 5.115905), 4.1894374);
+    scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap();
+    let behind = casca::Aabb::new(Vec3::new(6.0, 1.0, 2.0), Vec3::new(8.0, 3.0, 4.0));
+    let behind = scene.insert(ObjectDesc::fixed(behind)).unwrap();
+    let eye = Vec3::new(3.9914808, 7.27762, 2.2490623);
+    let towards = (ball.center - eye).normalize();
+    let view = |near| {
+        let matrix = directx::perspective(1.0, 1.5, near, 100.0) * look_to_mat4(eye, towards, Vec3::Y);
+        View::perspective(eye, matrix).unwrap()
+    };
+    let mut query = Query::new();
+    let cut = query.run(&scene, &view(0.35));
+    assert!(cut.contains(behind) && cut.stats().eye_in_occluder);
+    let clear = query.run(&scene, &view(0.05)).clone();
+    assert!(!clear.contains(behind) && !clear.stats().eye_in_occluder);
+    let around = query.run(&scene, &View::around(eye).unwrap()).clone();
+    assert!(around.holds(&scene, &view(0.05)) && !around.holds(&scene, &view(0.35)));
+}
+
+#[test]
 fn queries_in_parallel_give_the_same_results() {
     let world = build(SceneKind::City, &SceneOptions::default());
     let driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();

@@ -100,6 +100,11 @@ impl TriMesh {
         Some((lo, bits))
     }
 
+    /// Whether triangles may meet a box.
+    pub(crate) fn surface_meets(&self, block: &Block) -> bool {
+        self.corners().any(|t| triangle_meets_box(&t, (block.min, block.max), margin(&t)))
+    }
+
     /// Where the line along `axis` through `point` crosses the mesh.
     fn crossings(&self, axis: usize, point: DVec3, out: &mut Vec<f64>) {
         out.clear();

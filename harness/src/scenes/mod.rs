@@ -195,11 +195,7 @@ mod tests {
                     for ((a, b), &i) in old.iter().zip(&middles).zip(&moved) {
                         let Motion::Dynamic { max_speed } = world.objects[i].motion else { panic!() };
                         let way = a.distance(*b);
-                        assert!(
-                            way <= max_speed * seconds * 1.001 + 1e-4,
-                            "{}: {way}",
-                            world.objects[i].name
-                        );
+                        assert!(way <= max_speed * seconds, "{}: {way}", world.objects[i].name);
                     }
                 }
                 last = Some((frame, middles));

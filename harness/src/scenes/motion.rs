@@ -7,6 +7,9 @@ use glam::Vec3;
 use super::Dice;
 use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
 
+/// Rounding of coordinates of some hundred metres, seen as speed.
+const ROUNDING: f32 = 2e-3;
+
 /// Seconds from the start of the path.
 pub(super) fn seconds(frame: usize) -> f32 {
     (frame as f64 * FRAME_SECONDS) as f32
@@ -38,7 +41,7 @@ impl Swing {
 
     /// No point moves faster.
     pub(super) fn max_speed(&self) -> f32 {
-        (self.reach * self.rate).length() * 1.0001
+        (self.reach * self.rate).length() * 1.0001 + ROUNDING
     }
 }
 
@@ -140,7 +143,7 @@ pub(super) struct Sliding {
 impl Sliding {
     pub(super) fn last(objects: &mut [Object], way: Vec3, rate: f32, phase: f32) -> Self {
         let index = objects.len() - 1;
-        let max_speed = way.length() * 0.5 * rate * 1.0001;
+        let max_speed = way.length() * 0.5 * rate * 1.0001 + ROUNDING;
         objects[index].motion = Motion::Dynamic { max_speed };
         let sliding = Self { index, rest: objects[index].shape.clone(), way, rate, phase };
         objects[index].shape = sliding.shape(0.0);
