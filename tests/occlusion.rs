@@ -4,14 +4,9 @@
 use casca::matrix::{BitMatrix, OcclusionMatrix};
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, Settings, View};
+use casca_harness::cases;
 use glam::{DVec3, IVec3, Vec3};
 use proptest::prelude::*;
-
-/// Multiplies the cases of the property tests: set CASCA_CASES for long runs.
-fn cases(n: u32) -> ProptestConfig {
-    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    ProptestConfig { cases: n * times, failure_persistence: None, ..ProptestConfig::default() }
-}
 
 /// A scene whose opaque cells are exactly those of the blocks given.
 fn scene_of(dims: IVec3, blocks: &[(IVec3, IVec3)]) -> Scene {

@@ -4,6 +4,7 @@
 use casca::{
     Bounds, GridSpec, MemoryUse, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings, Sphere, View,
 };
+use casca_harness::cases;
 use casca_harness::drive::{Driver, grid_for, view_of};
 use casca_harness::oracle::{Oracle, OracleOptions};
 use casca_harness::scenes::{SceneKind, SceneOptions, build};
@@ -11,12 +12,6 @@ use casca_harness::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
-
-/// Multiplies the cases of the property tests: set CASCA_CASES for long runs.
-fn cases(n: u32) -> ProptestConfig {
-    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    ProptestConfig { cases: n * times, failure_persistence: None, ..ProptestConfig::default() }
-}
 
 const SIZE: f32 = 16.0;
 
