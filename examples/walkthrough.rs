@@ -29,6 +29,8 @@ enum MethodName {
     Frustum,
     /// What the viewer's cell can see
     Cell,
+    /// What the eye can see, at pixel precision
+    Point,
 }
 
 #[derive(Debug, Parser)]
@@ -40,7 +42,7 @@ struct Options {
     #[arg(long, default_value = "spheres")]
     scene: String,
     /// How visibility is decided
-    #[arg(long, value_enum, default_value = "cell")]
+    #[arg(long, value_enum, default_value = "point")]
     method: MethodName,
     /// Cells along x, y and z, such as 100x60x100 [default: as the scene asks]
     #[arg(long, value_parser = parse_grid)]
@@ -54,6 +56,12 @@ struct Options {
     /// Pixels along each side of the direction masks (a power of two)
     #[arg(long, default_value_t = Settings::default().mask_resolution)]
     mask: u32,
+    /// Width of a pixel of the occlusion buffers in degrees
+    #[arg(long, default_value_t = Settings::default().pixel_degrees)]
+    pixel: f32,
+    /// Squares examined again for one undecided object, at most
+    #[arg(long, default_value_t = Settings::default().refine_squares)]
+    refine: u32,
     /// Rays to each object that the PVS leaves out, in every frame
     #[arg(long, default_value_t = 16)]
     samples: usize,
@@ -132,13 +140,17 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
 
     let mut settings = Settings::default();
     settings.mask_resolution = options.mask;
+    settings.pixel_degrees = options.pixel;
+    settings.refine_squares = options.refine;
     let mut recording = settings;
     recording.record_cells = true;
+    recording.method = Method::Cell;
     let mut frustum_settings = settings;
     frustum_settings.method = Method::Frustum;
     settings.method = match options.method {
         MethodName::Frustum => Method::Frustum,
         MethodName::Cell => Method::Cell,
+        MethodName::Point => Method::Point,
     };
     let mut query = Query::with_settings(settings)?;
     let mut frustum = Query::with_settings(frustum_settings)?;
@@ -212,6 +224,9 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
             }
         }
         let cells = pvs.stats().cells_visited;
+        if std::env::var_os("STATS").is_some() && number % 15 == 0 {
+            eprintln!("{number} {:?}", query.pvs().stats());
+        }
         let start = Instant::now();
         driver.scene.end_frame([query.pvs()])?;
         update += start.elapsed();

@@ -7,6 +7,7 @@
 use glam::{DVec3, IVec3, UVec3, Vec3};
 
 use crate::Aabb;
+use crate::bricks::BRICK;
 use crate::error::{Error, finite3};
 
 /// Greatest number of cells along one axis.
@@ -105,6 +106,11 @@ impl Grid {
             return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
         }
         Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec3() })
+    }
+
+    /// The grid of bricks of 8x8x8 cells. Its planes are planes of this grid, just as exact.
+    pub(crate) fn bricks(&self) -> Self {
+        Self { origin: self.origin, cell: self.cell * f64::from(BRICK), dims: (self.dims + BRICK - 1) / BRICK }
     }
 
     /// Least corner in world units.

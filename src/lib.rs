@@ -18,6 +18,7 @@ mod grid;
 mod mask;
 pub mod matrix;
 mod object;
+mod occlusion;
 mod pvs;
 mod query;
 pub mod reference;

@@ -26,10 +26,32 @@ pub struct Stats {
     pub caps_skipped: u32,
     /// Objects whose bounds were compared with the frustum.
     pub objects_tested: u32,
+    /// [`Method::Point`]: bricks of 8x8x8 cells inside the frustum that hold objects.
+    pub bricks_visited: u64,
+    /// [`Method::Point`]: how many of them were found hidden as a whole.
+    pub bricks_hidden: u64,
+    /// [`Method::Point`]: pixels of the occlusion buffers inside the view.
+    pub pixels: u64,
+    /// [`Method::Point`]: objects compared with the occlusion buffers, counted each time.
+    pub occlusion_tests: u32,
+    /// [`Method::Point`]: occluders drawn.
+    pub occluders_drawn: u32,
+    /// [`Method::Point`]: how many of them covered a pixel that was open, or hid nearer.
+    pub occluders_useful: u32,
+    /// [`Method::Point`]: occluders too small to draw, or beyond the number allowed.
+    pub occluders_skipped: u32,
+    /// [`Method::Point`]: objects that only undecided pixels showed, or seemed to, and
+    /// were examined again.
+    pub refined: u32,
+    /// [`Method::Point`]: how many of those turned out to be hidden.
+    pub refined_hidden: u32,
+    /// [`Method::Point`]: squares of directions examined for that.
+    pub refine_squares: u64,
     /// Temporal bounding volumes revealed.
     pub tbvs_revealed: u32,
     /// Whether the eye was inside an occluder, or the near plane cut into one, so
-    /// that one may see through it: nothing was taken to be hidden.
+    /// that one may see through it. [`Method::Cell`] then takes nothing to be hidden;
+    /// [`Method::Point`] leaves out those occluders.
     pub eye_in_occluder: bool,
     /// Wall-clock time of the query.
     pub elapsed: Duration,

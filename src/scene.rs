@@ -58,6 +58,11 @@ impl Object {
         matches!(self.state, State::Unlocated { .. })
     }
 
+    /// Whether it is in a volume and its bounds are old.
+    pub(crate) fn is_hidden_unreported(&self) -> bool {
+        self.on_expiry() && matches!(self.state, State::Hidden { .. })
+    }
+
     fn is_static(&self) -> bool {
         self.motion == Motion::Static
     }

@@ -18,6 +18,16 @@ struct IdBrick {
     before: [u16; 8],
     /// A slot, or [`SEVERAL`] and the index of a list.
     cells: Vec<u32>,
+    /// The objects of the brick and the number of its cells that each touches.
+    members: Vec<Member>,
+    /// Where the last object asked for was found.
+    last: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Member {
+    slot: u32,
+    cells: u32,
 }
 
 impl IdBrick {
@@ -26,6 +36,36 @@ impl IdBrick {
         let (word, bit) = ((cell.z & 7) as usize, (((cell.y & 7) << 3) | (cell.x & 7)) as u32);
         let below = self.bits[word] & ((1u64 << bit) - 1);
         (word, bit, usize::from(self.before[word]) + below.count_ones() as usize)
+    }
+
+    /// Where an object stands among the members. Its cells come one after the other, so
+    /// it mostly stands where it stood before.
+    fn member(&mut self, slot: u32) -> Option<usize> {
+        let last = self.last as usize;
+        if self.members.get(last).is_some_and(|m| m.slot == slot) {
+            return Some(last);
+        }
+        let found = self.members.iter().position(|m| m.slot == slot)?;
+        self.last = found as u32;
+        Some(found)
+    }
+
+    fn join(&mut self, slot: u32) {
+        match self.member(slot) {
+            Some(i) => self.members[i].cells += 1,
+            None => {
+                self.last = self.members.len() as u32;
+                self.members.push(Member { slot, cells: 1 });
+            }
+        }
+    }
+
+    fn leave(&mut self, slot: u32) {
+        let Some(i) = self.member(slot) else { return };
+        self.members[i].cells -= 1;
+        if self.members[i].cells == 0 {
+            self.members.swap_remove(i);
+        }
     }
 }
 
@@ -49,6 +89,7 @@ impl IdMatrix {
     pub(crate) fn insert(&mut self, cell: IVec3, slot: u32) {
         self.entries += 1;
         let brick = self.bricks.get_mut(cell >> 3i32);
+        brick.join(slot);
         let (word, bit, place) = brick.place(cell);
         if brick.bits[word] >> bit & 1 == 0 {
             brick.bits[word] |= 1 << bit;
@@ -93,10 +134,12 @@ impl IdMatrix {
                 *list = SmallVec::new();
                 self.free_lists.push(index);
             }
+            brick.leave(slot);
         } else if *held == slot {
             brick.bits[word] &= !(1 << bit);
             brick.before[word + 1..].iter_mut().for_each(|n| *n -= 1);
             brick.cells.remove(place);
+            brick.leave(slot);
             if brick.cells.is_empty() {
                 self.bricks.release(cell >> 3i32);
             }
@@ -155,6 +198,12 @@ impl IdMatrix {
         }
     }
 
+    /// The objects that touch a brick.
+    #[inline]
+    pub(crate) fn in_brick(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
+        self.bricks.get(brick).members.iter().map(|m| m.slot)
+    }
+
     /// Which cells of a tile have objects.
     #[inline]
     pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
@@ -169,7 +218,11 @@ impl IdMatrix {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()
-            + self.bricks.iter().map(|(_, b)| b.cells.capacity() * 4).sum::<usize>()
+            + self
+                .bricks
+                .iter()
+                .map(|(_, b)| b.cells.capacity() * 4 + b.members.capacity() * size_of::<Member>())
+                .sum::<usize>()
             + self.lists.capacity() * size_of::<SmallVec<[u32; 6]>>()
             + self.lists.iter().filter(|l| l.spilled()).map(|l| l.capacity() * 4).sum::<usize>()
             + self.free_lists.capacity() * 4
@@ -207,6 +260,17 @@ mod tests {
             }
             assert_eq!(m.get(c), &list[..]);
             m.remove(c, 99);
+        }
+        let mut bricks = BTreeMap::<[i32; 3], Vec<u32>>::new();
+        for (c, list) in &map {
+            bricks.entry((IVec3::from_array(*c) >> 3i32).to_array()).or_default().extend(list);
+        }
+        for (b, mut slots) in bricks {
+            slots.sort_unstable();
+            slots.dedup();
+            let mut found: Vec<u32> = m.in_brick(IVec3::from_array(b)).collect();
+            found.sort_unstable();
+            assert_eq!(found, slots);
         }
         assert_eq!(m.entries(), map.values().map(Vec::len).sum::<usize>());
         for (c, list) in &map {

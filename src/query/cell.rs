@@ -1,222 +1,21 @@
-//! Queries: the scratch of one view, and the walk that finds its PVS.
-
-use std::time::Instant;
+//! The cell method: what can be seen from anywhere in the viewer's cell.
 
 use glam::IVec3;
 
-use crate::error::Error;
-use crate::mask::{DirectionMasks, ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
-use crate::matrix::{BitMatrix, OcclusionMatrix, TbvMatrix};
+use super::{FAR_VIEWER, Scratch, Settings};
+use crate::mask::{ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
+use crate::matrix::{BitMatrix, TbvMatrix};
 use crate::pvs::{Pvs, Stats};
 use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
 
-/// Beyond this distance from the grid, in cells, nothing is taken to be hidden.
-const FAR_VIEWER: i32 = 1 << 20;
-
 /// An eye that may lie this far outside its cell, in cells, gets no occlusion.
 const UNCERTAIN_EYE: f64 = 0.2;
 
-/// How a query decides what can be seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum Method {
-    /// Objects whose bounds may meet the frustum. Costs all objects.
-    Frustum,
-    /// What can be seen from anywhere in the viewer's cell, inside the frustum.
-    /// Costs what is visible. Orthographic views get the cells of the frustum without occlusion.
-    #[default]
-    Cell,
-}
-
-/// Settings of a query.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Settings {
-    /// How visibility is decided.
-    pub method: Method,
-    /// Directions along each side of the view cube: the masks have this many pixels
-    /// squared, six times. A power of two from 64 to 4096. Finer masks
-    /// hide more and cost more.
-    pub mask_resolution: u32,
-    /// Sides of shells whose visible opaque cells appear smaller than this are
-    /// not drawn as occluders, in steradians (Coorg & Teller 1997: area over squared
-    /// distance). 0 draws all.
-    pub min_solid_angle: f32,
-    /// Keeps which cells were visited and which were hidden, for pictures and tests.
-    pub record_cells: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { method: Method::Cell, mask_resolution: 256, min_solid_angle: 0.0, record_cells: false }
-    }
-}
-
-impl Settings {
-    fn check(&self) -> Result<(), Error> {
-        let n = self.mask_resolution;
-        if !n.is_power_of_two() || !(64..=4096).contains(&n) {
-            let what = "the mask resolution (a power of two)";
-            return Err(Error::Setting { what, value: f64::from(n), min: 64.0, max: 4096.0 });
-        }
-        let angle = f64::from(self.min_solid_angle);
-        if (0.0..=1.0).contains(&angle) {
-            Ok(())
-        } else {
-            Err(Error::Setting { what: "the least solid angle", value: angle, min: 0.0, max: 1.0 })
-        }
-    }
-}
-
-/// The scratch of one view, reused from frame to frame.
-///
-/// Any number of queries can run on one scene at the same time, each in its own thread.
-#[derive(Debug)]
-pub struct Query {
-    settings: Settings,
-    pvs: Pvs,
-    scratch: Scratch,
-    visited: Option<BitMatrix>,
-    hidden: Option<OcclusionMatrix>,
-}
-
-#[derive(Debug)]
-struct Scratch {
-    masks: DirectionMasks,
-    sides: [SideCells; 6],
-    /// Cells of a band of eight rows that are in the frustum and not hidden.
-    band: Vec<u64>,
-    /// By slot: twice the query's number if the object's volume was revealed,
-    /// one more if the object itself was decided.
-    marks: Vec<u32>,
-    epoch: u32,
-    /// Tiles of bricks with objects (true) or surfaces of volumes (false) in sight.
-    hits: Vec<(IVec3, u64, bool)>,
-    /// Cells of revealed objects by shell.
-    pending: Vec<Vec<(IVec3, u32)>>,
-}
-
-impl std::fmt::Debug for BitMatrix {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "BitMatrix({} of {} cells)", self.count(), self.dims())
-    }
-}
-
-impl Default for Query {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Query {
-    /// A query with default settings.
-    pub fn new() -> Self {
-        let settings = Settings::default();
-        Self {
-            settings,
-            pvs: Pvs::empty(),
-            scratch: Scratch {
-                masks: DirectionMasks::new(settings.mask_resolution.trailing_zeros()),
-                sides: Default::default(),
-                band: Vec::new(),
-                marks: Vec::new(),
-                epoch: 0,
-                hits: Vec::new(),
-                pending: Vec::new(),
-            },
-            visited: None,
-            hidden: None,
-        }
-    }
-
-    /// A query with the settings given.
-    ///
-    /// # Errors
-    /// Refuses settings out of their range.
-    pub fn with_settings(settings: Settings) -> Result<Self, Error> {
-        let mut query = Self::new();
-        query.set_settings(settings)?;
-        Ok(query)
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Changes the settings from the next run on.
-    ///
-    /// # Errors
-    /// Refuses settings out of their range and keeps the old ones.
-    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
-        settings.check()?;
-        let log = settings.mask_resolution.trailing_zeros();
-        if log != self.scratch.masks.log() {
-            self.scratch.masks = DirectionMasks::new(log);
-        }
-        self.settings = settings;
-        Ok(())
-    }
-
-    /// Finds what the view can see.
-    pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
-        let start = Instant::now();
-        let pvs = &mut self.pvs;
-        pvs.reset(scene.slots.len());
-        pvs.scene = scene.tag();
-        pvs.method = self.settings.method;
-        pvs.cell = None;
-        match self.settings.method {
-            Method::Frustum => {
-                pvs.revision = scene.moves();
-                for slot in 0..scene.slots.len() as u32 {
-                    let Some(object) = &scene.slots[slot as usize].object else { continue };
-                    pvs.stats.objects_tested += 1;
-                    if object.is_unlocated() || view.may_see(&object.bounds) {
-                        pvs.push(scene.id(slot));
-                    }
-                }
-            }
-            Method::Cell => {
-                pvs.revision = scene.revision();
-                let dims = scene.grid.dims();
-                let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
-                (self.visited, self.hidden) = record.unzip();
-                let record = self.visited.as_mut().zip(self.hidden.as_mut());
-                Walk::new(scene, view, &self.settings, pvs, &mut self.scratch, record).run();
-            }
-        }
-        match &mut pvs.view {
-            Some(own) => own.clone_from(view),
-            None => pvs.view = Some(view.clone()),
-        }
-        pvs.stats.elapsed = start.elapsed();
-        pvs
-    }
-
-    /// The result of the last run; empty before the first.
-    pub fn pvs(&self) -> &Pvs {
-        &self.pvs
-    }
-
-    /// The cells that the last run found hidden (H), if it was told to record them.
-    /// Cells behind the last shell walked are hidden too, and not in it.
-    pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
-        self.hidden.as_ref()
-    }
-
-    /// The cells inside the frustum that the last run visited, if it was told to
-    /// record them.
-    pub fn visited_cells(&self) -> Option<&BitMatrix> {
-        self.visited.as_ref()
-    }
-}
-
 /// One run of the cell method.
-struct Walk<'a> {
+pub(super) struct Walk<'a> {
     scene: &'a Scene,
     view: &'a View,
     settings: &'a Settings,
@@ -230,7 +29,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(
+    pub(super) fn new(
         scene: &'a Scene,
         view: &'a View,
         settings: &'a Settings,
@@ -242,17 +41,12 @@ impl<'a> Walk<'a> {
         // Parallel rays come from no cell: the walk starts where they enter the grid.
         let eye = view.eye().unwrap_or((grid.min() + grid.max()) * 0.5);
         let cell = grid.cell_of(eye);
-        scratch.marks.resize(scene.slots.len().max(scratch.marks.len()), 0);
-        scratch.epoch += 1;
-        if scratch.epoch >= u32::MAX / 2 {
-            scratch.marks.fill(0);
-            scratch.epoch = 1;
-        }
+        scratch.begin(scene.slots.len());
         let frustum = CellFrustum::new(grid, view, cell);
         Self { scene, view, settings, pvs, scratch, record, cell, frustum, stats: Stats::default() }
     }
 
-    fn run(mut self) {
+    pub(super) fn run(mut self) {
         let grid = self.scene.grid;
         let (nearest, farthest) = shell_range(&grid, self.cell);
         match self.occlusion_slack(nearest) {
@@ -274,9 +68,7 @@ impl<'a> Walk<'a> {
         for &slot in &self.scene.always {
             let object = self.scene.object(slot);
             if object.is_unlocated() {
-                let mark = &mut self.scratch.marks[slot as usize];
-                if *mark != self.scratch.epoch * 2 + 1 {
-                    *mark = self.scratch.epoch * 2 + 1;
+                if self.scratch.mark_decided(slot) {
                     self.pvs.push(self.scene.id(slot));
                 }
             } else {
@@ -355,11 +147,9 @@ impl<'a> Walk<'a> {
 
     /// Decides an object one of whose cells is in sight.
     fn decide(&mut self, slot: u32) {
-        let decided = self.scratch.epoch * 2 + 1;
-        if self.scratch.marks[slot as usize] == decided {
+        if !self.scratch.mark_decided(slot) {
             return;
         }
-        self.scratch.marks[slot as usize] = decided;
         self.stats.objects_tested += 1;
         if self.view.may_see(&self.scene.object(slot).bounds) {
             self.pvs.push(self.scene.id(slot));
@@ -370,17 +160,15 @@ impl<'a> Walk<'a> {
     /// there on decide. Nearer ones are hidden, or the surface around them would have
     /// been seen before.
     fn reveal(&mut self, slot: u32, m: i32) {
-        let mark = &mut self.scratch.marks[slot as usize];
-        if *mark >= self.scratch.epoch * 2 {
+        if !self.scratch.reveal(slot) {
             return;
         }
-        *mark = self.scratch.epoch * 2;
         self.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.scene.id(slot));
         let object = self.scene.object(slot);
         if object.on_expiry() {
             // Its bounds are old: it may be anywhere in the volume.
-            self.scratch.marks[slot as usize] += 1;
+            self.scratch.mark_decided(slot);
             self.pvs.push(self.scene.id(slot));
             return;
         }
@@ -408,7 +196,7 @@ impl<'a> Walk<'a> {
         let mut list = std::mem::take(list);
         for (c, slot) in list.drain(..) {
             let relative = c - self.cell;
-            if self.scratch.marks[slot as usize] == self.scratch.epoch * 2
+            if !self.scratch.is_decided(slot)
                 && self.frustum.meets(relative, relative)
                 && !self.is_hidden(relative, m, scale)
             {
@@ -566,10 +354,9 @@ impl<'a> Walk<'a> {
         let axes = side.axes;
         let mut corner = (brick << 3i32) - self.cell;
         corner[axes.normal] = at - self.cell[axes.normal];
-        let decided = self.scratch.epoch * 2 + 1;
         let scene = self.scene;
         scene.ids.for_tile(brick, &axes, at, tile, |bit, objects| {
-            if objects.iter().all(|&slot| self.scratch.marks[slot as usize] == decided) {
+            if objects.iter().all(|&slot| self.scratch.is_decided(slot)) {
                 return;
             }
             let mut c = corner;
@@ -585,7 +372,7 @@ impl<'a> Walk<'a> {
     fn meet_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
         let scene = self.scene;
         for &slot in scene.volumes.matrix.ids(brick) {
-            if self.scratch.marks[slot as usize] < self.scratch.epoch * 2
+            if !self.scratch.is_revealed(slot)
                 && TbvMatrix::surface_tile(scene.volumes.cells(slot), brick, &side.axes, at) & tile != 0
             {
                 self.reveal(slot, m);

@@ -1,0 +1,229 @@
+//! Faces: the planes on which silhouettes are drawn. Six sides of a cube around
+//! an eye, or one plane across parallel rays.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use crate::geometry::Block;
+use crate::mask::Side;
+
+/// A plane of directions. Points are given relative to the origin (the eye, or
+/// the middle of the plane of parallel rays); a point's coordinates are `(u, v)`, both in
+/// [-1, 1] on the face, and its *nearness*, which falls with depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Face {
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) forward: DVec3,
+    pub(crate) parallel: bool,
+}
+
+/// A rectangle on a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rect {
+    pub(crate) u0: f64,
+    pub(crate) v0: f64,
+    pub(crate) u1: f64,
+    pub(crate) v1: f64,
+}
+
+impl Rect {
+    pub(crate) const FACE: Self = Self { u0: -1.0, v0: -1.0, u1: 1.0, v1: 1.0 };
+
+    pub(crate) fn corners(&self) -> [(f64, f64); 4] {
+        [(self.u0, self.v0), (self.u1, self.v0), (self.u0, self.v1), (self.u1, self.v1)]
+    }
+
+    /// Wider by more than the rounding of coordinates on a face.
+    pub(crate) fn grown(&self) -> Self {
+        const BY: f64 = 1e-9;
+        Self { u0: self.u0 - BY, v0: self.v0 - BY, u1: self.u1 + BY, v1: self.v1 + BY }
+    }
+
+    /// The common part; `None` if there is none. NaN gives none.
+    pub(crate) fn meet(&self, o: &Self) -> Option<Self> {
+        let r = Self {
+            u0: self.u0.max(o.u0),
+            v0: self.v0.max(o.v0),
+            u1: self.u1.min(o.u1),
+            v1: self.v1.min(o.v1),
+        };
+        (r.u0 <= r.u1 && r.v0 <= r.v1).then_some(r)
+    }
+}
+
+/// A linear function of (u, v): `a u + b v + c`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Linear {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) c: f64,
+}
+
+impl Linear {
+    #[inline]
+    pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
+        self.a * u + self.b * v + self.c
+    }
+
+    /// Least value on a rectangle.
+    #[inline]
+    pub(crate) fn least(&self, r: &Rect) -> f64 {
+        (self.a * r.u0).min(self.a * r.u1) + (self.b * r.v0).min(self.b * r.v1) + self.c
+    }
+
+    /// Greatest value on a rectangle.
+    #[inline]
+    pub(crate) fn most(&self, r: &Rect) -> f64 {
+        (self.a * r.u0).max(self.a * r.u1) + (self.b * r.v0).max(self.b * r.v1) + self.c
+    }
+}
+
+impl Face {
+    /// One side of the cube around an eye.
+    pub(crate) fn side(side: &Side) -> Self {
+        Self {
+            right: DVec3::AXES[side.axes.col],
+            up: DVec3::AXES[side.axes.row],
+            forward: DVec3::AXES[side.axes.normal] * f64::from(side.sign),
+            parallel: false,
+        }
+    }
+
+    /// The plane across `direction`, on which the ball of `radius` around the origin
+    /// fills the face.
+    pub(crate) fn across(direction: DVec3, right: DVec3, radius: f64) -> Self {
+        let up = direction.cross(right);
+        Self { right: right / radius, up: up / radius, forward: direction, parallel: true }
+    }
+
+    /// A half-space `n . x + h >= 0` whose plane holds the eye, or runs along
+    /// the parallel rays, as a function that is not negative on the directions inside.
+    pub(crate) fn half(&self, n: DVec3, h: f64) -> Linear {
+        if self.parallel {
+            // In units of the face, so that one margin serves all sizes.
+            let scale = self.right.length();
+            Linear { a: n.dot(self.right) / scale, b: n.dot(self.up) / scale, c: h * scale }
+        } else {
+            Linear { a: n.dot(self.right), b: n.dot(self.up), c: n.dot(self.forward) }
+        }
+    }
+
+    /// Nearness of the plane `m . x = h` as a function of the direction. From the eye's side
+    /// (`h < 0`, or rays that run against `m`) it is where rays pass the plane.
+    pub(crate) fn nearness(&self, m: DVec3, h: f64) -> Option<Linear> {
+        if self.parallel {
+            let slope = m.dot(self.forward);
+            if slope.abs() < 1e-9 {
+                return None;
+            }
+            // x = u right / |right|^2 + v up / |up|^2 + depth forward; nearness is -depth.
+            let scale = slope * self.right.length_squared();
+            Some(Linear { a: m.dot(self.right) / scale, b: m.dot(self.up) / scale, c: -h / slope })
+        } else {
+            if h.abs() < 1e-300 {
+                return None;
+            }
+            let (a, b, c) = (m.dot(self.right) / h, m.dot(self.up) / h, m.dot(self.forward) / h);
+            Some(Linear { a, b, c })
+        }
+    }
+
+    /// Nearness of a depth along the face's axis: 1/depth from an eye, -depth along parallel rays.
+    #[inline]
+    pub(crate) fn nearness_of(&self, depth: f64) -> f64 {
+        if self.parallel {
+            -depth
+        } else if depth > 0.0 {
+            1.0 / depth
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Coordinates of a point: across, up and in depth, not yet divided.
+    #[inline]
+    pub(crate) fn local(&self, p: DVec3) -> DVec3 {
+        DVec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.forward))
+    }
+
+    /// A rectangle around what the face sees of a box, and the least depth of that part;
+    /// `None` if it sees nothing of it. Rounded outwards by the caller's margins.
+    pub(crate) fn block(&self, b: &Block) -> Option<(Rect, f64)> {
+        let (lo, hi) = if self.parallel {
+            let c = self.local((b.min + b.max) * 0.5);
+            let half = (b.max - b.min) * 0.5;
+            let reach = DVec3::new(
+                half.dot(self.right.abs()),
+                half.dot(self.up.abs()),
+                half.dot(self.forward.abs()),
+            );
+            (c - reach, c + reach)
+        } else {
+            let (p, q) = (self.local(b.min), self.local(b.max));
+            (p.min(q), p.max(q))
+        };
+        if self.parallel {
+            return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, lo.z));
+        }
+        // Inside the face's pyramid depth is at least |u| and |v| times depth.
+        let least = |lo: f64, hi: f64| lo.max(-hi).max(0.0);
+        let near = lo.z.max(least(lo.x, hi.x)).max(least(lo.y, hi.y));
+        let far = hi.z;
+        // NaN goes on, and is visible in the end.
+        if near > far {
+            return None;
+        }
+        let low = |c: f64| if c >= 0.0 { c / far } else { c / near };
+        let high = |c: f64| if c >= 0.0 { c / near } else { c / far };
+        let rect = Rect { u0: low(lo.x), v0: low(lo.y), u1: high(hi.x), v1: high(hi.y) };
+        Some((rect, near))
+    }
+
+    /// A rectangle around points that all lie in front of the eye; `None` if one does not.
+    pub(crate) fn points(&self, points: &[DVec3]) -> Option<(Rect, f64)> {
+        let mut r = Rect {
+            u0: f64::INFINITY,
+            v0: f64::INFINITY,
+            u1: f64::NEG_INFINITY,
+            v1: f64::NEG_INFINITY,
+        };
+        let mut near = f64::INFINITY;
+        for &p in points {
+            let q = self.local(p);
+            let (u, v) = if self.parallel {
+                (q.x, q.y)
+            } else {
+                if q.z <= 1e-6 * (q.x.abs() + q.y.abs()) {
+                    return None;
+                }
+                (q.x / q.z, q.y / q.z)
+            };
+            r = Rect { u0: r.u0.min(u), v0: r.v0.min(v), u1: r.u1.max(u), v1: r.v1.max(v) };
+            near = near.min(q.z);
+        }
+        Some((r, near))
+    }
+
+    /// The part of a rectangle that a convex set of half-planes leaves: its corners.
+    pub(crate) fn clip(rect: &Rect, halves: &[Linear]) -> SmallVec<[(f64, f64); 12]> {
+        let mut polygon: SmallVec<[(f64, f64); 12]> = SmallVec::new();
+        polygon.extend([(rect.u0, rect.v0), (rect.u1, rect.v0), (rect.u1, rect.v1), (rect.u0, rect.v1)]);
+        for half in halves {
+            let mut next: SmallVec<[(f64, f64); 12]> = SmallVec::new();
+            for (i, &p) in polygon.iter().enumerate() {
+                let q = polygon[(i + 1) % polygon.len()];
+                let (a, b) = (half.at(p.0, p.1), half.at(q.0, q.1));
+                if a >= 0.0 {
+                    next.push(p);
+                }
+                if (a < 0.0) != (b < 0.0) {
+                    let t = a / (a - b);
+                    next.push((p.0 + (q.0 - p.0) * t, p.1 + (q.1 - p.1) * t));
+                }
+            }
+            polygon = next;
+        }
+        polygon
+    }
+}

@@ -1,0 +1,154 @@
+//! Outlines: what a convex shape covers as seen from the origin, before it is
+//! put on a face.
+//!
+//! Seen from outside, a convex shape covers a convex cone of directions, bounded by
+//! planes through the eye and its silhouette edges, or by a circular cone for a sphere.
+//! A point in the cone is hidden by the shape if it lies behind every plane that
+//! faces the eye: those of the faces turned to it, or a sphere's polar plane.
+//! For parallel rays cones become cylinders.
+
+use glam::{DMat3, DVec3};
+use smallvec::SmallVec;
+
+use crate::geometry::Block;
+
+/// A plane, as the half-space `n . x + h >= 0`.
+pub(crate) type Half = (DVec3, f64);
+
+/// Planes of a cone are known to this angle: a face that looks edge-on may be
+/// taken to be turned either way, which moves a silhouette plane by its distance from
+/// the eye (a few units in the last place of coordinates) over that of the edge.
+pub(crate) const CONE_MARGIN: f64 = 2e-9;
+
+/// An edge closer to the eye than this share of the distance of its ends
+/// has no silhouette plane that is known to [`CONE_MARGIN`].
+const NEAREST_EDGE: f64 = 1e-5;
+
+/// A convex shape relative to the origin of the rays.
+#[derive(Debug, Clone)]
+pub(crate) enum Outline {
+    Sphere { center: DVec3, radius: f64 },
+    /// The directions inside all half-spaces; each plane runs along the rays.
+    Cone(SmallVec<[Half; 8]>),
+    /// Every direction: a shape around the eye, or too close to tell.
+    Everything,
+}
+
+/// A convex polytope: its corners, outward faces `m . x <= h`, and edges as two
+/// corners and the two faces that meet there.
+#[derive(Debug, Clone)]
+pub(crate) struct Polytope {
+    pub(crate) vertices: SmallVec<[DVec3; 8]>,
+    pub(crate) faces: SmallVec<[Half; 6]>,
+    pub(crate) edges: SmallVec<[[u16; 4]; 12]>,
+}
+
+/// Corners are numbered by bits: 1 the greater x, 2 the greater y, 4 the greater z;
+/// faces -x, +x, -y, +y, -z, +z.
+const BOX_EDGES: [[u16; 4]; 12] = [
+    [0, 1, 2, 4],
+    [2, 3, 3, 4],
+    [4, 5, 2, 5],
+    [6, 7, 3, 5],
+    [0, 2, 0, 4],
+    [1, 3, 1, 4],
+    [4, 6, 0, 5],
+    [5, 7, 1, 5],
+    [0, 4, 0, 2],
+    [1, 5, 1, 2],
+    [2, 6, 0, 3],
+    [3, 7, 1, 3],
+];
+
+impl Polytope {
+    /// A box of half-axes `axes` around `center`; the columns are at right angles.
+    pub(crate) fn boxed(center: DVec3, axes: &DMat3) -> Self {
+        let corner = |i: usize| {
+            let s = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            center + axes.x_axis * s(0) + axes.y_axis * s(1) + axes.z_axis * s(2)
+        };
+        let mut faces = SmallVec::new();
+        for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
+            let length = axis.length();
+            let n = if length > 0.0 { axis / length } else { DVec3::ZERO };
+            faces.push((-n, -n.dot(center) + length));
+            faces.push((n, n.dot(center) + length));
+        }
+        Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
+    }
+
+    pub(crate) fn block(b: &Block) -> Self {
+        let corner = |i: usize| {
+            DVec3::new(
+                if i & 1 == 1 { b.max.x } else { b.min.x },
+                if i & 2 == 2 { b.max.y } else { b.min.y },
+                if i & 4 == 4 { b.max.z } else { b.min.z },
+            )
+        };
+        let mut faces = SmallVec::new();
+        for (axis, n) in DVec3::AXES.into_iter().enumerate() {
+            faces.push((-n, -b.min[axis]));
+            faces.push((n, b.max[axis]));
+        }
+        Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
+    }
+
+    pub(crate) fn bounds(&self) -> Block {
+        let mut b = Block { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        for &p in &self.vertices {
+            b = Block { min: b.min.min(p), max: b.max.max(p) };
+        }
+        b
+    }
+
+    /// Whether a face is turned to the eye at the origin, or to rays along `direction`.
+    fn is_front(&self, face: usize, direction: Option<DVec3>) -> bool {
+        let (m, h) = self.faces[face];
+        match direction {
+            Some(d) => m.dot(d) < 0.0,
+            None => h < 0.0,
+        }
+    }
+
+    /// The faces turned to the eye.
+    pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[Half; 3]> {
+        (0..self.faces.len()).filter(|&f| self.is_front(f, direction)).map(|f| self.faces[f]).collect()
+    }
+
+    /// The silhouette. `Everything` where it is not known well enough.
+    pub(crate) fn outline(&self, direction: Option<DVec3>) -> Outline {
+        let mut planes = SmallVec::new();
+        let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
+        for &[a, b, f, g] in &self.edges {
+            if self.is_front(f.into(), direction) == self.is_front(g.into(), direction) {
+                continue;
+            }
+            let (p, q) = (self.vertices[usize::from(a)], self.vertices[usize::from(b)]);
+            let edge = q - p;
+            let across = direction.map_or_else(|| p.cross(q), |d| edge.cross(d));
+            let length = across.length();
+            let reach = p.abs().max_element().max(q.abs().max_element());
+            let known = match direction {
+                // Twice the triangle's area is the edge's length times its distance.
+                None => length > NEAREST_EDGE * reach * edge.length() && edge.length() > 1e-12 * reach,
+                Some(_) => length > NEAREST_EDGE * edge.length(),
+            };
+            if !known {
+                if direction.is_some() || edge.length() <= 1e-12 * reach {
+                    // An edge seen end-on, or a point: it bounds nothing.
+                    continue;
+                }
+                return Outline::Everything;
+            }
+            let n = across / length;
+            let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
+            let side = n.dot(center) + h;
+            // A shape without width: which side is inside is rounding.
+            if side.abs() < 1e-9 * reach {
+                return Outline::Everything;
+            }
+            planes.push(if side < 0.0 { (-n, -h) } else { (n, h) });
+        }
+        if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
+    }
+}

@@ -1,0 +1,70 @@
+//! Occluders ready to be drawn, rounded inwards.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::face::{Face, Rect};
+use super::outline::{Half, Outline, Polytope};
+use super::silhouette::{Silhouette, contour_depth};
+use crate::geometry::Block;
+
+/// A convex occluder relative to the origin of the rays.
+#[derive(Debug, Clone)]
+pub(crate) struct Solid {
+    outline: Outline,
+    /// What lies behind all of these planes, as `m . x <= h`, and in the silhouette, is hidden.
+    pub(crate) fronts: SmallVec<[Half; 3]>,
+    vertices: SmallVec<[DVec3; 8]>,
+    block: Block,
+}
+
+impl Solid {
+    /// A sphere; `None` if the eye is in it.
+    pub(crate) fn sphere(center: DVec3, radius: f64, direction: Option<DVec3>) -> Option<Self> {
+        let distance = center.length();
+        let front = match direction {
+            Some(d) => (-d, -center.dot(d)),
+            None => {
+                let axis = -center / distance;
+                (axis, -(distance - radius) * (distance + radius) / distance)
+            }
+        };
+        let outside = direction.is_some() || distance > radius * (1.0 + 1e-9);
+        (radius > 0.0 && outside && front.0.is_finite()).then(|| Self {
+            outline: Outline::Sphere { center, radius },
+            fronts: SmallVec::from_iter([front]),
+            vertices: SmallVec::new(),
+            block: Block { min: center - radius, max: center + radius },
+        })
+    }
+
+    /// A polytope; `None` if the eye is in it or too close to tell.
+    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>) -> Option<Self> {
+        let outline = polytope.outline(direction);
+        let fronts = polytope.fronts(direction);
+        let drawable = matches!(outline, Outline::Cone(_)) && !fronts.is_empty();
+        let block = polytope.bounds();
+        drawable.then_some(Self { outline, fronts, vertices: polytope.vertices, block })
+    }
+
+    /// The greatest depth of its silhouette along a face's axis.
+    pub(super) fn farthest(&self, face: &Face) -> f64 {
+        match &self.outline {
+            Outline::Sphere { center, radius } => {
+                contour_depth(*center, *radius, face.forward, face.parallel)
+            }
+            _ => self.vertices.iter().map(|v| v.dot(face.forward)).fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+
+    pub(super) fn on_face(&self, face: &Face) -> Option<(Rect, Silhouette)> {
+        let (rect, _) = face.block(&self.block)?;
+        let silhouette = Silhouette::new(&self.outline, face);
+        let tighter = match &self.outline {
+            Outline::Sphere { .. } => silhouette.conic_rect(),
+            _ => face.points(&self.vertices).map(|(r, _)| r),
+        };
+        let rect = tighter.map_or(Some(rect), |t| rect.meet(&t))?;
+        Some((rect.meet(&Rect::FACE)?, silhouette))
+    }
+}

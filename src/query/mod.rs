@@ -1,0 +1,289 @@
+//! Queries: the scratch of one view, and the walks that find its PVS.
+
+mod cell;
+mod point;
+
+use std::time::Instant;
+
+use glam::IVec3;
+
+use crate::error::Error;
+use crate::mask::{DirectionMasks, SideCells};
+use crate::matrix::{BitMatrix, OcclusionMatrix};
+use crate::pvs::Pvs;
+use crate::scene::Scene;
+use crate::view::View;
+
+/// Beyond this distance from the grid, in cells, nothing is taken to be hidden.
+const FAR_VIEWER: i32 = 1 << 20;
+
+/// How a query decides what can be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Method {
+    /// Objects whose bounds may meet the frustum. Costs all objects.
+    Frustum,
+    /// What can be seen from anywhere in the viewer's cell, inside the frustum.
+    /// Costs what is visible. Orthographic views get the cells of the frustum without occlusion.
+    Cell,
+    /// What can be seen from the eye, at pixel precision: the tightest. Costs what is visible.
+    #[default]
+    Point,
+}
+
+/// Settings of a query.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Settings {
+    /// How visibility is decided.
+    pub method: Method,
+    /// [`Method::Cell`]: directions along each side of the view cube. The masks have this many pixels
+    /// squared, six times. A power of two from 64 to 4096. Finer masks
+    /// hide more and cost more.
+    pub mask_resolution: u32,
+    /// Occluders that appear smaller than this are not drawn, in steradians (Coorg & Teller
+    /// 1997: area over squared distance). For [`Method::Cell`] they are sides of shells with their
+    /// visible opaque cells. 0 draws all.
+    pub min_solid_angle: f32,
+    /// [`Method::Point`]: width of a pixel of the occlusion buffers in the middle of a face of the
+    /// view cube, in degrees, from 0.01 to 11.25. Finer pixels hide more and cost more. For
+    /// orthographic views 90 degrees mean the width of the view.
+    pub pixel_degrees: f32,
+    /// [`Method::Point`]: the longer side of the view gets at least this many pixels, so
+    /// that narrow views stay sharp. Up to 4096.
+    pub min_pixels: u32,
+    /// [`Method::Point`]: occluders drawn in a query, at most.
+    pub max_occluders: u32,
+    /// [`Method::Point`]: squares of directions examined again for one object that only undecided
+    /// pixels show, at most. 0 takes such objects for visible.
+    pub refine_squares: u32,
+    /// [`Method::Point`]: how often an undecided pixel is halved, up to 16.
+    pub refine_depth: u32,
+    /// [`Method::Point`]: squares examined again in a whole query, at most.
+    pub refine_budget: u32,
+    /// [`Method::Cell`]: keeps which cells were visited and which were hidden, for pictures and tests.
+    pub record_cells: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::Point,
+            mask_resolution: 256,
+            min_solid_angle: 0.0,
+            pixel_degrees: 0.25,
+            min_pixels: 128,
+            max_occluders: u32::MAX,
+            refine_squares: 256,
+            refine_depth: 6,
+            refine_budget: 1 << 20,
+            record_cells: false,
+        }
+    }
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), Error> {
+        let n = self.mask_resolution;
+        if !n.is_power_of_two() {
+            let what = "the mask resolution (a power of two)";
+            return Err(Error::Setting { what, value: f64::from(n), min: 64.0, max: 4096.0 });
+        }
+        let within = |what, value: f64, min, max| {
+            if (min..=max).contains(&value) { Ok(()) } else { Err(Error::Setting { what, value, min, max }) }
+        };
+        within("the mask resolution (a power of two)", f64::from(n), 64.0, 4096.0)?;
+        within("the least solid angle", f64::from(self.min_solid_angle), 0.0, 1.0)?;
+        let degrees = f64::from(self.pixel_degrees);
+        within("the width of a pixel in degrees", degrees, f64::from(0.01f32), 11.25)?;
+        within("the least number of pixels", f64::from(self.min_pixels), 0.0, 4096.0)?;
+        within("the depth of refinement", f64::from(self.refine_depth), 0.0, 16.0)
+    }
+}
+
+/// The scratch of one view, reused from frame to frame.
+///
+/// Any number of queries can run on one scene at the same time, each in its own thread.
+#[derive(Debug)]
+pub struct Query {
+    settings: Settings,
+    pvs: Pvs,
+    scratch: Scratch,
+    visited: Option<BitMatrix>,
+    hidden: Option<OcclusionMatrix>,
+}
+
+#[derive(Debug)]
+struct Scratch {
+    masks: DirectionMasks,
+    sides: [SideCells; 6],
+    /// Cells of a band of eight rows that are in the frustum and not hidden.
+    band: Vec<u64>,
+    /// By slot: twice the query's number if the object's volume was revealed,
+    /// one more if the object itself was decided.
+    marks: Vec<u32>,
+    epoch: u32,
+    /// Tiles of bricks with objects (true) or surfaces of volumes (false) in sight.
+    hits: Vec<(IVec3, u64, bool)>,
+    /// Cells of revealed objects by shell.
+    pending: Vec<Vec<(IVec3, u32)>>,
+    point: point::PointScratch,
+}
+
+impl Scratch {
+    /// Forgets all marks.
+    fn begin(&mut self, slots: usize) {
+        self.marks.resize(slots.max(self.marks.len()), 0);
+        self.epoch += 1;
+        if self.epoch >= u32::MAX / 2 {
+            self.marks.fill(0);
+            self.epoch = 1;
+        }
+    }
+
+    fn is_decided(&self, slot: u32) -> bool {
+        self.marks[slot as usize] == self.epoch * 2 + 1
+    }
+
+    /// Whether the object's volume was revealed, or the object itself decided.
+    fn is_revealed(&self, slot: u32) -> bool {
+        self.marks[slot as usize] >= self.epoch * 2
+    }
+
+    /// Marks an object as decided; false if it was.
+    fn mark_decided(&mut self, slot: u32) -> bool {
+        let new = !self.is_decided(slot);
+        self.marks[slot as usize] = self.epoch * 2 + 1;
+        new
+    }
+
+    /// Marks an object's volume as revealed; false if it was.
+    fn reveal(&mut self, slot: u32) -> bool {
+        let new = !self.is_revealed(slot);
+        if new {
+            self.marks[slot as usize] = self.epoch * 2;
+        }
+        new
+    }
+}
+
+impl std::fmt::Debug for BitMatrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "BitMatrix({} of {} cells)", self.count(), self.dims())
+    }
+}
+
+impl Default for Query {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Query {
+    /// A query with default settings.
+    pub fn new() -> Self {
+        let settings = Settings::default();
+        Self {
+            settings,
+            pvs: Pvs::empty(),
+            scratch: Scratch {
+                masks: DirectionMasks::new(settings.mask_resolution.trailing_zeros()),
+                sides: Default::default(),
+                band: Vec::new(),
+                marks: Vec::new(),
+                epoch: 0,
+                hits: Vec::new(),
+                pending: Vec::new(),
+                point: point::PointScratch::default(),
+            },
+            visited: None,
+            hidden: None,
+        }
+    }
+
+    /// A query with the settings given.
+    ///
+    /// # Errors
+    /// Refuses settings out of their range.
+    pub fn with_settings(settings: Settings) -> Result<Self, Error> {
+        let mut query = Self::new();
+        query.set_settings(settings)?;
+        Ok(query)
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings from the next run on.
+    ///
+    /// # Errors
+    /// Refuses settings out of their range and keeps the old ones.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        settings.check()?;
+        let log = settings.mask_resolution.trailing_zeros();
+        if log != self.scratch.masks.log() {
+            self.scratch.masks = DirectionMasks::new(log);
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Finds what the view can see.
+    pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
+        let start = Instant::now();
+        let pvs = &mut self.pvs;
+        pvs.reset(scene.slots.len());
+        pvs.scene = scene.tag();
+        pvs.method = self.settings.method;
+        pvs.cell = None;
+        match self.settings.method {
+            Method::Frustum => {
+                pvs.revision = scene.moves();
+                for slot in 0..scene.slots.len() as u32 {
+                    let Some(object) = &scene.slots[slot as usize].object else { continue };
+                    pvs.stats.objects_tested += 1;
+                    if object.is_unlocated() || view.may_see(&object.bounds) {
+                        pvs.push(scene.id(slot));
+                    }
+                }
+            }
+            Method::Cell => {
+                pvs.revision = scene.revision();
+                let dims = scene.grid.dims();
+                let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
+                (self.visited, self.hidden) = record.unzip();
+                let record = self.visited.as_mut().zip(self.hidden.as_mut());
+                cell::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch, record).run();
+            }
+            Method::Point => {
+                pvs.revision = scene.revision();
+                point::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch).run();
+            }
+        }
+        match &mut pvs.view {
+            Some(own) => own.clone_from(view),
+            None => pvs.view = Some(view.clone()),
+        }
+        pvs.stats.elapsed = start.elapsed();
+        pvs
+    }
+
+    /// The result of the last run; empty before the first.
+    pub fn pvs(&self) -> &Pvs {
+        &self.pvs
+    }
+
+    /// The cells that the last run found hidden (H), if it was told to record them.
+    /// Cells behind the last shell walked are hidden too, and not in it.
+    pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
+        self.hidden.as_ref()
+    }
+
+    /// The cells inside the frustum that the last run visited, if it was told to
+    /// record them.
+    pub fn visited_cells(&self) -> Option<&BitMatrix> {
+        self.visited.as_ref()
+    }
+}

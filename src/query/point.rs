@@ -1,0 +1,413 @@
+//! The point method: what can be seen from the eye, at pixel precision.
+//!
+//! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), only
+//! inside the frustum. A brick is tested before the objects in it, an object before
+//! it is drawn as an occluder, and the walk ends when every pixel is closed. What was found visible is
+//! tested once more when all occluders are drawn, so that the order matters
+//! only for speed; what then hangs on undecided pixels is refined.
+
+use glam::{DVec3, IVec3};
+
+use super::{FAR_VIEWER, Scratch, Settings};
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::mask::Side;
+use crate::matrix::CellBox;
+use crate::occlusion::{Effort, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict};
+use crate::pvs::{Pvs, Stats};
+use crate::scene::Scene;
+use crate::shape::{Bounds, Occluder, Shape};
+use crate::view::{Origin, View};
+use crate::walk::{CellFrustum, shell_range};
+
+/// A brick with fewer objects yet undecided is not tested itself.
+const WORTH_TESTING: usize = 3;
+
+/// Objects nearer to the eye than this share of a cell are visible without a test.
+const NEAREST: f64 = 0.02;
+
+/// Bricks of parallel views are taken in portions of this many, front to back.
+const PORTION: usize = 64;
+
+/// What the walk keeps from query to query to spare allocations.
+#[derive(Debug, Default)]
+pub(super) struct PointScratch {
+    pub(super) buffers: OcclusionBuffers,
+    bricks: Vec<IVec3>,
+    /// Objects of a shell: distance and slot.
+    found: Vec<(f64, u32)>,
+    /// Objects found visible so far.
+    candidates: Vec<u32>,
+}
+
+/// One run of the point method.
+pub(super) struct Walk<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    settings: &'a Settings,
+    pvs: &'a mut Pvs,
+    scratch: &'a mut Scratch,
+    /// What the near plane cuts away of the view.
+    cut: Vec<(View, Block)>,
+    grid: Grid,
+    stats: Stats,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        view: &'a View,
+        settings: &'a Settings,
+        pvs: &'a mut Pvs,
+        scratch: &'a mut Scratch,
+    ) -> Self {
+        scratch.begin(scene.slots.len());
+        let (min, max) = scene.extent();
+        let cut = view.cut_regions(min, max).collect();
+        let grid = scene.grid.bricks();
+        Self { scene, view, settings, pvs, scratch, cut, grid, stats: Stats::default() }
+    }
+
+    pub(super) fn run(mut self) {
+        let grid = self.grid;
+        let (min, max) = self.scene.extent();
+        let pitch = Pitch {
+            pixels: 90.0 / f64::from(self.settings.pixel_degrees),
+            least: f64::from(self.settings.min_pixels),
+            nearest: NEAREST * self.scene.grid.cell_size(),
+            reach: (max - min).length() * 0.5,
+            middle: (min + max) * 0.5,
+        };
+        self.scratch.point.buffers.begin(self.view, &pitch);
+        self.stats.pixels = self.scratch.point.buffers.pixels();
+        self.scratch.point.candidates.clear();
+        for &slot in &self.scene.always {
+            self.find(slot);
+        }
+        self.settle();
+        match self.view.origin {
+            Origin::Eye { at, .. } => {
+                self.around_eye(at);
+                let brick = grid.cell_of(at);
+                let (nearest, farthest) = shell_range(&grid, brick);
+                if nearest <= FAR_VIEWER {
+                    let frustum = CellFrustum::new(&grid, self.view, brick);
+                    for m in nearest..=farthest {
+                        self.stats.shells += 1;
+                        self.shell(&frustum, brick, m);
+                        if self.scratch.point.buffers.closed(self.distance_beyond(brick, m, at)) {
+                            break;
+                        }
+                    }
+                } else {
+                    self.everywhere((min + max) * 0.5 - at);
+                }
+            }
+            Origin::Direction(d) => self.everywhere(d),
+        }
+        self.decide();
+        self.pvs.stats = self.stats;
+    }
+
+    /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
+    fn distance_beyond(&self, brick: IVec3, m: i32, eye: DVec3) -> f64 {
+        let (lo, hi) = self.grid.range_bounds(brick - m, brick + m);
+        let (min, max) = (self.grid.min(), self.grid.max());
+        let mut least = f64::INFINITY;
+        for axis in 0..3 {
+            if lo[axis] > min[axis] {
+                least = least.min(eye[axis] - lo[axis]);
+            }
+            if hi[axis] < max[axis] {
+                least = least.min(hi[axis] - eye[axis]);
+            }
+        }
+        least
+    }
+
+    /// All bricks in the frustum, sorted along a direction.
+    fn everywhere(&mut self, direction: DVec3) {
+        let grid = self.grid;
+        let middle = grid.dims() / 2;
+        let frustum = CellFrustum::without_eye(&grid, self.view, middle);
+        let (_, farthest) = shell_range(&grid, middle);
+        let mut bricks = std::mem::take(&mut self.scratch.point.bricks);
+        bricks.clear();
+        for m in 0..=farthest {
+            self.shell_bricks(&frustum, middle, m, &mut bricks);
+        }
+        bricks.sort_by(|a, b| {
+            let depth = |c: &IVec3| c.as_dvec3().dot(direction);
+            depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
+        });
+        for portion in bricks.chunks(PORTION) {
+            self.stats.shells += 1;
+            for &brick in portion {
+                self.brick(brick);
+            }
+            self.settle();
+        }
+        self.scratch.point.bricks = bricks;
+    }
+
+    /// The bricks of shell `m` around `brick` in the frustum that hold anything.
+    fn shell_bricks(&self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
+        let dims = self.grid.dims();
+        let holds = |b: IVec3| {
+            self.scene.ids.in_brick(b).len() > 0 || !self.scene.volumes.matrix.ids(b).is_empty()
+        };
+        if m == 0 {
+            if self.grid.contains(brick) && holds(brick) {
+                out.push(brick);
+            }
+            return;
+        }
+        for (index, side) in Side::ALL.iter().enumerate() {
+            let axes = side.axes;
+            let depth = m * side.sign;
+            let at = brick[axes.normal] + depth;
+            if !(0..dims[axes.normal]).contains(&at) {
+                continue;
+            }
+            // Edges belong to the first of their sides.
+            let reach = |axis: usize| if axis < index / 2 { m - 1 } else { m };
+            let span = |axis: usize| {
+                let r = reach(axis);
+                ((-brick[axis]).max(-r), (dims[axis] - 1 - brick[axis]).min(r))
+            };
+            let ((r0, r1), (c0, c1)) = (span(axes.row), span(axes.col));
+            if r0 > r1 || c0 > c1 {
+                continue;
+            }
+            let corner = |row, col| {
+                let mut c = IVec3::ZERO;
+                (c[axes.normal], c[axes.row], c[axes.col]) = (depth, row, col);
+                c
+            };
+            if !frustum.meets(corner(r0, c0), corner(r1, c1)) {
+                continue;
+            }
+            let on_side = frustum.on_side(side, depth);
+            for row in r0..=r1 {
+                let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
+                out.extend((lo..=hi).map(|col| brick + corner(row, col)).filter(|&b| holds(b)));
+            }
+        }
+    }
+
+    fn shell(&mut self, frustum: &CellFrustum, brick: IVec3, m: i32) {
+        let mut bricks = std::mem::take(&mut self.scratch.point.bricks);
+        bricks.clear();
+        self.shell_bricks(frustum, brick, m, &mut bricks);
+        for &b in &bricks {
+            self.brick(b);
+        }
+        self.scratch.point.bricks = bricks;
+        self.settle();
+    }
+
+    /// Finds the objects of one brick, unless the brick is hidden.
+    fn brick(&mut self, brick: IVec3) {
+        self.stats.bricks_visited += 1;
+        let scene = self.scene;
+        let volumes = scene.volumes.matrix.ids(brick);
+        let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count()
+            + volumes.iter().filter(|&&s| !self.scratch.is_revealed(s)).count();
+        if open == 0 {
+            return;
+        }
+        if open >= WORTH_TESTING {
+            let bounds = Block::new(self.grid.cell_bounds(brick));
+            if self.test(&bounds) == Verdict::Hidden {
+                self.stats.bricks_hidden += 1;
+                return;
+            }
+        }
+        for slot in scene.ids.in_brick(brick) {
+            self.find(slot);
+        }
+        for &slot in volumes {
+            self.meet_volume(slot);
+        }
+    }
+
+    /// Volumes around the eye: their surface is not between it and what they hold.
+    fn around_eye(&mut self, eye: DVec3) {
+        let scene = self.scene;
+        let cell = scene.grid.cell_of(eye);
+        if !scene.grid.contains(cell) {
+            return;
+        }
+        let mut around = Vec::new();
+        scene.volumes.holding(cell, |slot| around.push(slot));
+        around.sort_unstable();
+        around.into_iter().for_each(|slot| self.reveal(slot));
+    }
+
+    fn meet_volume(&mut self, slot: u32) {
+        if self.scratch.is_revealed(slot) {
+            return;
+        }
+        let CellBox { lo, hi } = *self.scene.volumes.cells(slot);
+        let bounds = Block::new(self.scene.grid.range_bounds(lo, hi));
+        if self.view.may_see_block(&bounds) && self.test(&bounds) == Verdict::Visible {
+            self.reveal(slot);
+        }
+    }
+
+    fn reveal(&mut self, slot: u32) {
+        if !self.scratch.reveal(slot) {
+            return;
+        }
+        self.stats.tbvs_revealed += 1;
+        self.pvs.revealed.push(self.scene.id(slot));
+        self.find(slot);
+    }
+
+    /// An object in sight, as far as its brick or volume tells.
+    fn find(&mut self, slot: u32) {
+        if !self.scratch.mark_decided(slot) {
+            return;
+        }
+        let object = self.scene.object(slot);
+        let scratch = &mut self.scratch.point;
+        if object.is_unlocated() || object.is_hidden_unreported() {
+            // It may be anywhere: visible, whatever its old bounds say.
+            scratch.candidates.push(slot);
+            return;
+        }
+        self.stats.objects_tested += 1;
+        if self.view.may_see(&object.bounds) {
+            let block = object.bounds.block();
+            let distance = match scratch.buffers.direction() {
+                Some(d) => ((block.min + block.max) * 0.5).dot(d),
+                None => {
+                    let eye = scratch.buffers.origin();
+                    (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
+                }
+            };
+            scratch.found.push((distance, slot));
+        }
+    }
+
+    /// Tests and draws what was found, front to back.
+    fn settle(&mut self) {
+        let mut found = std::mem::take(&mut self.scratch.point.found);
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, slot) in found.drain(..) {
+            let bounds = &self.scene.object(slot).bounds;
+            self.stats.occlusion_tests += 1;
+            let scratch = &mut self.scratch.point;
+            if scratch.buffers.test(&target(bounds, &scratch.buffers)) == Verdict::Visible {
+                scratch.candidates.push(slot);
+                self.draw(slot);
+            }
+        }
+        self.scratch.point.found = found;
+    }
+
+    fn draw(&mut self, slot: u32) {
+        let Some(occluder) = &self.scene.object(slot).occluder else { return };
+        if self.stats.occluders_drawn >= self.settings.max_occluders {
+            self.stats.occluders_skipped += 1;
+            return;
+        }
+        let buffers = &mut self.scratch.point.buffers;
+        let block = occluder.block();
+        if self.settings.min_solid_angle > 0.0 && buffers.direction().is_none() {
+            let middle = (block.min + block.max) * 0.5 - buffers.origin();
+            let radius2 = (block.max - block.min).length_squared() * 0.25;
+            let angle = std::f64::consts::PI * radius2 / middle.length_squared();
+            if angle < f64::from(self.settings.min_solid_angle) {
+                self.stats.occluders_skipped += 1;
+                return;
+            }
+        }
+        // Where the near plane cuts into a solid, one sees through it.
+        let cut = self.cut.iter().any(|(region, around)| {
+            around.min.cmple(block.max).all()
+                && block.min.cmple(around.max).all()
+                && match occluder {
+                    Occluder::Sphere(s) => region.may_see_sphere(s),
+                    other => region.may_see_block(&other.block()),
+                }
+        });
+        let inside = buffers.direction().is_none() && occluder.contains_point(buffers.origin());
+        if cut || inside {
+            self.stats.eye_in_occluder = true;
+            return;
+        }
+        if let Some(solid) = solid(occluder, buffers) {
+            self.stats.occluders_drawn += 1;
+            self.stats.occluders_useful += u32::from(buffers.draw(&solid));
+        }
+    }
+
+    /// Tests a box in world units.
+    fn test(&self, bounds: &Block) -> Verdict {
+        let buffers = &self.scratch.point.buffers;
+        let (origin, grow) = (buffers.origin(), buffers.uncertainty());
+        let block = Block { min: bounds.min - origin - grow, max: bounds.max - origin + grow };
+        buffers.test(&Target::block(block, buffers.direction()))
+    }
+
+    /// Tests all candidates again, with every occluder drawn, and refines what stays open.
+    fn decide(&mut self) {
+        let mut candidates = std::mem::take(&mut self.scratch.point.candidates);
+        let buffers = &self.scratch.point.buffers;
+        let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
+        let mut budget = u64::from(self.settings.refine_budget);
+        for slot in candidates.drain(..) {
+            let object = self.scene.object(slot);
+            if !(object.is_unlocated() || object.is_hidden_unreported()) {
+                let target = target(&object.bounds, buffers);
+                self.stats.occlusion_tests += 1;
+                if buffers.test(&target) == Verdict::Hidden {
+                    continue;
+                }
+                if effort.squares > 0 && budget > 0 {
+                    self.stats.refined += 1;
+                    if buffers.refine(&target, &effort, &mut budget) == Verdict::Hidden {
+                        self.stats.refined_hidden += 1;
+                        continue;
+                    }
+                }
+            }
+            self.pvs.push(self.scene.id(slot));
+        }
+        self.stats.refine_squares = u64::from(self.settings.refine_budget) - budget;
+        self.scratch.point.candidates = candidates;
+    }
+}
+
+/// What is tested, with room for what is not known of the eye.
+fn target(bounds: &Bounds, buffers: &OcclusionBuffers) -> Target {
+    let (origin, grow) = (buffers.origin(), buffers.uncertainty());
+    match bounds {
+        Bounds::Sphere(s) => Target::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) + grow),
+        other => {
+            let b = other.block();
+            Target::block(
+                Block { min: b.min - origin - grow, max: b.max - origin + grow },
+                buffers.direction(),
+            )
+        }
+    }
+}
+
+/// What is drawn, less what is not known of the eye; `None` if nothing is left.
+fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
+    let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
+    match occluder {
+        Occluder::Sphere(s) => {
+            Solid::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) - shrink, buffers.direction())
+        }
+        Occluder::Box(b) => {
+            let b = Block::from(*b);
+            let b = Block { min: b.min - origin + shrink, max: b.max - origin - shrink };
+            let solid = b.min.cmplt(b.max).all();
+            solid.then(|| Solid::polytope(Polytope::block(&b), buffers.direction()))?
+        }
+        Occluder::Mesh(_) => None,
+    }
+}
