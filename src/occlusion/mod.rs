@@ -21,17 +21,19 @@ mod tiles;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-pub(crate) use outline::{Half, Polytope};
+pub(crate) use outline::Polytope;
 pub(crate) use refine::Effort;
 pub(crate) use solid::Solid;
 pub(crate) use target::Target;
 
+use crate::geometry::Block;
 use crate::mask::Side;
 use crate::view::{Origin, View};
 use face::{Face, Linear, Rect};
-use silhouette::{Depth, Silhouette};
-use target::{FaceTarget, below};
-use tiles::{TILE, Tile, block, span};
+use silhouette::{Front, Silhouette};
+use solid::Shadow;
+use target::{FaceTarget, above, below};
+use tiles::{TILE, Tile, bits, block, span};
 
 /// Occluders are listed for squares of this many tiles along each side.
 const BIN: i64 = 4;
@@ -46,9 +48,19 @@ const FRUSTUM_MARGIN: f64 = 1e-9;
 #[derive(Debug)]
 struct Drawn {
     silhouette: Silhouette,
-    depth: Depth,
-    /// Index into the list of planes.
+    front: Front,
+    /// Index into the list of shadows.
     solid: u32,
+    owner: u32,
+}
+
+/// An occluder in the list of a square of tiles.
+#[derive(Debug, Clone, Copy)]
+struct Listed {
+    /// Index into the drawn occluders of the face.
+    drawn: u32,
+    /// No point of it is nearer.
+    near: f32,
 }
 
 /// One face's window inside the frustum.
@@ -56,13 +68,16 @@ struct Drawn {
 struct FaceBuffer {
     face: Face,
     active: bool,
-    /// Width of a pixel.
+    /// Width of a pixel, and its inverse.
     step: f64,
+    per_unit: f64,
     /// First tile of the window on the face, and their number.
     tx: i64,
     ty: i64,
     nx: i64,
     ny: i64,
+    /// A rectangle around the part of the face inside the frustum.
+    window: Rect,
     /// Pixels of the window, upper ends excluded.
     px: (i64, i64),
     py: (i64, i64),
@@ -71,7 +86,7 @@ struct FaceBuffer {
     tiles: Vec<Tile>,
     /// For each tile, the nearness down to which it is closed.
     closed: Vec<f32>,
-    bins: Vec<Vec<u32>>,
+    bins: Vec<Vec<Listed>>,
     drawn: Vec<Drawn>,
 }
 
@@ -101,8 +116,8 @@ pub(crate) enum Verdict {
 #[derive(Debug, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
-    /// For each occluder drawn, the planes behind which it hides.
-    fronts: Vec<SmallVec<[Half; 3]>>,
+    /// For each occluder drawn, where it hides.
+    shadows: Vec<Shadow>,
     origin: DVec3,
     error: f64,
     direction: Option<DVec3>,
@@ -112,7 +127,7 @@ pub(crate) struct OcclusionBuffers {
 impl OcclusionBuffers {
     /// Clears the windows that a view looks through.
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
-        self.fronts.clear();
+        self.shadows.clear();
         self.nearest = pitch.nearest;
         let wanted: SmallVec<[Face; 6]> = match view.origin {
             Origin::Eye { at, error } => {
@@ -120,7 +135,8 @@ impl OcclusionBuffers {
                 Side::ALL.iter().map(Face::side).collect()
             }
             Origin::Direction(d) => {
-                (self.origin, self.error, self.direction) = (pitch.middle, 0.0, Some(d));
+                // Behind everything, so that depths are positive and of one size.
+                (self.origin, self.error, self.direction) = (pitch.middle - d * (4.0 * pitch.reach), 0.0, Some(d));
                 // Across the rays, along one of the view's own sides.
                 let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < 1e-3);
                 let right = side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
@@ -173,42 +189,65 @@ impl OcclusionBuffers {
     }
 
     /// Draws an occluder. Returns whether it hides anything new.
-    pub(crate) fn draw(&mut self, solid: &Solid) -> bool {
-        let index = self.fronts.len() as u32;
+    ///
+    /// `owner` tells it from others: a target is not hidden by what is drawn in its name.
+    pub(crate) fn draw(&mut self, solid: &Solid, owner: u32) -> bool {
+        let index = self.shadows.len() as u32;
         let mut news = false;
         let mut used = false;
         for buffer in &mut self.faces {
             if buffer.active {
-                let (drawn, new) = buffer.draw(solid, index);
+                let (drawn, new) = buffer.draw(solid, index, owner);
                 used |= drawn;
                 news |= new;
             }
         }
         if used {
-            self.fronts.push(solid.fronts.clone());
+            self.shadows.push(solid.shadow.clone());
         }
         news
     }
 
+    /// Whether every pixel of the rectangles around a box is covered nearer than it.
+    pub(crate) fn hides(&self, block: &Block) -> bool {
+        if self.is_close(block) {
+            return false;
+        }
+        self.faces.iter().filter(|b| b.active).all(|buffer| {
+            let Some((rect, depth)) = buffer.face.block(block) else { return true };
+            buffer.hides(&rect.grown(), above(buffer.face.nearness_of(depth)))
+        })
+    }
+
     /// Whether every pixel that a target may touch is covered nearer than it.
     pub(crate) fn test(&self, target: &Target) -> Verdict {
-        if !(target.chessboard_distance() > self.nearest) && self.direction.is_none() {
+        if self.is_close(target.bounds()) {
             return Verdict::Visible;
         }
-        for buffer in self.faces.iter().filter(|b| b.active) {
-            if let Some(on_face) = target.on_face(&buffer.face)
-                && buffer.sees(&on_face)
-            {
-                return Verdict::Visible;
+        let seen = self.faces.iter().filter(|b| b.active).any(|buffer| {
+            let mut seen = false;
+            if let Some(on_face) = target.on_face(&buffer.face) {
+                buffer.uncovered(&on_face, |_, _, _| {
+                    seen = true;
+                    true
+                });
             }
-        }
-        Verdict::Hidden
+            seen
+        });
+        if seen { Verdict::Visible } else { Verdict::Hidden }
+    }
+
+    /// Whether a box reaches so close to the eye that directions to it are not told apart.
+    fn is_close(&self, block: &Block) -> bool {
+        let distance = block.min.max(-block.max).max_element();
+        // NaN is close.
+        self.direction.is_none() && (distance.is_nan() || distance <= self.nearest)
     }
 
     /// Whether all pixels are closed for what lies farther than `distance` along some axis.
     pub(crate) fn closed(&self, distance: f64) -> bool {
         self.faces.iter().filter(|b| b.active).all(|b| {
-            let near = target::above(b.face.nearness_of(distance));
+            let near = above(b.face.nearness_of(distance));
             b.closed.iter().all(|&c| c >= near)
         })
     }
@@ -226,10 +265,12 @@ impl FaceBuffer {
             face,
             active: false,
             step: 1.0,
+            per_unit: 1.0,
             tx: 0,
             ty: 0,
             nx: 0,
             ny: 0,
+            window: Rect::FACE,
             px: (0, 0),
             py: (0, 0),
             halves: SmallVec::new(),
@@ -275,17 +316,19 @@ impl FaceBuffer {
     /// The pixels that a range of the face touches, upper end excluded.
     fn pixels(&self, lo: f64, hi: f64, window: (i64, i64)) -> (i64, i64) {
         let margin = 1e-6;
-        let first = ((lo + 1.0) / self.step - margin).floor().max(window.0 as f64) as i64;
-        let last = ((hi + 1.0) / self.step + margin).floor().min((window.1 - 1) as f64) as i64;
+        let clamp = |p: f64| floor(p.clamp(window.0 as f64 - 1.0, window.1 as f64));
+        let first = clamp((lo + 1.0) * self.per_unit - margin).max(window.0);
+        let last = clamp((hi + 1.0) * self.per_unit + margin).min(window.1 - 1);
         (first, last + 1)
     }
 
     fn clear(&mut self, window: Option<Rect>, pixels: i64) {
         self.drawn.clear();
         self.active = false;
-        self.step = 2.0 / pixels as f64;
+        (self.step, self.per_unit) = (2.0 / pixels as f64, pixels as f64 / 2.0);
         let Some(w) = window else { return };
         self.active = true;
+        self.window = w;
         self.px = self.pixels(w.u0, w.u1, (0, pixels));
         self.py = self.pixels(w.v0, w.v1, (0, pixels));
         (self.tx, self.ty) = (self.px.0 / TILE, self.py.0 / TILE);
@@ -343,48 +386,43 @@ impl FaceBuffer {
         if lo > hi { (0, 0) } else { self.pixels(lo, hi, self.px) }
     }
 
-    fn draw(&mut self, solid: &Solid, index: u32) -> (bool, bool) {
-        let Some((rect, silhouette)) = solid.on_face(&self.face) else { return (false, false) };
+    fn draw(&mut self, solid: &Solid, index: u32, owner: u32) -> (bool, bool) {
+        let Some((rect, depth, silhouette)) = solid.on_face(&self.face) else { return (false, false) };
         let (x0, x1) = self.pixels(rect.u0, rect.u1, self.px);
         let (y0, y1) = self.pixels(rect.v0, rect.v1, self.py);
         if x0 >= x1 || y0 >= y1 {
             return (false, false);
         }
-        let depth = Depth::new(&self.face, &solid.fronts, solid.farthest(&self.face));
-        let drawn = self.drawn.len() as u32;
+        let front = solid.front(&self.face);
+        let listed = Listed { drawn: self.drawn.len() as u32, near: above(self.face.nearness_of(depth)) };
         let (bx0, bx1) = ((x0 / TILE - self.tx) / BIN, ((x1 - 1) / TILE - self.tx) / BIN);
         let (by0, by1) = ((y0 / TILE - self.ty) / BIN, ((y1 - 1) / TILE - self.ty) / BIN);
         let bins = (self.nx - 1) / BIN + 1;
         for by in by0..=by1 {
             for bx in bx0..=bx1 {
-                self.bins[(by * bins + bx) as usize].push(drawn);
+                self.bins[(by * bins + bx) as usize].push(listed);
             }
         }
         let mut news = false;
         let conic = silhouette.is_conic();
-        let per_pixel = 1.0 / self.step;
+        let step = self.step;
+        let per_unit = self.per_unit;
         for ty in y0 / TILE..=(y1 - 1) / TILE {
             let mut rows = [(0i64, 0i64); TILE as usize];
             let (first, last) = ((ty * TILE).max(y0), ((ty + 1) * TILE).min(y1));
             let (mut left, mut right) = (i64::MAX, i64::MIN);
             let (mut common_left, mut common_right) = (i64::MIN, i64::MAX);
-            let mut whole_rows = 0;
-            silhouette.rows(self.border(first), self.step, (last - first) as usize, |i, lo, hi| {
-                // Whole pixels between the ends, as borders round; conics are confirmed below.
-                let margin = 1e-6;
+            let mut filled = 0;
+            silhouette.rows(self.border(first), step, (last - first) as usize, |i, lo, hi| {
                 let y = first + i as i64;
-                let mut a = (((lo + 1.0) * per_pixel + margin).ceil().clamp(x0 as f64, x1 as f64)) as i64;
-                let mut b = (((hi + 1.0) * per_pixel - margin).floor().clamp(x0 as f64, x1 as f64)) as i64;
-                // The face's own borders are exact.
-                if lo <= -1.0 {
-                    a = x0;
-                }
-                if hi >= 1.0 {
-                    b = x1;
-                }
+                let clamp = |p: f64| p.clamp(x0 as f64, x1 as f64);
+                // Whole pixels between the ends, as borders round; the face's own borders are exact.
+                let margin = 1e-6;
+                let mut a = if lo <= -1.0 { x0 } else { -floor(-clamp((lo + 1.0) * per_unit + margin)) };
+                let mut b = if hi >= 1.0 { x1 } else { floor(clamp((hi + 1.0) * per_unit - margin)) };
                 if conic && a < b {
-                    let (v0, v1) = (y as f64 * self.step - 1.0, (y + 1) as f64 * self.step - 1.0);
-                    let border = |p: i64| p as f64 * self.step - 1.0;
+                    let border = |p: i64| p as f64 * step - 1.0;
+                    let (v0, v1) = (border(y), border(y + 1));
                     let sure =
                         |a, b| silhouette.covers(&Rect { u0: border(a), v0, u1: border(b), v1 });
                     if !sure(a, b) {
@@ -394,45 +432,38 @@ impl FaceBuffer {
                         }
                     }
                 }
-                rows[(y - ty * TILE) as usize] = (a, b);
                 if a < b {
+                    rows[(y - ty * TILE) as usize] = (a, b);
                     (left, right) = (left.min(a), right.max(b));
                     (common_left, common_right) = (common_left.max(a), common_right.min(b));
-                    whole_rows += 1;
+                    filled += 1;
                 }
             });
+            if filled < TILE {
+                common_right = i64::MIN;
+            }
             if left >= right {
                 continue;
             }
             for tx in left / TILE..=(right - 1) / TILE {
                 let x = tx * TILE;
                 let t = ((ty - self.ty) * self.nx + tx - self.tx) as usize;
-                let rect = Rect {
-                    u0: self.border(x),
-                    v0: self.border(ty * TILE),
-                    u1: self.border(x + TILE),
-                    v1: self.border((ty + 1) * TILE),
-                };
-                let near = below(depth.on(&rect));
+                let rect = self.square(x, ty * TILE, TILE);
+                let whole = common_left <= x && x + TILE <= common_right;
+                let near = below(if whole { front.behind_inside(&rect) } else { front.behind(&rect) });
                 if near <= self.closed[t] {
                     continue;
                 }
-                let mask = if whole_rows == TILE && common_left <= x && x + TILE <= common_right {
-                    u64::MAX
-                } else {
-                    let mut mask = 0;
-                    for (i, row) in rows.iter().enumerate() {
-                        mask |= span(row.0 - x, row.1 - x) << (8 * i);
-                    }
-                    mask
-                };
+                let row = |(i, s): (usize, &(i64, i64))| span(s.0 - x, s.1 - x) << (8 * i);
+                let mask =
+                    if whole { u64::MAX } else { rows.iter().enumerate().map(row).fold(0, |all, row| all | row) };
                 if mask != 0 && self.tiles[t].cover(mask, near) {
                     self.closed[t] = self.tiles[t].closed();
                     news = true;
                 }
             }
         }
-        self.drawn.push(Drawn { silhouette, depth, solid: index });
+        self.drawn.push(Drawn { silhouette, front, solid: index, owner });
         (true, news)
     }
 
@@ -460,14 +491,15 @@ impl FaceBuffer {
                 if !target.silhouette.touches(&rect) {
                     continue;
                 }
-                while open != 0 {
-                    let bit = i64::from(open.trailing_zeros());
-                    open &= open - 1;
+                // In this tile it may be farther than as a whole.
+                open &= !self.tiles[t].hidden(target.near(&rect));
+                let stopped = bits(open).any(|bit| {
                     let (x, y) = (x + (bit & 7), y + (bit >> 3));
                     let rect = self.square(x, y, 1);
-                    if target.silhouette.touches(&rect) && found(x, y, &rect) {
-                        return;
-                    }
+                    target.silhouette.touches(&rect) && found(x, y, &rect)
+                });
+                if stopped {
+                    return;
                 }
             }
         }
@@ -484,27 +516,52 @@ impl FaceBuffer {
         }
     }
 
-    fn sees(&self, target: &FaceTarget) -> bool {
-        let mut seen = false;
-        self.uncovered(target, |_, _, _| {
-            seen = true;
-            true
-        });
-        seen
+    /// Whether every pixel of a rectangle is covered for what is nowhere nearer than `near`.
+    fn hides(&self, rect: &Rect, near: f32) -> bool {
+        let (x0, x1) = self.pixels(rect.u0, rect.u1, self.px);
+        let (y0, y1) = self.pixels(rect.v0, rect.v1, self.py);
+        if x0 >= x1 || y0 >= y1 {
+            return true;
+        }
+        let (tx0, tx1) = (x0 / TILE, (x1 - 1) / TILE);
+        (y0 / TILE..=(y1 - 1) / TILE).all(|ty| {
+            let row = (ty - self.ty) * self.nx - self.tx;
+            let (a, b) = ((row + tx0) as usize, (row + tx1) as usize);
+            self.closed[a..=b].iter().enumerate().all(|(i, &closed)| {
+                if closed >= near {
+                    return true;
+                }
+                let (x, y) = ((tx0 + i as i64) * TILE, ty * TILE);
+                block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.tiles[a + i].hidden(near) == 0
+            })
+        })
+    }
+
+    /// The occluders listed for the pixel that holds the corner of a rectangle inside the window.
+    fn bin_of(&self, rect: &Rect) -> &[Listed] {
+        let pixel = |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + 1e-6).clamp(lo, hi - 1);
+        self.bin(pixel(rect.u0, self.px), pixel(rect.v0, self.py))
     }
 
     /// The occluders listed for a pixel.
-    fn bin(&self, x: i64, y: i64) -> &[u32] {
+    fn bin(&self, x: i64, y: i64) -> &[Listed] {
         let bins = (self.nx - 1) / BIN + 1;
         let (bx, by) = ((x / TILE - self.tx) / BIN, (y / TILE - self.ty) / BIN);
         &self.bins[(by * bins + bx) as usize]
     }
 }
 
+/// The floor of a number within the range of `i64`, without a call into the
+/// mathematics library, which processors of the baseline would need.
+#[inline]
+fn floor(v: f64) -> i64 {
+    let whole = v as i64;
+    whole - i64::from(whole as f64 > v)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Block;
 
     struct Random(u64);
 
@@ -551,10 +608,10 @@ mod tests {
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
             let Some(solid) = Solid::polytope(Polytope::block(&occluder), None) else { continue };
-            buffers.draw(&solid);
+            buffers.draw(&solid, 0);
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
-                if buffers.test(&Target::block(b, None)) == Verdict::Visible {
+                if buffers.test(&Target::block(b, None)) != Verdict::Hidden {
                     continue;
                 }
                 hidden += 1;

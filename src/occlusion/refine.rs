@@ -1,78 +1,67 @@
 //! Local refinement: what pixels leave undecided is asked of the silhouettes.
 //!
-//! A target that only undecided pixels show is examined again in those pixels. A
-//! square of directions is covered if one silhouette contains it and hides the target there, or the
-//! target does not reach it; otherwise it is cut into four. A direction that meets the target and
-//! that no nearer occluder covers proves it visible and ends the search. The budget counts
-//! squares, so that results do not depend on speed.
+//! A target that uncovered pixels show is examined in those pixels again. First the middles of
+//! some pixels: a direction that meets the target before it meets any occluder proves the
+//! target visible and ends the search. Then squares, from the pixel down: a square is covered if one
+//! silhouette contains it and hides the target there, or if the target does not reach
+//! it; otherwise it is cut into four. The budget counts directions and squares, so that results do not
+//! depend on speed.
 
 use smallvec::SmallVec;
 
 use super::face::Rect;
 use super::target::{FaceTarget, Target, below};
-use super::{FaceBuffer, OcclusionBuffers, Verdict};
+use super::{FaceBuffer, Listed, OcclusionBuffers, Verdict};
 
 /// How hard to try.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Effort {
-    /// Squares examined for one target, at most.
+    /// Directions and squares examined for one target, at most.
     pub(crate) squares: u32,
     /// How often a pixel is halved, at most.
     pub(crate) depth: u32,
 }
 
+/// Directions tried for one target on one face before squares.
+const DIRECTIONS: u32 = 16;
+
+/// A target with this many uncovered pixels on one face, none of which shows it for
+/// certain, is taken to be visible.
+const PIXELS: usize = 64;
+
 /// One occluder that may hide the target.
 #[derive(Clone, Copy)]
 struct Candidate {
-    drawn: u32,
-    /// All of the target lies behind its planes.
+    listed: Listed,
+    /// All of the target lies behind its front.
     behind: bool,
 }
 
 struct Search<'a> {
     buffer: &'a FaceBuffer,
     target: &'a FaceTarget,
+    /// Who drew the target's own occluder.
+    owner: u32,
     squares: u32,
     depth: u32,
 }
 
 impl OcclusionBuffers {
-    /// Tests a target as [`OcclusionBuffers::test`] does, and examines undecided pixels again.
-    /// Takes what it uses from `budget`.
-    pub(crate) fn refine(&self, target: &Target, effort: &Effort, budget: &mut u64) -> Verdict {
-        if !(target.chessboard_distance() > self.nearest) && self.direction.is_none() {
+    /// Tests a target as [`OcclusionBuffers::test`] does, and examines uncovered pixels again.
+    /// Takes what it uses from `budget`; when that is spent, the pixels decide.
+    pub(crate) fn refine(&self, target: &Target, owner: u32, effort: &Effort, budget: &mut u64) -> Verdict {
+        if self.is_close(target.bounds()) {
             return Verdict::Visible;
         }
-        let mut squares = effort.squares.min((*budget).min(u64::from(u32::MAX)) as u32);
-        let given = squares;
+        let given = effort.squares.min((*budget).min(u64::from(u32::MAX)) as u32);
+        let mut squares = given;
         let mut verdict = Verdict::Hidden;
-        let mut known: SmallVec<[(u32, bool); 16]> = SmallVec::new();
         for buffer in self.faces.iter().filter(|b| b.active) {
             let Some(on_face) = target.on_face(&buffer.face) else { continue };
-            known.clear();
-            let mut search = Search { buffer, target: &on_face, squares, depth: effort.depth };
-            buffer.uncovered(&on_face, |x, y, rect| {
-                let mut candidates: SmallVec<[Candidate; 16]> = SmallVec::new();
-                for &drawn in buffer.bin(x, y) {
-                    let d = &buffer.drawn[drawn as usize];
-                    if !d.silhouette.touches(rect) {
-                        continue;
-                    }
-                    let behind = match known.iter().find(|(k, _)| *k == drawn) {
-                        Some(&(_, behind)) => behind,
-                        None => {
-                            let behind = target.is_behind(&self.fronts[d.solid as usize]);
-                            known.push((drawn, behind));
-                            behind
-                        }
-                    };
-                    candidates.push(Candidate { drawn, behind });
-                }
-                if !search.covered(rect, &candidates, 0) {
-                    verdict = Verdict::Visible;
-                }
-                verdict == Verdict::Visible
-            });
+            let mut search = Search { buffer, target: &on_face, owner, squares, depth: effort.depth };
+            if !search.is_hidden(self, target) {
+                verdict = Verdict::Visible;
+            }
             squares = search.squares;
             if verdict == Verdict::Visible {
                 break;
@@ -84,6 +73,67 @@ impl OcclusionBuffers {
 }
 
 impl Search<'_> {
+    fn is_hidden(&mut self, buffers: &OcclusionBuffers, target: &Target) -> bool {
+        if self.squares > 0 && self.middle_is_seen(target) {
+            return false;
+        }
+        let mut open: SmallVec<[Rect; PIXELS]> = SmallVec::new();
+        let (mut seen, mut tries) = (false, 0);
+        self.buffer.uncovered(self.target, |x, y, rect| {
+            let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
+            if tries < DIRECTIONS && self.squares > 0 && self.target.silhouette.holds(u, v) {
+                tries += 1;
+                self.squares -= 1;
+                seen = self.is_seen(u, v, self.buffer.bin(x, y));
+            }
+            let full = open.len() == PIXELS;
+            if !full {
+                open.push(*rect);
+            }
+            seen || full || self.squares == 0
+        });
+        if seen || self.squares == 0 || open.len() == PIXELS {
+            return open.is_empty();
+        }
+        let mut known: SmallVec<[(u32, bool); 16]> = SmallVec::new();
+        open.iter().all(|rect| {
+            let mut candidates: SmallVec<[Candidate; 16]> = SmallVec::new();
+            for &Listed { drawn, near } in self.buffer.bin_of(rect) {
+                // Who is no nearer hides at most a part.
+                if near <= self.target.near {
+                    continue;
+                }
+                let d = &self.buffer.drawn[drawn as usize];
+                if d.owner == self.owner || !d.silhouette.touches(rect) {
+                    continue;
+                }
+                let behind = match known.iter().find(|(k, _)| *k == drawn) {
+                    Some(&(_, behind)) => behind,
+                    None => {
+                        let behind = target.is_behind(&buffers.shadows[d.solid as usize]);
+                        known.push((drawn, behind));
+                        behind
+                    }
+                };
+                candidates.push(Candidate { listed: Listed { drawn, near }, behind });
+            }
+            self.covered(rect, &candidates, 0)
+        })
+    }
+
+    /// Tries the direction to the target's middle.
+    fn middle_is_seen(&mut self, target: &Target) -> bool {
+        let p = self.buffer.face.local(target.middle());
+        let (u, v) = if self.buffer.face.parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
+        let window = &self.buffer.window;
+        let inside = u >= window.u0 && u < window.u1 && v >= window.v0 && v < window.v1;
+        if (!self.buffer.face.parallel && p.z <= 0.0) || !inside || !self.target.silhouette.holds(u, v) {
+            return false;
+        }
+        self.squares -= 1;
+        self.is_seen(u, v, self.buffer.bin_of(&Rect { u0: u, v0: v, u1: u, v1: v }))
+    }
+
     /// Whether the candidates surely hide the target in a square.
     fn covered(&mut self, rect: &Rect, candidates: &[Candidate], level: u32) -> bool {
         if self.squares == 0 || candidates.is_empty() {
@@ -91,13 +141,19 @@ impl Search<'_> {
         }
         self.squares -= 1;
         let mut rest: SmallVec<[Candidate; 16]> = SmallVec::new();
+        let mut near = None;
         for &c in candidates {
-            let d = &self.buffer.drawn[c.drawn as usize];
-            if !d.silhouette.touches(rect) {
+            let d = &self.buffer.drawn[c.listed.drawn as usize];
+            if level > 0 && !d.silhouette.touches(rect) {
                 continue;
             }
-            if d.silhouette.covers(rect) && (c.behind || below(d.depth.on(rect)) >= self.target.near) {
-                return true;
+            if d.silhouette.covers(rect) {
+                let mut nearer = || {
+                    below(d.front.behind_inside(rect)) >= *near.get_or_insert_with(|| self.target.near(rect))
+                };
+                if c.behind || nearer() {
+                    return true;
+                }
             }
             rest.push(c);
         }
@@ -105,7 +161,7 @@ impl Search<'_> {
             return false;
         }
         let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
-        if self.is_seen(u, v, &rest) {
+        if self.target.silhouette.holds(u, v) && self.is_seen(u, v, rest.iter().map(|c| &c.listed)) {
             return false;
         }
         let quarters = [
@@ -116,19 +172,23 @@ impl Search<'_> {
         ];
         quarters.iter().all(|q| {
             !self.target.silhouette.touches(q)
-                || self.outside_frustum(q)
+                || self.buffer.halves.iter().any(|h| h.most(q) < 0.0)
                 || self.covered(q, &rest, level + 1)
         })
     }
 
-    /// Whether a direction meets the target, inside the frustum, and no candidate.
-    fn is_seen(&self, u: f64, v: f64, candidates: &[Candidate]) -> bool {
-        self.target.silhouette.holds(u, v)
-            && self.buffer.halves.iter().all(|h| h.at(u, v) >= 0.0)
-            && candidates.iter().all(|c| !self.buffer.drawn[c.drawn as usize].silhouette.may_hold(u, v))
-    }
-
-    fn outside_frustum(&self, rect: &Rect) -> bool {
-        self.buffer.halves.iter().any(|h| h.most(rect) < 0.0)
+    /// Whether a direction in the target's silhouette meets it inside the frustum, before any of the
+    /// occluders. Rounding may make a hidden target seen here, never the reverse: what is
+    /// not seen is not yet hidden.
+    fn is_seen<'a>(&self, u: f64, v: f64, occluders: impl IntoIterator<Item = &'a Listed>) -> bool {
+        let near = self.target.at(u, v);
+        self.buffer.halves.iter().all(|h| h.at(u, v) >= 0.0)
+            && occluders.into_iter().all(|listed| {
+                if f64::from(listed.near) <= near {
+                    return true;
+                }
+                let d = &self.buffer.drawn[listed.drawn as usize];
+                d.owner == self.owner || !d.silhouette.may_hold(u, v) || d.front.at(u, v) <= near
+            })
     }
 }

@@ -155,6 +155,7 @@ impl Silhouette {
 
     /// For `rows` rows of height `step` from `v`, calls `row` with the columns between which the
     /// row is surely covered. For conics the ends are rounded roots, which `covers` must confirm.
+    #[inline]
     pub(crate) fn rows(&self, v: f64, step: f64, rows: usize, mut row: impl FnMut(usize, f64, f64)) {
         match &self.kind {
             Kind::Conic { s, k, u0, v0, e, .. } => {
@@ -169,16 +170,17 @@ impl Silhouette {
                 }
             }
             Kind::Polygon(halves) => {
+                let inverses: SmallVec<[f64; 8]> = halves.iter().map(|half| -1.0 / half.a).collect();
                 for i in 0..rows {
                     let (near, far) = (v + step * i as f64, v + step * (i + 1) as f64);
                     let (mut lo, mut hi) = (-1.0f64, 1.0f64);
-                    for half in halves {
+                    for (half, inverse) in halves.iter().zip(&inverses) {
                         let rest = (half.b * near).min(half.b * far) + half.c - CONE_MARGIN;
                         // Where a u + rest >= 0.
                         if half.a > 0.0 {
-                            lo = lo.max(-rest / half.a);
+                            lo = lo.max(rest * inverse);
                         } else if half.a < 0.0 {
-                            hi = hi.min(-rest / half.a);
+                            hi = hi.min(rest * inverse);
                         } else if rest < 0.0 {
                             hi = f64::NEG_INFINITY;
                         }
@@ -196,36 +198,127 @@ impl Silhouette {
     }
 }
 
-/// Nearness of what hides, on a face: at each direction, points that are less near
-/// than all of these functions lie behind the shape.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Depth {
-    fronts: SmallVec<[Linear; 3]>,
+/// Nearness of a convex shape's front on a face, from both sides: each direction in
+/// the silhouette enters the shape where the least of its front planes says, or at the front of a ball.
+#[derive(Debug, Clone)]
+pub(crate) struct Front {
+    planes: SmallVec<[Linear; 3]>,
+    /// Whether all planes are known.
+    complete: bool,
+    ball: Option<Ball>,
     /// The silhouette's farthest point is at least this near.
     floor: f64,
 }
 
-impl Depth {
-    /// `fronts` are the planes turned to the eye, as `m . x <= h`; `farthest` is the greatest depth
-    /// of the silhouette along the face's axis.
-    pub(crate) fn new(face: &Face, fronts: &[Half], farthest: f64) -> Self {
-        // A plane seen edge-on leaves the floor only.
-        let unknown = Linear { a: 0.0, b: 0.0, c: f64::NEG_INFINITY };
-        let fronts = fronts.iter().map(|&(m, h)| face.nearness(m, h).unwrap_or(unknown)).collect();
-        let floor = if face.parallel {
-            -farthest
-        } else if farthest > 0.0 {
-            1.0 / farthest
-        } else {
-            0.0
-        };
-        Self { fronts, floor }
+#[derive(Debug, Clone, Copy)]
+struct Ball {
+    /// On the face: across, up, depth.
+    center: DVec3,
+    radius: f64,
+    /// |center|^2 - radius^2.
+    power: f64,
+    /// Radius in units of a face across parallel rays; 0 around an eye.
+    across: f64,
+}
+
+impl Ball {
+    fn new(face: &Face, center: DVec3, radius: f64) -> Self {
+        let distance = center.length();
+        Self {
+            center: face.local(center),
+            radius,
+            power: (distance - radius) * (distance + radius),
+            across: if face.parallel { radius * face.right.length() } else { 0.0 },
+        }
     }
 
-    /// What is less near than this on the whole rectangle is behind.
+    /// The depth at which a direction enters; `None` if it barely does or not at all, or
+    /// if the eye is about as close as coordinates are exact.
     #[inline]
-    pub(crate) fn on(&self, r: &Rect) -> f64 {
-        self.fronts.iter().map(|f| f.least(r)).fold(f64::INFINITY, f64::min).max(self.floor)
+    fn enters(&self, u: f64, v: f64) -> Option<f64> {
+        let c = self.center;
+        if self.across > 0.0 {
+            let (du, dv) = ((u - c.x) / self.across, (v - c.y) / self.across);
+            let q = 1.0 - (du * du + dv * dv);
+            return (q > 1e-9).then(|| c.z - self.radius * q.sqrt());
+        }
+        let s = u * c.x + v * c.y + c.z;
+        let d2 = u * u + v * v + 1.0;
+        let q = s * s - d2 * self.power;
+        // The root keeps more than half of its digits.
+        (s > 0.0 && q > 1e-9 * s * s && self.power > 1e-6 * s * s).then(|| self.power / (s + q.sqrt()))
+    }
+}
+
+impl Front {
+    /// `planes` are the planes turned to the eye, as `m . x <= h`; `farthest` is the greatest depth
+    /// of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
+    pub(crate) fn new(face: &Face, outline: &Outline, planes: &[Half], farthest: f64, reach: f64) -> Self {
+        // Planes too close to the eye, or seen edge-on, are not known well enough.
+        let known = |h: f64| face.parallel || h.abs() > 1e-7 * reach;
+        let found = planes.iter().filter(|&&(_, h)| known(h)).filter_map(|&(m, h)| face.nearness(m, h));
+        let found: SmallVec<[Linear; 3]> = found.collect();
+        let ball = match outline {
+            Outline::Sphere { center, radius } => Some(Ball::new(face, *center, *radius)),
+            _ => None,
+        };
+        let complete = found.len() == planes.len();
+        Self { planes: found, complete, ball, floor: face.nearness_of(farthest.max(0.0)) }
+    }
+
+    /// What is less near than this on the whole rectangle, and in the silhouette, is behind.
+    #[inline]
+    pub(crate) fn behind(&self, r: &Rect) -> f64 {
+        if !self.complete {
+            return self.floor;
+        }
+        self.planes.iter().map(|f| f.least(r)).fold(f64::INFINITY, f64::min).max(self.floor)
+    }
+
+    /// As [`Front::behind`], for a rectangle inside the silhouette: the depth at which
+    /// a ball is entered is greatest at a corner, since what is entered no deeper than some
+    /// depth is the shadow of a convex part of the ball.
+    #[inline]
+    pub(crate) fn behind_inside(&self, r: &Rect) -> f64 {
+        let planes = self.behind(r);
+        let Some(ball) = &self.ball else { return planes };
+        let mut deepest = f64::NEG_INFINITY;
+        for (u, v) in r.corners() {
+            match ball.enters(u, v) {
+                Some(z) => deepest = deepest.max(z),
+                None => return planes,
+            }
+        }
+        planes.max(if ball.across > 0.0 { -deepest } else { 1.0 / deepest })
+    }
+
+    /// Nearness of the front in one direction that is in the silhouette, but for rounding.
+    pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
+        match &self.ball {
+            Some(ball) => ball.enters(u, v).map_or(self.floor, |z| if ball.across > 0.0 { -z } else { 1.0 / z }),
+            None => self.planes.iter().map(|p| p.at(u, v)).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// No point of the shape in the rectangle is nearer than this.
+    #[inline]
+    pub(crate) fn nearest(&self, r: &Rect) -> f64 {
+        let Some(ball) = &self.ball else {
+            return self.planes.iter().map(|f| f.most(r)).fold(f64::INFINITY, f64::min);
+        };
+        if ball.across > 0.0 {
+            return f64::INFINITY;
+        }
+        // It lies behind the plane that touches it where the middle of the rectangle enters.
+        let (u, v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
+        let Some(z) = ball.enters(u, v) else { return f64::INFINITY };
+        let n = ball.center - DVec3::new(u, v, 1.0) * z;
+        let h = n.dot(ball.center) - ball.radius * n.length();
+        if h <= 1e-6 * n.length() * ball.center.length() {
+            return f64::INFINITY;
+        }
+        let near = Linear { a: n.x / h, b: n.y / h, c: n.z / h }.most(r);
+        if near > 0.0 { near } else { f64::INFINITY }
     }
 }
 

@@ -5,15 +5,23 @@ use smallvec::SmallVec;
 
 use super::face::{Face, Rect};
 use super::outline::{Half, Outline, Polytope};
-use super::silhouette::{Silhouette, contour_depth};
+use super::silhouette::{Front, Silhouette, contour_depth};
 use crate::geometry::Block;
+
+/// Where a solid hides what its silhouette covers.
+#[derive(Debug, Clone)]
+pub(crate) struct Shadow {
+    /// Behind all of these planes, as `m . x <= h`;
+    pub(super) planes: SmallVec<[Half; 3]>,
+    /// inside this ball.
+    pub(super) ball: Option<(DVec3, f64)>,
+}
 
 /// A convex occluder relative to the origin of the rays.
 #[derive(Debug, Clone)]
 pub(crate) struct Solid {
     outline: Outline,
-    /// What lies behind all of these planes, as `m . x <= h`, and in the silhouette, is hidden.
-    pub(crate) fronts: SmallVec<[Half; 3]>,
+    pub(super) shadow: Shadow,
     vertices: SmallVec<[DVec3; 8]>,
     block: Block,
 }
@@ -29,10 +37,10 @@ impl Solid {
                 (axis, -(distance - radius) * (distance + radius) / distance)
             }
         };
-        let outside = direction.is_some() || distance > radius * (1.0 + 1e-9);
+        let outside = direction.is_some() || distance > radius * (1.0 + 1e-6);
         (radius > 0.0 && outside && front.0.is_finite()).then(|| Self {
             outline: Outline::Sphere { center, radius },
-            fronts: SmallVec::from_iter([front]),
+            shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
             vertices: SmallVec::new(),
             block: Block { min: center - radius, max: center + radius },
         })
@@ -41,14 +49,20 @@ impl Solid {
     /// A polytope; `None` if the eye is in it or too close to tell.
     pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>) -> Option<Self> {
         let outline = polytope.outline(direction);
-        let fronts = polytope.fronts(direction);
-        let drawable = matches!(outline, Outline::Cone(_)) && !fronts.is_empty();
+        let shadow = Shadow { planes: polytope.fronts(direction), ball: None };
+        let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
         let block = polytope.bounds();
-        drawable.then_some(Self { outline, fronts, vertices: polytope.vertices, block })
+        drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block })
+    }
+
+    /// Its front as a face sees it.
+    pub(super) fn front(&self, face: &Face) -> Front {
+        let reach = self.block.min.abs().max(self.block.max.abs()).max_element();
+        Front::new(face, &self.outline, &self.shadow.planes, self.farthest(face), reach)
     }
 
     /// The greatest depth of its silhouette along a face's axis.
-    pub(super) fn farthest(&self, face: &Face) -> f64 {
+    fn farthest(&self, face: &Face) -> f64 {
         match &self.outline {
             Outline::Sphere { center, radius } => {
                 contour_depth(*center, *radius, face.forward, face.parallel)
@@ -57,14 +71,15 @@ impl Solid {
         }
     }
 
-    pub(super) fn on_face(&self, face: &Face) -> Option<(Rect, Silhouette)> {
-        let (rect, _) = face.block(&self.block)?;
+    /// Its silhouette with a rectangle around it and its least depth, if the face sees it.
+    pub(super) fn on_face(&self, face: &Face) -> Option<(Rect, f64, Silhouette)> {
+        let (rect, depth) = face.block(&self.block)?;
         let silhouette = Silhouette::new(&self.outline, face);
         let tighter = match &self.outline {
             Outline::Sphere { .. } => silhouette.conic_rect(),
             _ => face.points(&self.vertices).map(|(r, _)| r),
         };
         let rect = tighter.map_or(Some(rect), |t| rect.meet(&t))?;
-        Some((rect.meet(&Rect::FACE)?, silhouette))
+        Some((rect.meet(&Rect::FACE)?, depth, silhouette))
     }
 }

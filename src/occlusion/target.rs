@@ -5,7 +5,8 @@ use smallvec::SmallVec;
 
 use super::face::{Face, Rect};
 use super::outline::{Half, Outline, Polytope};
-use super::silhouette::Silhouette;
+use super::silhouette::{Front, Silhouette};
+use super::solid::Shadow;
 use crate::geometry::Block;
 
 /// What is tested, relative to the origin of the rays.
@@ -13,6 +14,7 @@ use crate::geometry::Block;
 pub(crate) struct Target {
     outline: Outline,
     vertices: SmallVec<[DVec3; 8]>,
+    fronts: SmallVec<[Half; 3]>,
     block: Block,
 }
 
@@ -23,30 +25,57 @@ pub(crate) struct FaceTarget {
     pub(crate) rect: Rect,
     /// No point of it is nearer, on this face.
     pub(crate) near: f32,
+    front: Front,
+}
+
+impl FaceTarget {
+    /// No point of it in the rectangle is nearer.
+    pub(crate) fn near(&self, rect: &Rect) -> f32 {
+        self.near.min(above(self.front.nearest(rect)))
+    }
+
+    /// Nearness in one direction of the silhouette, but for rounding.
+    pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
+        self.front.at(u, v)
+    }
 }
 
 impl Target {
     pub(crate) fn sphere(center: DVec3, radius: f64) -> Self {
         let block = Block { min: center - radius, max: center + radius };
-        Self { outline: Outline::Sphere { center, radius }, vertices: SmallVec::new(), block }
+        let outline = Outline::Sphere { center, radius };
+        Self { outline, vertices: SmallVec::new(), fronts: SmallVec::new(), block }
     }
 
     pub(crate) fn block(block: Block, direction: Option<DVec3>) -> Self {
-        let polytope = Polytope::block(&block);
-        Self { outline: polytope.outline(direction), vertices: polytope.vertices, block }
+        Self::polytope(Polytope::block(&block), block, direction)
     }
 
     /// A box of half-axes `axes`.
     pub(crate) fn oriented(center: DVec3, axes: &DMat3, direction: Option<DVec3>) -> Self {
         let polytope = Polytope::boxed(center, axes);
         let block = polytope.bounds();
-        Self { outline: polytope.outline(direction), vertices: polytope.vertices, block }
+        Self::polytope(polytope, block, direction)
     }
 
-    /// The distance to it along the axis on which it is farthest from the origin: a lower
-    /// bound of the depth of all its points, on whatever face they are.
-    pub(crate) fn chessboard_distance(&self) -> f64 {
-        self.block.min.max(-self.block.max).max_element().max(0.0)
+    fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
+        let (outline, fronts) = (polytope.outline(direction), polytope.fronts(direction));
+        Self { outline, fronts, vertices: polytope.vertices, block }
+    }
+
+    /// Bounds its coordinates.
+    fn reach(&self) -> f64 {
+        self.block.min.abs().max(self.block.max.abs()).max_element()
+    }
+
+    /// Its middle.
+    pub(crate) fn middle(&self) -> DVec3 {
+        (self.block.min + self.block.max) * 0.5
+    }
+
+    /// A box around it.
+    pub(crate) fn bounds(&self) -> &Block {
+        &self.block
     }
 
     pub(crate) fn on_face(&self, face: &Face) -> Option<FaceTarget> {
@@ -66,13 +95,21 @@ impl Target {
         if let Some(tighter) = tighter {
             rect = rect.meet(&tighter.grown())?;
         }
-        Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)) })
+        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.reach());
+        Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
     }
 
-    /// Whether all of it lies behind the planes, as `m . x <= h`: what is less, by a margin
-    /// for sums of coordinates.
-    pub(crate) fn is_behind(&self, planes: &[Half]) -> bool {
-        planes.iter().all(|&(m, h)| {
+    /// Whether all of it lies behind the front of a solid, as far as that covers it: behind its
+    /// planes, or inside it. By a margin for sums of coordinates.
+    pub(crate) fn is_behind(&self, shadow: &Shadow) -> bool {
+        let inside = shadow.ball.is_some_and(|(center, radius)| {
+            let farthest = match &self.outline {
+                Outline::Sphere { center: own, radius: r } => (*own - center).length() + r,
+                _ => (self.block.min - center).abs().max((self.block.max - center).abs()).length(),
+            };
+            farthest <= radius - 1e-9 * (radius + center.abs().max_element())
+        });
+        inside || shadow.planes.iter().all(|&(m, h)| {
             let most = match &self.outline {
                 Outline::Sphere { center, radius } => m.dot(*center) + radius,
                 _ if !self.vertices.is_empty() => {
@@ -80,8 +117,7 @@ impl Target {
                 }
                 _ => m.dot(DVec3::select(m.cmpge(DVec3::ZERO), self.block.max, self.block.min)),
             };
-            let reach = self.block.min.abs().max(self.block.max.abs()).max_element() + h.abs();
-            most <= h - 1e-9 * reach
+            most <= h - 1e-9 * (self.reach() + h.abs())
         })
     }
 }

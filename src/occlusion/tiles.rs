@@ -111,6 +111,18 @@ pub(crate) fn block(x0: i64, x1: i64, y0: i64, y1: i64) -> u64 {
     span(x0, x1).wrapping_mul(0x0101_0101_0101_0101) & rows
 }
 
+/// The set bits of a word.
+#[inline]
+pub(crate) fn bits(mut word: u64) -> impl Iterator<Item = i64> {
+    std::iter::from_fn(move || {
+        let bit = i64::from(word.trailing_zeros());
+        (word != 0).then(|| {
+            word &= word - 1;
+            bit
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

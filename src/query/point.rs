@@ -23,6 +23,9 @@ use crate::walk::{CellFrustum, shell_range};
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
 
+/// As many bricks in a row are first tested together.
+const WORTH_TESTING_ROW: usize = 3;
+
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
 
@@ -151,11 +154,11 @@ impl<'a> Walk<'a> {
     }
 
     /// The bricks of shell `m` around `brick` in the frustum that hold anything.
-    fn shell_bricks(&self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
+    fn shell_bricks(&mut self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
         let dims = self.grid.dims();
-        let holds = |b: IVec3| {
-            self.scene.ids.in_brick(b).len() > 0 || !self.scene.volumes.matrix.ids(b).is_empty()
-        };
+        let scene = self.scene;
+        let holds =
+            |b: IVec3| scene.ids.in_brick(b).len() > 0 || !scene.volumes.matrix.ids(b).is_empty();
         if m == 0 {
             if self.grid.contains(brick) && holds(brick) {
                 out.push(brick);
@@ -190,7 +193,16 @@ impl<'a> Walk<'a> {
             let on_side = frustum.on_side(side, depth);
             for row in r0..=r1 {
                 let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
+                let first = out.len();
                 out.extend((lo..=hi).map(|col| brick + corner(row, col)).filter(|&b| holds(b)));
+                if out.len() >= first + WORTH_TESTING_ROW {
+                    let (a, b) = (brick + corner(row, lo), brick + corner(row, hi));
+                    if self.hides(&Block::new(self.grid.range_bounds(a.min(b), a.max(b)))) {
+                        self.stats.bricks_visited += (out.len() - first) as u64;
+                        self.stats.bricks_hidden += (out.len() - first) as u64;
+                        out.truncate(first);
+                    }
+                }
             }
         }
     }
@@ -218,7 +230,7 @@ impl<'a> Walk<'a> {
         }
         if open >= WORTH_TESTING {
             let bounds = Block::new(self.grid.cell_bounds(brick));
-            if self.test(&bounds) == Verdict::Hidden {
+            if self.hides(&bounds) {
                 self.stats.bricks_hidden += 1;
                 return;
             }
@@ -250,7 +262,7 @@ impl<'a> Walk<'a> {
         }
         let CellBox { lo, hi } = *self.scene.volumes.cells(slot);
         let bounds = Block::new(self.scene.grid.range_bounds(lo, hi));
-        if self.view.may_see_block(&bounds) && self.test(&bounds) == Verdict::Visible {
+        if self.view.may_see_block(&bounds) && !self.hides(&bounds) {
             self.reveal(slot);
         }
     }
@@ -295,11 +307,9 @@ impl<'a> Walk<'a> {
         let mut found = std::mem::take(&mut self.scratch.point.found);
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, slot) in found.drain(..) {
-            let bounds = &self.scene.object(slot).bounds;
             self.stats.occlusion_tests += 1;
-            let scratch = &mut self.scratch.point;
-            if scratch.buffers.test(&target(bounds, &scratch.buffers)) == Verdict::Visible {
-                scratch.candidates.push(slot);
+            if !self.hides(&self.scene.object(slot).bounds.block()) {
+                self.scratch.point.candidates.push(slot);
                 self.draw(slot);
             }
         }
@@ -339,16 +349,15 @@ impl<'a> Walk<'a> {
         }
         if let Some(solid) = solid(occluder, buffers) {
             self.stats.occluders_drawn += 1;
-            self.stats.occluders_useful += u32::from(buffers.draw(&solid));
+            self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
         }
     }
 
-    /// Tests a box in world units.
-    fn test(&self, bounds: &Block) -> Verdict {
+    /// Whether a box in world units is hidden.
+    fn hides(&self, bounds: &Block) -> bool {
         let buffers = &self.scratch.point.buffers;
         let (origin, grow) = (buffers.origin(), buffers.uncertainty());
-        let block = Block { min: bounds.min - origin - grow, max: bounds.max - origin + grow };
-        buffers.test(&Target::block(block, buffers.direction()))
+        buffers.hides(&Block { min: bounds.min - origin - grow, max: bounds.max - origin + grow })
     }
 
     /// Tests all candidates again, with every occluder drawn, and refines what stays open.
@@ -362,15 +371,16 @@ impl<'a> Walk<'a> {
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
                 let target = target(&object.bounds, buffers);
                 self.stats.occlusion_tests += 1;
-                if buffers.test(&target) == Verdict::Hidden {
+                let before = budget;
+                let verdict = if effort.squares > 0 {
+                    buffers.refine(&target, slot, &effort, &mut budget)
+                } else {
+                    buffers.test(&target)
+                };
+                self.stats.refined += u32::from(budget < before);
+                if verdict == Verdict::Hidden {
+                    self.stats.refined_hidden += u32::from(budget < before);
                     continue;
-                }
-                if effort.squares > 0 && budget > 0 {
-                    self.stats.refined += 1;
-                    if buffers.refine(&target, &effort, &mut budget) == Verdict::Hidden {
-                        self.stats.refined_hidden += 1;
-                        continue;
-                    }
                 }
             }
             self.pvs.push(self.scene.id(slot));
