@@ -23,8 +23,11 @@ use crate::walk::{CellFrustum, shell_range};
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
 
-/// As many bricks in a row are first tested together.
-const WORTH_TESTING_ROW: usize = 3;
+/// More bricks in a row than this are first tested together, and so are bands of rows
+/// of as many bricks.
+const WORTH_TESTING_ROW: i32 = 4;
+const BAND: i32 = 8;
+const WORTH_TESTING_BAND: i64 = 32;
 
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
@@ -154,7 +157,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The bricks of shell `m` around `brick` in the frustum that hold anything.
-    fn shell_bricks(&mut self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
+    fn shell_bricks(&self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
         let dims = self.grid.dims();
         let scene = self.scene;
         let holds =
@@ -191,18 +194,26 @@ impl<'a> Walk<'a> {
                 continue;
             }
             let on_side = frustum.on_side(side, depth);
-            for row in r0..=r1 {
-                let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
-                let first = out.len();
-                out.extend((lo..=hi).map(|col| brick + corner(row, col)).filter(|&b| holds(b)));
-                if out.len() >= first + WORTH_TESTING_ROW {
-                    let (a, b) = (brick + corner(row, lo), brick + corner(row, hi));
-                    if self.hides(&Block::new(self.grid.range_bounds(a.min(b), a.max(b)))) {
-                        self.stats.bricks_visited += (out.len() - first) as u64;
-                        self.stats.bricks_hidden += (out.len() - first) as u64;
-                        out.truncate(first);
-                    }
+            let block = |lo: IVec3, hi: IVec3| {
+                Block::new(self.grid.range_bounds(brick + lo.min(hi), brick + lo.max(hi)))
+            };
+            let mut first = r0;
+            while first <= r1 {
+                let last = r1.min(first + BAND - 1);
+                let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
+                if wide && self.hides(&block(corner(first, c0), corner(last, c1))) {
+                    first = last + 1;
+                    continue;
                 }
+                for row in first..=last {
+                    let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
+                    let wide = hi - lo >= WORTH_TESTING_ROW;
+                    if wide && self.hides(&block(corner(row, lo), corner(row, hi))) {
+                        continue;
+                    }
+                    out.extend((lo..=hi).map(|col| brick + corner(row, col)).filter(|&b| holds(b)));
+                }
+                first = last + 1;
             }
         }
     }
