@@ -5,11 +5,13 @@
 //! - [`scenes`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 binary files.
 //! - [`oracle`]: exact visibility, which shares no code with the library.
+//! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`pictures`]: charts and views from above.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod baselines;
 pub mod drive;
 pub mod import;
 pub mod oracle;
