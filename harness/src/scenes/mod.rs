@@ -78,11 +78,14 @@ pub struct SceneOptions {
     pub bunker: bool,
     /// `Spheres` only: small dynamic spheres inside the bunker, where nobody sees them.
     pub hidden_extra: usize,
+    /// `Spheres` only: puts closed walls around the scene and as many static spheres
+    /// beyond them, as densely as inside.
+    pub beyond_walls: Option<usize>,
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        Self { seed: 1, frames: 150, scale: 1.0, bunker: false, hidden_extra: 0 }
+        Self { seed: 1, frames: 150, scale: 1.0, bunker: false, hidden_extra: 0, beyond_walls: None }
     }
 }
 

@@ -77,10 +77,36 @@ pub(super) fn build(options: &SceneOptions) -> World {
             swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.0)));
         }
     }
+    let mut min = Vec3::ZERO;
+    if let Some(extra) = options.beyond_walls {
+        const WALL: f32 = 2.0;
+        let (lo, hi) = (min - WALL, max + WALL);
+        for axis in 0..3 {
+            for (from, to) in [(lo[axis], min[axis]), (max[axis], hi[axis])] {
+                let (mut a, mut b) = (lo, hi);
+                (a[axis], b[axis]) = (from, to);
+                objects.push(solid_box("wall", a, b));
+            }
+        }
+        // The same number in each unit of volume, in a box of the same shape.
+        let grown = (1.0 + extra as f32 / (STATIC * options.scale)).cbrt();
+        let (middle, half) = ((lo + hi) * 0.5, (hi - lo) * 0.5 * grown);
+        let mut left = extra;
+        while left > 0 {
+            let radius = 0.5 + 5.0 * dice.range(0.0, 1.0).powi(7);
+            let center = dice.point(middle - half, middle + half);
+            if center.cmpgt(lo - radius).all() && center.cmplt(hi + radius).all() {
+                continue;
+            }
+            objects.push(object("sphere beyond", Shape::Sphere { center, radius }));
+            left -= 1;
+        }
+        (min, max) = ((middle - half - 6.0).min(lo), (middle + half + 6.0).max(hi));
+    }
     World {
         name: "spheres".to_owned(),
         objects,
-        grid: GridHint { min: Vec3::ZERO, max, cell: 1.0 },
+        grid: GridHint { min, max, cell: 1.0 },
         frames: options.frames,
         animation: Box::new(Walk {
             swinging,
