@@ -148,8 +148,9 @@ impl Pvs {
     }
 
     /// Whether this result still holds for a new view: nothing moved, the eye
-    /// is in the same cell and inside no occluder, and sees nothing outside the
-    /// frustum of this result, nor into solids through its near plane. In doubt, no.
+    /// is in the same cell and inside no occluder ([`Method::Point`]: at the same point), and sees
+    /// nothing outside the frustum of this result, nor into solids through its near plane.
+    /// In doubt, no.
     ///
     /// Results of [`Method::Frustum`] hold for any eye. A result for all
     /// directions ([`View::around`]) holds for every view from its cell.
@@ -166,8 +167,12 @@ impl Pvs {
         if !own.holds(view, min, max) {
             return false;
         }
-        if self.method == Method::Frustum || self.stats.eye_in_occluder {
+        if self.method == Method::Frustum || (self.method == Method::Cell && self.stats.eye_in_occluder) {
             return true;
+        }
+        if self.method == Method::Point {
+            // Also where the eye is in an occluder: that one was left out.
+            return own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view);
         }
         let (Origin::Eye { at, error }, Origin::Eye { at: old, .. }) = (view.origin, own.origin) else {
             return false;

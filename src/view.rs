@@ -192,6 +192,16 @@ impl View {
         self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 != 0).map(|(p, _)| p)
     }
 
+    /// Whether some plane may cut off the part of a box that parallel rays along
+    /// `direction` meet first.
+    pub(crate) fn cuts_front(&self, direction: DVec3, b: &Block) -> bool {
+        let reach = b.min.abs().max(b.max.abs()).max_element();
+        self.planes.iter().filter(|p| p.normal.dot(direction) > 1e-6).any(|p| {
+            let nearest = DVec3::select(p.normal.cmpge(DVec3::ZERO), b.min, b.max);
+            p.distance(nearest) < 2.0 * self.widened + p.margin(reach)
+        })
+    }
+
     /// What each cutting plane cuts away of the view: convex regions with their
     /// bounding box, as far as they lie in the box from `min` to `max`.
     pub(crate) fn cut_regions(&self, min: DVec3, max: DVec3) -> impl Iterator<Item = (Self, Block)> {

@@ -25,6 +25,8 @@ pub(super) struct Walk<'a> {
     /// The viewer's cell.
     cell: IVec3,
     frustum: CellFrustum,
+    /// Whether the frustum is widened to hold the eye, in the viewer's cell.
+    holds_eye: bool,
     stats: Stats,
 }
 
@@ -43,7 +45,7 @@ impl<'a> Walk<'a> {
         let cell = grid.cell_of(eye);
         scratch.begin(scene.slots.len());
         let frustum = CellFrustum::new(grid, view, cell);
-        Self { scene, view, settings, pvs, scratch, record, cell, frustum, stats: Stats::default() }
+        Self { scene, view, settings, pvs, scratch, record, cell, frustum, holds_eye: true, stats: Stats::default() }
     }
 
     pub(super) fn run(mut self) {
@@ -61,6 +63,7 @@ impl<'a> Walk<'a> {
             None => {
                 self.cell = grid.dims() / 2;
                 self.frustum = CellFrustum::without_eye(&grid, self.view, self.cell);
+                self.holds_eye = false;
                 let (nearest, farthest) = shell_range(&grid, self.cell);
                 self.shells(nearest, farthest, None);
             }
@@ -114,7 +117,7 @@ impl<'a> Walk<'a> {
             self.stats.cells_visited += cells;
             self.stats.cells_hidden += cells - in_sight;
             // A segment from inside the grid to a farther cell passes this shell inside the grid.
-            if inside && in_sight == 0 && slack.is_none_or(|s| s == 0.0 || interior) {
+            if inside && self.holds_eye && in_sight == 0 && slack.is_none_or(|s| s == 0.0 || interior) {
                 break;
             }
             if slack.is_some() {

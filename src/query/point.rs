@@ -353,6 +353,7 @@ impl<'a> Walk<'a> {
                     other => region.may_see_block(&other.block()),
                 }
         });
+        let cut = cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &block));
         let inside = buffers.direction().is_none() && occluder.contains_point(buffers.origin());
         if cut || inside {
             self.stats.eye_in_occluder = true;
