@@ -166,15 +166,12 @@ fn run_scene(name: &str, options: &Options, points: &mut Vec<TradeoffPoint>) -> 
         driver.update(&world.objects, &moved)?;
         if number % step == step / 2 {
             let pvs = frustum.run(&driver.scene, &view_of(&camera)?);
-            let in_frustum: Vec<usize> =
-                (0..world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect();
+            let in_frustum: Vec<usize> = (0..world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect();
             exact.render(&world.objects, &camera);
             let seen = exact.visible().iter().enumerate().filter(|(_, pixels)| **pixels > 0);
-            let visible: HashSet<usize> =
-                seen.map(|(i, _)| i).filter(|&i| world.objects[i].tested).collect();
+            let visible: HashSet<usize> = seen.map(|(i, _)| i).filter(|&i| world.objects[i].tested).collect();
             for entry in &mut entries {
-                let found =
-                    measure(entry, options.repeats, &driver, &world.objects, &in_frustum, &camera)?;
+                let found = measure(entry, options.repeats, &driver, &world.objects, &in_frustum, &camera)?;
                 entry.found += found.len();
                 entry.lost += visible.difference(&found).count();
             }
@@ -232,11 +229,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut csv = String::from("scene,method,setting,ms,pvs_over_evs,lost_per_frame\n");
     for p in &points {
-        writeln!(
-            csv,
-            "{},{},\"{}\",{:.4},{:.4},{:.4}",
-            p.scene, p.method, p.setting, p.ms, p.ratio, p.lost
-        )?;
+        writeln!(csv, "{},{},\"{}\",{:.4},{:.4},{:.4}", p.scene, p.method, p.setting, p.ms, p.ratio, p.lost)?;
     }
     std::fs::write(options.out.join("tradeoff.csv"), csv)?;
     let title = "Speed against accuracy, one thread";

@@ -1,6 +1,6 @@
 //! The one error type: every refusal says which argument and why.
 
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, Quat, UVec3, Vec3};
 
 use crate::ObjectId;
 
@@ -26,6 +26,17 @@ pub enum Error {
         /// Its greatest corner.
         max: Vec3,
     },
+    /// A rotation that is zero or not finite.
+    #[error("{what} has no rotation: the quaternion {rotation} is zero or not finite")]
+    Rotation {
+        /// The argument.
+        what: &'static str,
+        /// Its rotation.
+        rotation: Quat,
+    },
+    /// Points or half-spaces that make no convex solid.
+    #[error("the convex solid cannot be made: {0}")]
+    Convex(&'static str),
     /// A length that must not be negative.
     #[error("{what} must not be negative, but is {value}")]
     Negative {

@@ -1,6 +1,6 @@
 //! Plain geometric values of the public interface.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use crate::error::{Error, finite3, not_negative};
 
@@ -63,6 +63,32 @@ impl Sphere {
     pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
         finite3(what, self.center)?;
         not_negative(what, f64::from(self.radius))
+    }
+}
+
+/// A box turned by a rotation, in world units, with its surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Obb {
+    /// Middle.
+    pub center: Vec3,
+    /// Half the edge lengths along its own axes, not negative.
+    pub half: Vec3,
+    /// From its own axes to those of the world. Its length does not matter.
+    pub rotation: Quat,
+}
+
+impl Obb {
+    /// The box around `center` that reaches `half` to each side before it is turned.
+    pub const fn new(center: Vec3, half: Vec3, rotation: Quat) -> Self {
+        Self { center, half, rotation }
+    }
+
+    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
+        finite3(what, self.center)?;
+        finite3(what, self.half)?;
+        not_negative(what, f64::from(self.half.min_element()))?;
+        let length = self.rotation.as_dquat().length();
+        if length.is_normal() { Ok(()) } else { Err(Error::Rotation { what, rotation: self.rotation }) }
     }
 }
 

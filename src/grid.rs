@@ -110,7 +110,11 @@ impl Grid {
 
     /// The grid of bricks of 8x8x8 cells. Its planes are planes of this grid, just as exact.
     pub(crate) fn bricks(&self) -> Self {
-        Self { origin: self.origin, cell: self.cell * f64::from(BRICK), dims: (self.dims + BRICK - 1) / BRICK }
+        Self {
+            origin: self.origin,
+            cell: self.cell * f64::from(BRICK),
+            dims: (self.dims + BRICK - 1) / BRICK,
+        }
     }
 
     /// Least corner in world units.

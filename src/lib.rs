@@ -29,13 +29,13 @@ mod view;
 mod walk;
 
 pub use error::Error;
-pub use geometry::{Aabb, Sphere};
+pub use geometry::{Aabb, Obb, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use object::{Motion, ObjectDesc, ObjectId, Reports};
 pub use pvs::{Pvs, Stats};
 pub use query::{Method, Query, Settings};
 pub use scene::{FrameReport, MemoryUse, Scene};
-pub use shape::{Bounds, CellRun, Occluder, Shape, TriMesh};
+pub use shape::{Bounds, CellRun, Convex, MAX_CONVEX, Occluder, Shape, TriMesh};
 pub use view::{MAX_PLANES, Plane, View};
 
 #[doc = include_str!("../README.md")]

@@ -1,6 +1,7 @@
 //! The scene: objects and the matrices that hold them.
 
 use std::collections::BinaryHeap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
@@ -13,7 +14,7 @@ use crate::object::{Motion, ObjectDesc, ObjectId, Reports};
 use crate::pvs::Pvs;
 use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
 use crate::tbv::{Expiry, FIRST_VALIDITY, Tbv, VALIDITY_RANGE, Volumes, lay, way};
-use crate::{Aabb, Sphere, View};
+use crate::{Aabb, Obb, Sphere, View};
 
 /// An object whose bounds span more cells than this is not written into I: it
 /// is tested against the frustum in every query.
@@ -407,15 +408,19 @@ impl Scene {
         let (_, object) = self.find(id)?;
         let sphere = |s: &Sphere| Sphere::new(s.center + offset, s.radius);
         let aabb = |b: &Aabb| Aabb::new(b.min + offset, b.max + offset);
+        let oriented = |b: &Obb| Obb { center: b.center + offset, ..*b };
         let mesh = || Error::NotFinite { what: "a mesh as moved by an offset", value: DVec3::NAN };
         let bounds = match &object.bounds {
             Bounds::Sphere(s) => Bounds::Sphere(sphere(s)),
             Bounds::Box(b) => Bounds::Box(aabb(b)),
+            Bounds::Oriented(b) => Bounds::Oriented(oriented(b)),
             Bounds::Mesh(_) => return Err(mesh()),
         };
         let occluder = match &object.occluder {
             Some(Occluder::Sphere(s)) => Some(Occluder::Sphere(sphere(s))),
             Some(Occluder::Box(b)) => Some(Occluder::Box(aabb(b))),
+            Some(Occluder::Oriented(b)) => Some(Occluder::Oriented(oriented(b))),
+            Some(Occluder::Convex(c)) => Some(Occluder::Convex(Arc::new(c.translated(offset)?))),
             Some(Occluder::Mesh(_)) => return Err(mesh()),
             None => None,
         };
@@ -632,6 +637,8 @@ impl Scene {
             let meets = |slot: u32| match &self.object(slot).occluder {
                 Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
                 Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
+                Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
+                Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
                 Some(Occluder::Mesh(m)) => m.surface_meets(&block),
                 None => false,
             };

@@ -3,10 +3,10 @@
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use smallvec::SmallVec;
 
-use crate::Sphere;
 use crate::error::{Error, finite3};
 use crate::geometry::Block;
 use crate::shape::{Bounds, Shape};
+use crate::{Obb, Sphere};
 
 /// The most planes that can bound a view.
 pub const MAX_PLANES: usize = 32;
@@ -164,18 +164,17 @@ impl View {
             // What remains of two rows that cancel is rounding: an infinite far plane.
             let size = parts[0].truncate().length() + parts[1].truncate().length();
             if plane.truncate().length() > 1e-6 * size {
-                // Of near and far plane, whichever lies between the eye and the rest.
-                let space = HalfSpace::new(plane);
-                if let (Some(space), Origin::Eye { at, .. }, true) = (space, origin, i >= 4) {
-                    cutting |= u32::from(space.distance(at) < 0.0) << planes.len();
-                }
-                planes.extend(space.map(|mut space| {
+                planes.extend(HalfSpace::new(plane).map(|mut space| {
                     let reach = match origin {
                         Origin::Eye { at, .. } => at.length(),
                         Origin::Direction(_) => 0.0,
                     };
                     let unsure = ROUNDING * (reach + space.offset.abs());
                     widened = unsure.max(widened);
+                    // Of near and far plane, whichever may lie between the eye and the rest.
+                    if let (Origin::Eye { at, .. }, true) = (origin, i >= 4) {
+                        cutting |= u32::from(space.distance(at) < unsure) << planes.len();
+                    }
                     space.offset += unsure;
                     space
                 }));
@@ -231,6 +230,7 @@ impl View {
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
         let meets = match bounds {
             Bounds::Sphere(s) => self.may_see_sphere(s),
+            Bounds::Oriented(b) => self.may_see_oriented(b),
             other => self.may_see_block(&other.block()),
         };
         meets || self.eye().is_some_and(|e| bounds.block().contains_point(e) && bounds.contains_point(e))
@@ -240,6 +240,15 @@ impl View {
         let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
         let reach = c.abs().max_element() + r;
         self.planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+    }
+
+    pub(crate) fn may_see_oriented(&self, b: &Obb) -> bool {
+        let (c, axes, _) = b.parts();
+        let reach = c.abs().max_element() + b.half.as_dvec3().element_sum();
+        self.planes.iter().all(|p| {
+            let half: f64 = (0..3).map(|i| axes.col(i).dot(p.normal).abs()).sum();
+            p.distance(c) >= -(half + p.margin(reach))
+        })
     }
 
     pub(crate) fn may_see_block(&self, b: &Block) -> bool {

@@ -1,16 +1,19 @@
 //! No visible object is ever lost: random scenes, motion, removal and views
 //! against exact visibility, which shares no code with the library.
 
+use std::sync::Arc;
+
 use casca::{
-    Bounds, GridSpec, MemoryUse, Method, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings, Sphere, View,
+    Bounds, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings,
+    Sphere, View,
 };
 use casca_harness::cases;
 use casca_harness::drive::{Driver, grid_for, view_of};
 use casca_harness::oracle::{Oracle, OracleOptions};
 use casca_harness::scenes::{SceneKind, SceneOptions, build};
-use casca_harness::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
+use casca_harness::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{UVec3, Vec3};
+use glam::{Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
 const SIZE: f32 = 16.0;
@@ -248,6 +251,78 @@ proptest! {
             let left: Vec<usize> = (0..ids.len()).filter(|&i| !pvs.contains(ids[i])).collect();
             let report = oracle.rays().probe(&objects, eye.as_dvec3(), &left, 200, 1, |_| true);
             prop_assert!(report.seen.is_empty(), "{:?} of {:?}", report.seen[0], objects[report.seen[0].object]);
+        }
+    }
+}
+
+/// A box turned by a rotation, and whether it occludes as a convex hull.
+fn turned() -> impl Strategy<Value = (Obb, bool)> {
+    let axis = prop::array::uniform3(-1.0..1.0f32).prop_map(|a| Vec3::from_array(a).normalize_or(Vec3::Y));
+    let angle = prop_oneof![3 => 0.0..6.3f32, 1 => Just(0.0f32)];
+    (place(), prop::array::uniform3(0.02..4.0f32), axis, angle, any::<bool>()).prop_map(
+        |(center, half, axis, angle, hull)| {
+            (Obb::new(center, Vec3::from_array(half), Quat::from_axis_angle(axis, angle)), hull)
+        },
+    )
+}
+
+fn corners_of(b: &Obb) -> Vec<Vec3> {
+    let sign = |i: usize, bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+    (0..8).map(|i| b.center + b.rotation * (b.half * Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2)))).collect()
+}
+
+/// The twelve triangles of a turned box, in world space.
+fn as_mesh(b: &Obb) -> Shape {
+    let triangles: Vec<[u32; 3]> =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+    let mesh = Mesh { positions: corners_of(b), triangles };
+    Shape::Mesh { mesh: Arc::new(mesh), transform: glam::Affine3A::IDENTITY }
+}
+
+proptest! {
+    #![proptest_config(cases(48))]
+
+    #[test]
+    fn turned_solids_lose_nothing(
+        boxes in prop::collection::vec((turned(), any::<bool>()), 1..30),
+        cameras in prop::collection::vec(camera(), 1..6),
+        settings in settings(),
+    ) {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 0.8, dims: UVec3::splat(20) }).unwrap();
+        let mut objects = Vec::new();
+        let mut ids = Vec::new();
+        for ((b, hull), dynamic) in &boxes {
+            // Corners are rounded to single precision: the occluder inside them, the bounds outside.
+            let scaled = |by: f32| Obb { half: b.half * by, ..*b };
+            let bounds = scaled(1.0 + 1e-5);
+            let desc = if *dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
+            let inner = scaled(1.0 - 1e-5);
+            let convex = Convex::from_points(&corners_of(&inner));
+            let desc = match convex {
+                Ok(convex) if *hull => desc.occluder(Arc::new(convex)),
+                _ => desc.occluder(inner),
+            };
+            ids.push(scene.insert(desc).unwrap());
+            objects.push(Object {
+                name: String::new(),
+                shape: as_mesh(b),
+                motion: Motion::Static,
+                occludes: true,
+                tested: true,
+            });
+        }
+        let mut query = Query::with_settings(settings).unwrap();
+        for (number, camera) in cameras.iter().enumerate() {
+            let pvs = query.run(&scene, &View::perspective(camera.eye, camera.view_projection()).unwrap());
+            let options = OracleOptions { width: 160, height: 120, samples_per_object: 48, max_candidates: 1000, seed: number as u64 };
+            let sees = |i: usize| pvs.contains(ids[i]);
+            let verdict = Oracle::new(&objects, options).frame(&objects, &[], camera, &sees);
+            let lost = &verdict.false_negatives;
+            prop_assert!(lost.is_empty(), "frame {number}: {:?} of {:?}", lost[0], boxes[lost[0].object]);
+            scene.end_frame([query.pvs()]).unwrap();
         }
     }
 }

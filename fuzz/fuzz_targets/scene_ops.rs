@@ -173,7 +173,13 @@ fuzz_target!(|play: Play| {
             }
             Op::Look { eye, planes, frustum } => {
                 let mut settings = Settings::default();
-                settings.method = if frustum { Method::Frustum } else { Method::Cell };
+                settings.method = if frustum {
+                    Method::Frustum
+                } else if planes.len() % 2 == 0 {
+                    Method::Point
+                } else {
+                    Method::Cell
+                };
                 query.set_settings(settings).expect("default settings");
                 let planes: Vec<Plane> =
                     planes.iter().map(|(n, d)| Plane { normal: n.value(), offset: d.value() }).collect();

@@ -211,7 +211,11 @@ where
                 if lost > 0.0 {
                     chart.draw_series([Cross::new((x, y), 6, color.stroke_width(2))])?;
                     let label = format!("{lost:.2}");
-                    chart.draw_series([Text::new(label, (x, y + (top - bottom) * 0.03), (FONT, 13).into_font().color(&color))])?;
+                    chart.draw_series([Text::new(
+                        label,
+                        (x, y + (top - bottom) * 0.03),
+                        (FONT, 13).into_font().color(&color),
+                    )])?;
                 } else {
                     chart.draw_series([Circle::new((x, y), 5, color.filled())])?;
                 }

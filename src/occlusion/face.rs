@@ -153,11 +153,8 @@ impl Face {
         let (lo, hi) = if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
             let half = (b.max - b.min) * 0.5;
-            let reach = DVec3::new(
-                half.dot(self.right.abs()),
-                half.dot(self.up.abs()),
-                half.dot(self.forward.abs()),
-            );
+            let reach =
+                DVec3::new(half.dot(self.right.abs()), half.dot(self.up.abs()), half.dot(self.forward.abs()));
             (c - reach, c + reach)
         } else {
             let (p, q) = (self.local(b.min), self.local(b.max));
@@ -182,12 +179,8 @@ impl Face {
 
     /// A rectangle around points that all lie in front of the eye; `None` if one does not.
     pub(crate) fn points(&self, points: &[DVec3]) -> Option<(Rect, f64)> {
-        let mut r = Rect {
-            u0: f64::INFINITY,
-            v0: f64::INFINITY,
-            u1: f64::NEG_INFINITY,
-            v1: f64::NEG_INFINITY,
-        };
+        let mut r =
+            Rect { u0: f64::INFINITY, v0: f64::INFINITY, u1: f64::NEG_INFINITY, v1: f64::NEG_INFINITY };
         let mut near = f64::INFINITY;
         for &p in points {
             let q = self.local(p);

@@ -136,10 +136,12 @@ impl OcclusionBuffers {
             }
             Origin::Direction(d) => {
                 // Behind everything, so that depths are positive and of one size.
-                (self.origin, self.error, self.direction) = (pitch.middle - d * (4.0 * pitch.reach), 0.0, Some(d));
+                (self.origin, self.error, self.direction) =
+                    (pitch.middle - d * (4.0 * pitch.reach), 0.0, Some(d));
                 // Across the rays, along one of the view's own sides.
                 let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < 1e-3);
-                let right = side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
+                let right =
+                    side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
                 SmallVec::from_iter([Face::across(d, right, pitch.reach)])
             }
         };
@@ -166,7 +168,8 @@ impl OcclusionBuffers {
             windows.push(window);
         }
         let enough = pitch.least * 2.0 / widest.max(1e-6);
-        let pixels = if self.direction.is_some() { pitch.pixels * 2.0 / widest.max(1e-6) } else { pitch.pixels };
+        let pixels =
+            if self.direction.is_some() { pitch.pixels * 2.0 / widest.max(1e-6) } else { pitch.pixels };
         let pixels = (pixels.max(enough).min(MAX_PIXELS as f64) / TILE as f64).ceil() as i64 * TILE;
         for (buffer, window) in self.faces.iter_mut().zip(windows) {
             buffer.clear(window, pixels.max(TILE));
@@ -423,8 +426,7 @@ impl FaceBuffer {
                 if conic && a < b {
                     let border = |p: i64| p as f64 * step - 1.0;
                     let (v0, v1) = (border(y), border(y + 1));
-                    let sure =
-                        |a, b| silhouette.covers(&Rect { u0: border(a), v0, u1: border(b), v1 });
+                    let sure = |a, b| silhouette.covers(&Rect { u0: border(a), v0, u1: border(b), v1 });
                     if !sure(a, b) {
                         (a, b) = (a + 1, b - 1);
                         if a < b && !sure(a, b) {
@@ -455,8 +457,11 @@ impl FaceBuffer {
                     continue;
                 }
                 let row = |(i, s): (usize, &(i64, i64))| span(s.0 - x, s.1 - x) << (8 * i);
-                let mask =
-                    if whole { u64::MAX } else { rows.iter().enumerate().map(row).fold(0, |all, row| all | row) };
+                let mask = if whole {
+                    u64::MAX
+                } else {
+                    rows.iter().enumerate().map(row).fold(0, |all, row| all | row)
+                };
                 if mask != 0 && self.tiles[t].cover(mask, near) {
                     self.closed[t] = self.tiles[t].closed();
                     news = true;
@@ -508,12 +513,7 @@ impl FaceBuffer {
     /// A square of pixels as directions.
     #[inline]
     fn square(&self, x: i64, y: i64, size: i64) -> Rect {
-        Rect {
-            u0: self.border(x),
-            v0: self.border(y),
-            u1: self.border(x + size),
-            v1: self.border(y + size),
-        }
+        Rect { u0: self.border(x), v0: self.border(y), u1: self.border(x + size), v1: self.border(y + size) }
     }
 
     /// Whether every pixel of a rectangle is covered for what is nowhere nearer than `near`.
@@ -539,7 +539,8 @@ impl FaceBuffer {
 
     /// The occluders listed for the pixel that holds the corner of a rectangle inside the window.
     fn bin_of(&self, rect: &Rect) -> &[Listed] {
-        let pixel = |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + 1e-6).clamp(lo, hi - 1);
+        let pixel =
+            |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + 1e-6).clamp(lo, hi - 1);
         self.bin(pixel(rect.u0, self.px), pixel(rect.v0, self.py))
     }
 

@@ -27,7 +27,10 @@ const NEAREST_EDGE: f64 = 1e-5;
 /// A convex shape relative to the origin of the rays.
 #[derive(Debug, Clone)]
 pub(crate) enum Outline {
-    Sphere { center: DVec3, radius: f64 },
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
     /// The directions inside all half-spaces; each plane runs along the rays.
     Cone(SmallVec<[Half; 8]>),
     /// Every direction: a shape around the eye, or too close to tell.

@@ -17,7 +17,14 @@ const CONIC_MARGIN: f64 = 1e-13;
 #[derive(Debug, Clone)]
 enum Kind {
     /// `s^2 - k ((u - u0)^2 + (v - v0)^2 + e) >= 0` where `s > 0`.
-    Conic { s: Linear, k: f64, u0: f64, v0: f64, e: f64, sine: f64 },
+    Conic {
+        s: Linear,
+        k: f64,
+        u0: f64,
+        v0: f64,
+        e: f64,
+        sine: f64,
+    },
     Polygon(SmallVec<[Linear; 8]>),
     Everything,
 }
@@ -295,7 +302,9 @@ impl Front {
     /// Nearness of the front in one direction that is in the silhouette, but for rounding.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         match &self.ball {
-            Some(ball) => ball.enters(u, v).map_or(self.floor, |z| if ball.across > 0.0 { -z } else { 1.0 / z }),
+            Some(ball) => {
+                ball.enters(u, v).map_or(self.floor, |z| if ball.across > 0.0 { -z } else { 1.0 / z })
+            }
             None => self.planes.iter().map(|p| p.at(u, v)).fold(f64::INFINITY, f64::min),
         }
     }

@@ -109,16 +109,17 @@ impl Target {
             };
             farthest <= radius - 1e-9 * (radius + center.abs().max_element())
         });
-        inside || shadow.planes.iter().all(|&(m, h)| {
-            let most = match &self.outline {
-                Outline::Sphere { center, radius } => m.dot(*center) + radius,
-                _ if !self.vertices.is_empty() => {
-                    self.vertices.iter().map(|v| m.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
-                }
-                _ => m.dot(DVec3::select(m.cmpge(DVec3::ZERO), self.block.max, self.block.min)),
-            };
-            most <= h - 1e-9 * (self.reach() + h.abs())
-        })
+        inside
+            || shadow.planes.iter().all(|&(m, h)| {
+                let most = match &self.outline {
+                    Outline::Sphere { center, radius } => m.dot(*center) + radius,
+                    _ if !self.vertices.is_empty() => {
+                        self.vertices.iter().map(|v| m.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
+                    }
+                    _ => m.dot(DVec3::select(m.cmpge(DVec3::ZERO), self.block.max, self.block.min)),
+                };
+                most <= h - 1e-9 * (self.reach() + h.abs())
+            })
     }
 }
 

@@ -45,7 +45,18 @@ impl<'a> Walk<'a> {
         let cell = grid.cell_of(eye);
         scratch.begin(scene.slots.len());
         let frustum = CellFrustum::new(grid, view, cell);
-        Self { scene, view, settings, pvs, scratch, record, cell, frustum, holds_eye: true, stats: Stats::default() }
+        Self {
+            scene,
+            view,
+            settings,
+            pvs,
+            scratch,
+            record,
+            cell,
+            frustum,
+            holds_eye: true,
+            stats: Stats::default(),
+        }
     }
 
     pub(super) fn run(mut self) {

@@ -6,7 +6,7 @@
 //! tested once more when all occluders are drawn, so that the order matters
 //! only for speed; what then hangs on undecided pixels is refined.
 
-use glam::{DVec3, IVec3};
+use glam::{DMat3, DVec3, IVec3};
 
 use super::{FAR_VIEWER, Scratch, Settings};
 use crate::geometry::Block;
@@ -160,8 +160,7 @@ impl<'a> Walk<'a> {
     fn shell_bricks(&self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
         let dims = self.grid.dims();
         let scene = self.scene;
-        let holds =
-            |b: IVec3| scene.ids.in_brick(b).len() > 0 || !scene.volumes.matrix.ids(b).is_empty();
+        let holds = |b: IVec3| scene.ids.in_brick(b).len() > 0 || !scene.volumes.matrix.ids(b).is_empty();
         if m == 0 {
             if self.grid.contains(brick) && holds(brick) {
                 out.push(brick);
@@ -350,6 +349,7 @@ impl<'a> Walk<'a> {
                 && block.min.cmple(around.max).all()
                 && match occluder {
                     Occluder::Sphere(s) => region.may_see_sphere(s),
+                    Occluder::Oriented(b) => region.may_see_oriented(b),
                     other => region.may_see_block(&other.block()),
                 }
         });
@@ -407,6 +407,12 @@ fn target(bounds: &Bounds, buffers: &OcclusionBuffers) -> Target {
     let (origin, grow) = (buffers.origin(), buffers.uncertainty());
     match bounds {
         Bounds::Sphere(s) => Target::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) + grow),
+        Bounds::Oriented(b) => {
+            let (center, axes, margin) = b.parts();
+            let longer = |a: DVec3| a + a.normalize_or_zero() * (grow + margin);
+            let axes = DMat3::from_cols(longer(axes.x_axis), longer(axes.y_axis), longer(axes.z_axis));
+            Target::oriented(center - origin, &axes, buffers.direction())
+        }
         other => {
             let b = other.block();
             Target::block(
@@ -430,6 +436,23 @@ fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
             let solid = b.min.cmplt(b.max).all();
             solid.then(|| Solid::polytope(Polytope::block(&b), buffers.direction()))?
         }
-        Occluder::Mesh(_) => None,
+        Occluder::Oriented(b) => {
+            let (center, axes, margin) = b.parts();
+            let shorter = |a: DVec3| a - a.normalize_or_zero() * (shrink + margin);
+            let axes = DMat3::from_cols(shorter(axes.x_axis), shorter(axes.y_axis), shorter(axes.z_axis));
+            let solid = f64::from(b.half.min_element()) > shrink + margin;
+            solid.then(|| Solid::polytope(Polytope::boxed(center - origin, &axes), buffers.direction()))?
+        }
+        // Only eyes known exactly see it whole.
+        Occluder::Convex(c) if shrink == 0.0 => {
+            let faces = c.faces.iter().map(|&(n, h)| (n, h - n.dot(origin)));
+            let polytope = Polytope {
+                vertices: c.vertices.iter().map(|&v| v - origin).collect(),
+                faces: faces.collect(),
+                edges: c.edges.iter().copied().collect(),
+            };
+            Solid::polytope(polytope, buffers.direction())
+        }
+        Occluder::Convex(_) | Occluder::Mesh(_) => None,
     }
 }

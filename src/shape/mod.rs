@@ -5,6 +5,7 @@
 //! cells wholly inside the solid. A new kind of shape joins by implementing [`Shape`].
 
 mod aabb;
+mod convex;
 mod mesh;
 mod sphere;
 
@@ -12,12 +13,13 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
+pub use convex::{Convex, MAX_CONVEX};
 pub use mesh::TriMesh;
 
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::grid::Grid;
-use crate::{Aabb, Sphere};
+use crate::{Aabb, Obb, Sphere};
 
 /// A run of cells along x, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +68,8 @@ pub enum Bounds {
     Sphere(Sphere),
     /// An axis-aligned box.
     Box(Aabb),
+    /// A box turned by a rotation.
+    Oriented(Obb),
     /// The triangles themselves, in world space. Their bounding box is tested
     /// against the frustum; only cells that triangles touch hold the object.
     Mesh(Arc<TriMesh>),
@@ -80,17 +84,23 @@ pub enum Occluder {
     Sphere(Sphere),
     /// A solid axis-aligned box.
     Box(Aabb),
+    /// A solid box turned by a rotation.
+    Oriented(Obb),
+    /// A solid convex polytope in world space.
+    Convex(Arc<Convex>),
     /// The inside of a closed mesh in world space. An open mesh hides nothing.
     Mesh(Arc<TriMesh>),
 }
 
 macro_rules! shapes {
-    ($name:ident, $what:literal) => {
+    ($name:ident, $what:literal, $($convex:ident)?) => {
         impl $name {
             fn shape(&self) -> &dyn Shape {
                 match self {
                     Self::Sphere(s) => s,
                     Self::Box(b) => b,
+                    Self::Oriented(b) => b,
+                    $(Self::$convex(c) => &**c,)?
                     Self::Mesh(m) => &**m,
                 }
             }
@@ -99,6 +109,8 @@ macro_rules! shapes {
                 match self {
                     Self::Sphere(s) => s.check($what),
                     Self::Box(b) => b.check($what),
+                    Self::Oriented(b) => b.check($what),
+                    $(Self::$convex(_) => Ok(()),)?
                     Self::Mesh(_) => Ok(()),
                 }
             }
@@ -108,6 +120,8 @@ macro_rules! shapes {
                 match (self, other) {
                     (Self::Sphere(a), Self::Sphere(b)) => a == b,
                     (Self::Box(a), Self::Box(b)) => a == b,
+                    (Self::Oriented(a), Self::Oriented(b)) => a == b,
+                    $((Self::$convex(a), Self::$convex(b)) => Arc::ptr_eq(a, b),)?
                     (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
                     _ => false,
                 }
@@ -153,6 +167,12 @@ macro_rules! shapes {
             }
         }
 
+        impl From<Obb> for $name {
+            fn from(b: Obb) -> Self {
+                Self::Oriented(b)
+            }
+        }
+
         impl From<Arc<TriMesh>> for $name {
             fn from(m: Arc<TriMesh>) -> Self {
                 Self::Mesh(m)
@@ -161,8 +181,14 @@ macro_rules! shapes {
     };
 }
 
-shapes!(Bounds, "the bounds");
-shapes!(Occluder, "the occluder");
+shapes!(Bounds, "the bounds",);
+shapes!(Occluder, "the occluder", Convex);
+
+impl From<Arc<Convex>> for Occluder {
+    fn from(c: Arc<Convex>) -> Self {
+        Self::Convex(c)
+    }
+}
 
 /// Whether the union of solids wholly contains a block; in doubt, no.
 ///

@@ -71,8 +71,7 @@ impl Part {
                 if outside > 0.0 && along > 0.0 && rest >= 0.0 { along - rest.sqrt() } else { f32::INFINITY }
             }
             Self::Box { min, max } => {
-                let (a, b) =
-                    ((min - ray.origin) * ray.inv_direction, (max - ray.origin) * ray.inv_direction);
+                let (a, b) = ((min - ray.origin) * ray.inv_direction, (max - ray.origin) * ray.inv_direction);
                 let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
                 if enter > 0.0 && enter <= leave { enter } else { f32::INFINITY }
             }

@@ -60,7 +60,8 @@ fn both_lose_what_shows_through_a_gap_under_a_pixel() {
     };
     let ball = object(Shape::Sphere { center: Vec3::new(0.001, 0.0, -30.0), radius: 5.0 });
     let objects = vec![half(-30.0, 0.0), half(0.002, 30.0), ball];
-    let camera = Camera::look_at(Vec3::new(0.001, 0.0, 0.0), Vec3::new(0.001, 0.0, -1.0), 60.0, 1.5, 0.1, 100.0);
+    let camera =
+        Camera::look_at(Vec3::new(0.001, 0.0, 0.0), Vec3::new(0.001, 0.0, -1.0), 60.0, 1.5, 0.1, 100.0);
     let visible = Hzb::new(300, 200).frame(&objects, &[0, 1, 2], &camera);
     assert!(!visible.contains(&2), "sampling should miss a gap of 2 mm");
     assert!(!RayBuffer::new(&objects, 300, 200).frame(&objects, &[0, 1, 2], &camera).contains(&2));

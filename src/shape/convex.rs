@@ -1,0 +1,446 @@
+//! Convex solids: oriented boxes, and polytopes from points or half-spaces.
+//!
+//! A cell is inside if its corners are, and touched if it is not wholly beyond one face.
+//! Margin: sums of three products of coordinates err by less than 16 units in the last
+//! place of the largest; faces are moved by that.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::{CellRun, Shape};
+use crate::error::{Error, finite3};
+use crate::grid::Grid;
+use crate::{Obb, Plane};
+
+/// The most points or half-spaces of a [`Convex`].
+pub const MAX_CONVEX: usize = 64;
+
+/// Points this close to a face's plane, as a share of the solid's size, lie on it.
+const FLAT: f64 = 1e-9;
+
+/// A convex polytope: a hull of points, or an intersection of half-spaces.
+///
+/// Made once and shared; as an occluder its silhouette is drawn as one shape, without
+/// seams between faces.
+///
+/// ```
+/// use casca::Convex;
+/// use glam::Vec3;
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let tetrahedron = Convex::from_points(&corners)?;
+/// assert_eq!(tetrahedron.vertices().count(), 4);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Convex {
+    pub(crate) vertices: Vec<DVec3>,
+    /// Outward normal and offset: the solid is `m . x <= h`.
+    pub(crate) faces: Vec<(DVec3, f64)>,
+    /// Two vertices, and the two faces that meet there.
+    pub(crate) edges: Vec<[u16; 4]>,
+}
+
+impl Convex {
+    /// The hull of points. Costs n^4 for n points: meant for hulls of tens of them, made once.
+    ///
+    /// # Errors
+    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and
+    /// points that (nearly) lie in one plane.
+    pub fn from_points(points: &[Vec3]) -> Result<Self, Error> {
+        for &p in points {
+            finite3("a point of a convex solid", p)?;
+        }
+        if !(4..=MAX_CONVEX).contains(&points.len()) {
+            return Err(Error::Convex("it needs 4 to 64 points"));
+        }
+        let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
+        let size = size_of_hull(&points);
+        let flat = FLAT * size;
+        let mut faces: Vec<(DVec3, f64)> = Vec::new();
+        for k in 2..points.len() {
+            for j in 1..k {
+                for i in 0..j {
+                    let (a, b, c) = (points[i], points[j], points[k]);
+                    let n = (b - a).cross(c - a);
+                    // Thin triangles tell no direction.
+                    if n.length() <= 1e-7 * size * size {
+                        continue;
+                    }
+                    let n = n.normalize();
+                    let (mut least, mut most) = (0f64, 0f64);
+                    for &p in &points {
+                        let d = n.dot(p - a);
+                        (least, most) = (least.min(d), most.max(d));
+                    }
+                    if most <= flat {
+                        add_face(&mut faces, (n, n.dot(a)), size);
+                    }
+                    if least >= -flat {
+                        add_face(&mut faces, (-n, -n.dot(a)), size);
+                    }
+                }
+            }
+        }
+        Self::joined(points, faces, size)
+    }
+
+    /// The intersection of half-spaces, all of which hold the solid. Costs n^4 for n of them.
+    ///
+    /// # Errors
+    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], and
+    /// half-spaces whose intersection is empty, flat or unbounded.
+    pub fn from_planes(planes: &[Plane]) -> Result<Self, Error> {
+        if !(4..=MAX_CONVEX).contains(&planes.len()) {
+            return Err(Error::Convex("it needs 4 to 64 half-spaces"));
+        }
+        let mut outward = Vec::new();
+        for (i, plane) in planes.iter().enumerate() {
+            let n = plane.normal.as_dvec3();
+            let length = n.length();
+            if !(length > 0.0 && length.is_finite() && plane.offset.is_finite()) {
+                return Err(Error::Plane(i));
+            }
+            outward.push((-n / length, f64::from(plane.offset) / length));
+        }
+        let mut points: Vec<DVec3> = Vec::new();
+        for k in 2..outward.len() {
+            for j in 1..k {
+                for i in 0..j {
+                    let [(a, p), (b, q), (c, r)] = [outward[i], outward[j], outward[k]];
+                    let m = DMat3::from_cols(a, b, c).transpose();
+                    if m.determinant().abs() < 1e-7 {
+                        continue;
+                    }
+                    let x = m.inverse() * DVec3::new(p, q, r);
+                    let reach = x.abs().max_element().max(1e-30);
+                    let inside = outward.iter().all(|&(n, h)| n.dot(x) - h <= FLAT * (reach + h.abs()));
+                    if inside && !points.iter().any(|y| (*y - x).length() <= 10.0 * FLAT * reach) {
+                        points.push(x);
+                    }
+                }
+            }
+        }
+        if points.len() < 4 {
+            return Err(Error::Convex("its half-spaces bound no solid"));
+        }
+        let size = size_of_hull(&points);
+        let mut faces = Vec::new();
+        for face in outward {
+            let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+            let on = |p: &&DVec3| (face.0.dot(**p) - face.1).abs() <= 100.0 * FLAT * (size + reach);
+            if points.iter().filter(on).count() >= 3 {
+                add_face(&mut faces, face, size);
+            }
+        }
+        Self::joined(points, faces, size)
+    }
+
+    /// Finds the edges, and checks that the faces close.
+    fn joined(points: Vec<DVec3>, faces: Vec<(DVec3, f64)>, size: f64) -> Result<Self, Error> {
+        const OPEN: Error =
+            Error::Convex("its faces do not close: the points are flat, or too close together");
+        let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let on = |f: usize, p: DVec3| {
+            let (n, h) = faces[f];
+            (n.dot(p) - h).abs() <= 100.0 * FLAT * (size + reach)
+        };
+        let mut edges = Vec::new();
+        for g in 0..faces.len() {
+            for f in 0..g {
+                let along = faces[f].0.cross(faces[g].0);
+                if along.length() < 1e-9 {
+                    continue;
+                }
+                let shared = (0..points.len()).filter(|&i| on(f, points[i]) && on(g, points[i]));
+                let place = |i: &usize| along.dot(points[*i]);
+                let least = shared.clone().min_by(|a, b| place(a).total_cmp(&place(b)));
+                let most = shared.max_by(|a, b| place(a).total_cmp(&place(b)));
+                if let (Some(a), Some(b)) = (least, most)
+                    && a != b
+                {
+                    edges.push([a as u16, b as u16, f as u16, g as u16]);
+                }
+            }
+        }
+        let mut used: Vec<usize> =
+            edges.iter().flat_map(|e| [usize::from(e[0]), usize::from(e[1])]).collect();
+        used.sort_unstable();
+        used.dedup();
+        // Each face is a ring: every vertex of it ends two of its edges. And Euler's formula holds.
+        let rings = (0..faces.len()).all(|f| {
+            let own: Vec<&[u16; 4]> =
+                edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f).collect();
+            let ends = |v: u16| own.iter().filter(|e| e[0] == v || e[1] == v).count();
+            own.len() >= 3 && own.iter().all(|e| ends(e[0]) == 2 && ends(e[1]) == 2)
+        });
+        if !rings || faces.len() < 4 || used.len() + faces.len() != edges.len() + 2 {
+            return Err(OPEN);
+        }
+        let mut renamed = vec![0u16; points.len()];
+        for (new, &old) in used.iter().enumerate() {
+            renamed[old] = new as u16;
+        }
+        for e in &mut edges {
+            (e[0], e[1]) = (renamed[usize::from(e[0])], renamed[usize::from(e[1])]);
+        }
+        Ok(Self { vertices: used.iter().map(|&i| points[i]).collect(), faces, edges })
+    }
+
+    /// The same solid, moved.
+    ///
+    /// # Errors
+    /// Refuses an offset that is not finite.
+    pub fn translated(&self, offset: Vec3) -> Result<Self, Error> {
+        finite3("the offset", offset)?;
+        let by = offset.as_dvec3();
+        Ok(Self {
+            vertices: self.vertices.iter().map(|&v| v + by).collect(),
+            faces: self.faces.iter().map(|&(n, h)| (n, h + n.dot(by))).collect(),
+            edges: self.edges.clone(),
+        })
+    }
+
+    /// The corners.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        self.vertices.iter().copied()
+    }
+
+    /// Number of faces.
+    pub fn faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    fn margin(&self, p: DVec3, h: f64) -> f64 {
+        16.0 * f64::EPSILON * (p.abs().max_element() + h.abs())
+    }
+}
+
+fn size_of_hull(points: &[DVec3]) -> f64 {
+    let min = points.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
+    let max = points.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    (max - min).max_element()
+}
+
+fn add_face(faces: &mut Vec<(DVec3, f64)>, face: (DVec3, f64), size: f64) {
+    let same = |f: &(DVec3, f64)| (f.0 - face.0).length() < 1e-6 && (f.1 - face.1).abs() < 1e-6 * size;
+    if !faces.iter().any(same) {
+        faces.push(face);
+    }
+}
+
+fn corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        DVec3::new(
+            if i & 1 == 0 { min.x } else { max.x },
+            if i & 2 == 0 { min.y } else { max.y },
+            if i & 4 == 0 { min.z } else { max.z },
+        )
+    })
+}
+
+/// The cells of a block that pass a test which the cells of each row pass in one run.
+fn filtered(
+    grid: &Grid,
+    (min, max): (DVec3, DVec3),
+    passes: impl Fn(DVec3, DVec3) -> bool,
+    out: &mut dyn FnMut(CellRun),
+) {
+    let (lo, hi) = grid.cover(min, max);
+    let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+    for z in lo.z..=hi.z {
+        for y in lo.y..=hi.y {
+            let test = |x: &i32| {
+                let (a, b) = grid.cell_bounds(glam::IVec3::new(*x, y, z));
+                passes(a, b)
+            };
+            if let Some(x0) = (lo.x..=hi.x).find(test) {
+                let x1 = (x0..=hi.x).rev().find(test).unwrap_or(x0);
+                out(CellRun { x0, x1, y, z });
+            }
+        }
+    }
+}
+
+impl Shape for Convex {
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)))
+    }
+
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let meets = |min: DVec3, max: DVec3| {
+            self.faces.iter().all(|&(n, h)| {
+                let nearest = DVec3::select(n.cmpge(DVec3::ZERO), min, max);
+                n.dot(nearest)
+                    <= h + self.margin(min.abs().max(max.abs()), h) + FLAT * size_of_hull(&self.vertices)
+            })
+        };
+        filtered(grid, self.bounds(), meets, out);
+    }
+
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), |min, max| self.contains_box(min, max), out);
+    }
+
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+        let slack = FLAT * size_of_hull(&self.vertices);
+        self.faces.iter().all(|&(n, h)| {
+            let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
+            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h) - slack
+        })
+    }
+
+    fn contains_point(&self, point: DVec3) -> bool {
+        let slack = 100.0 * FLAT * size_of_hull(&self.vertices);
+        self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + slack)
+    }
+}
+
+impl Obb {
+    /// Centre, half-axes as columns, and the margin of coordinates.
+    pub(crate) fn parts(&self) -> (DVec3, DMat3, f64) {
+        let (c, half) = (self.center.as_dvec3(), self.half.as_dvec3());
+        let turn = DMat3::from_quat(self.rotation.as_dquat().normalize());
+        let axes = DMat3::from_cols(turn.x_axis * half.x, turn.y_axis * half.y, turn.z_axis * half.z);
+        (c, axes, 16.0 * f64::EPSILON * (c.abs().max_element() + half.max_element()))
+    }
+
+    /// Unit axes.
+    fn turn(&self) -> DMat3 {
+        DMat3::from_quat(self.rotation.as_dquat().normalize())
+    }
+}
+
+impl Shape for Obb {
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let (c, axes, margin) = self.parts();
+        let reach = axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs() + margin;
+        (c - reach, c + reach)
+    }
+
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let (c, _, margin) = self.parts();
+        let (turn, half) = (self.turn(), self.half.as_dvec3());
+        let meets = |min: DVec3, max: DVec3| {
+            let (d, reach) = ((min + max) * 0.5 - c, (max - min) * 0.5);
+            let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
+            (0..3).all(|i| turn.col(i).dot(d).abs() <= half[i] + turn.col(i).abs().dot(reach) + slack)
+        };
+        filtered(grid, self.bounds(), meets, out);
+    }
+
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), |min, max| self.contains_box(min, max), out);
+    }
+
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+        let (c, _, margin) = self.parts();
+        let (turn, half) = (self.turn(), self.half.as_dvec3());
+        let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
+        corners(min, max).iter().all(|&p| (0..3).all(|i| turn.col(i).dot(p - c).abs() <= half[i] - slack))
+    }
+
+    fn contains_point(&self, point: DVec3) -> bool {
+        let (c, _, margin) = self.parts();
+        let (turn, half) = (self.turn(), self.half.as_dvec3());
+        let slack = margin + 16.0 * f64::EPSILON * point.abs().max_element();
+        (0..3).all(|i| turn.col(i).dot(point - c).abs() <= half[i] + slack)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use glam::{Quat, UVec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    fn random(state: &mut u32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*state >> 8) as f32 / (1 << 24) as f32
+    }
+
+    #[test]
+    fn hulls_hold_their_points_and_close() {
+        let mut state = 1;
+        for n in [4, 5, 8, 12, 20, 30] {
+            for _ in 0..10 {
+                let points: Vec<Vec3> = (0..n)
+                    .map(|_| Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 7.0)
+                    .collect();
+                let hull = Convex::from_points(&points).unwrap();
+                assert!(points.iter().all(|p| hull.contains_point(p.as_dvec3())));
+                assert_eq!(hull.vertices.len() + hull.faces.len(), hull.edges.len() + 2);
+            }
+        }
+    }
+
+    #[test]
+    fn a_cube_is_the_same_from_points_and_from_planes() {
+        let points: Vec<Vec3> = corners(DVec3::ZERO, DVec3::ONE).iter().map(|p| p.as_vec3()).collect();
+        let planes: Vec<Plane> = Vec3::AXES
+            .iter()
+            .flat_map(|&n| [Plane { normal: n, offset: 0.0 }, Plane { normal: -n * 2.0, offset: 2.0 }])
+            .collect();
+        for cube in [Convex::from_points(&points).unwrap(), Convex::from_planes(&planes).unwrap()] {
+            assert_eq!((cube.vertices.len(), cube.faces.len(), cube.edges.len()), (8, 6, 12));
+            assert!(cube.contains_box(DVec3::splat(0.01), DVec3::splat(0.99)));
+            assert!(!cube.contains_box(DVec3::splat(0.01), DVec3::splat(1.01)));
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_no_solid() {
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0), Vec3::new(0.3, 0.2, 0.0)];
+        assert!(Convex::from_points(&flat).is_err());
+        assert!(Convex::from_points(&[Vec3::ZERO; 8]).is_err());
+        assert!(Convex::from_points(&[Vec3::NAN; 4]).is_err());
+        assert!(Convex::from_points(&[Vec3::X; 3]).is_err());
+        let up = Plane { normal: Vec3::Y, offset: 1.0 };
+        assert!(Convex::from_planes(&[up; 4]).is_err());
+        assert!(Convex::from_planes(&[Plane { normal: Vec3::ZERO, offset: 1.0 }; 4]).is_err());
+    }
+
+    #[test]
+    fn cells_of_turned_boxes_agree_with_points() {
+        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) }).unwrap();
+        let mut state = 5;
+        for _ in 0..20 {
+            let center = Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 10.0;
+            let half = Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 3.0 + 0.1;
+            let rotation =
+                Quat::from_euler(glam::EulerRot::XYZ, random(&mut state) * 6.0, random(&mut state), 1.0);
+            let boxed = Obb { center, half, rotation };
+            let points: Vec<Vec3> = corners(-half.as_dvec3(), half.as_dvec3())
+                .iter()
+                .map(|p| center + rotation * p.as_vec3())
+                .collect();
+            let hull = Convex::from_points(&points).unwrap();
+            let shapes: [&dyn Shape; 2] = [&boxed, &hull];
+            for shape in shapes {
+                let (mut touched, mut opaque) = (BTreeSet::new(), BTreeSet::new());
+                shape.touched(&grid, &mut |r| touched.extend(r.cells().map(|c| c.to_array())));
+                shape.opaque(&grid, &mut |r| opaque.extend(r.cells().map(|c| c.to_array())));
+                for i in 0..8000 {
+                    let cell = glam::IVec3::new(i % 20, i / 20 % 20, i / 400);
+                    let (min, max) = grid.cell_bounds(cell);
+                    let inside = |p: DVec3| {
+                        let d = rotation.as_dquat().inverse() * (p - center.as_dvec3());
+                        d.abs().cmple(half.as_dvec3()).all()
+                    };
+                    if opaque.contains(&cell.to_array()) {
+                        assert!(corners(min + 1e-5, max - 1e-5).iter().all(|&p| inside(p)));
+                    }
+                    let t = DVec3::new(0.31, 0.57, 0.77);
+                    if inside(min + (max - min) * t) {
+                        assert!(touched.contains(&cell.to_array()));
+                    }
+                }
+            }
+        }
+    }
+}
