@@ -3,15 +3,19 @@
 //!
 //! `cargo run --release --example walkthrough` needs no arguments; `--help` lists them.
 
+use std::collections::HashSet;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use casca::{Method, Query, Settings};
+use casca_harness::baselines::{Hzb, RayBuffer};
 use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::oracle::{Oracle, OracleOptions};
-use casca_harness::pictures::{FrameCounts, TopView, chart, top_view};
+use casca_harness::oracle::{ItemBuffer, Oracle, OracleOptions};
+use casca_harness::pictures::{
+    FrameCounts, FramePicture, TopView, buffers, chart, frame as frame_picture, top_view,
+};
 use casca_harness::scenes::{SceneKind, SceneOptions};
 use casca_harness::world::{FRAME_SECONDS, World};
 use casca_harness::{import, scenes};
@@ -31,6 +35,10 @@ enum MethodName {
     Cell,
     /// What the eye can see, at pixel precision
     Point,
+    /// For comparison: a rasterised depth buffer, which loses objects
+    Hzb,
+    /// For comparison: a ray-cast depth buffer, which loses objects
+    Rays,
 }
 
 #[derive(Debug, Parser)]
@@ -150,9 +158,12 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     settings.method = match options.method {
         MethodName::Frustum => Method::Frustum,
         MethodName::Cell => Method::Cell,
-        MethodName::Point => Method::Point,
+        _ => Method::Point,
     };
     let mut query = Query::with_settings(settings)?;
+    let height = |width: usize| (width as f32 / ASPECT).round() as usize;
+    let mut hzb = Hzb::new(640, height(640));
+    let mut ray_buffer = RayBuffer::new(&world.objects, 256, height(256));
     let mut frustum = Query::with_settings(frustum_settings)?;
     let mut recorder = Query::with_settings(recording)?;
 
@@ -182,12 +193,30 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         driver.scene.begin_frame(number as f64 * FRAME_SECONDS)?;
         driver.update(&world.objects, &moved)?;
         let mut update = start.elapsed();
-        let pvs = query.run(&driver.scene, &view);
-        let query_us = pvs.stats().elapsed.as_secs_f64() * 1e6;
+        query.run(&driver.scene, &view);
+        let pvs = query.pvs();
         let in_frustum = frustum.run(&driver.scene, &view);
         let (pvs_count, frustum_count) =
             (driver.count(pvs, &world.objects), driver.count(in_frustum, &world.objects));
-        let sees = |object: usize| driver.sees(pvs, object);
+        let in_frustum: Vec<usize> =
+            (0..world.objects.len()).filter(|&i| driver.sees(in_frustum, i)).collect();
+        let start = Instant::now();
+        let compared = match options.method {
+            MethodName::Hzb => Some(hzb.frame(&world.objects, &in_frustum, &camera)),
+            MethodName::Rays => Some(ray_buffer.frame(&world.objects, &in_frustum, &camera)),
+            _ => None,
+        };
+        let time = if compared.is_some() { start.elapsed() } else { pvs.stats().elapsed };
+        let query_us = time.as_secs_f64() * 1e6;
+        let compared: Option<HashSet<usize>> = compared.map(|found| found.into_iter().collect());
+        let sees = |object: usize| match &compared {
+            Some(found) => found.contains(&object),
+            None => driver.sees(pvs, object),
+        };
+        let pvs_count = match &compared {
+            Some(found) => found.iter().filter(|&&i| world.objects[i].tested).count(),
+            None => pvs_count,
+        };
         let verdict = oracle.frame(&world.objects, &moved, &camera, &sees);
         rays += verdict.rays;
         pixels += verdict.item_rays;
@@ -222,11 +251,20 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
                 let picture = TopView { scene, visited, hidden, volumes: &volumes, camera, path: &path };
                 top_view(&options.out.join("top_view.png"), &title, &picture)?;
             }
+            let method = format!("{:?}", options.method).to_lowercase();
+            let title = format!("{}, frame {number}: what {method} shows and hides", world.name);
+            let mut exact = ItemBuffer::new(1280, height(1280));
+            exact.render(&world.objects, &camera);
+            let objects = &world.objects;
+            let picture =
+                FramePicture { exact: &exact, objects, camera, in_frustum: &in_frustum, sees: &sees };
+            frame_picture(&options.out.join("frame.png"), &title, &picture)?;
+            if options.method == MethodName::Point {
+                let title = format!("{}, frame {number}: the occlusion buffers", world.name);
+                buffers(&options.out.join("buffers.png"), &title, &query.occlusion_images())?;
+            }
         }
         let cells = pvs.stats().cells_visited;
-        if std::env::var_os("STATS").is_some() && number % 15 == 0 {
-            eprintln!("{number} {:?}", query.pvs().stats());
-        }
         let start = Instant::now();
         driver.scene.end_frame([query.pvs()])?;
         update += start.elapsed();
@@ -274,7 +312,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     row("scene update, median", format!("{median_update:.0} us"));
     row("setup", format!("{setup_ms:.0} ms"));
     row("grid memory", format!("{:.2} MiB", memory.grid() as f64 / (1 << 20) as f64));
-    println!("\npictures: {0}/walk.png and {0}/top_view.png", options.out.display());
+    println!("\npictures: walk.png, frame.png, buffers.png and top_view.png in {}", options.out.display());
 
     if let Some(file) = &options.json {
         let report = json!({

@@ -32,6 +32,7 @@ pub use error::Error;
 pub use geometry::{Aabb, Obb, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use object::{Motion, ObjectDesc, ObjectId, Reports};
+pub use occlusion::OcclusionImage;
 pub use pvs::{Pvs, Stats};
 pub use query::{Method, Query, Settings};
 pub use scene::{FrameReport, MemoryUse, Scene};

@@ -11,6 +11,7 @@
 //! [`tiles`].
 
 mod face;
+mod image;
 mod outline;
 mod refine;
 mod silhouette;
@@ -21,6 +22,7 @@ mod tiles;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+pub use image::OcclusionImage;
 pub(crate) use outline::Polytope;
 pub(crate) use refine::Effort;
 pub(crate) use solid::Solid;

@@ -38,14 +38,10 @@ impl Tile {
         full.map_or(NONE, |(_, &n)| n)
     }
 
-    /// All pixels that some layer covers.
-    pub(crate) fn covered(&self) -> u64 {
-        self.mask.iter().zip(&self.near).filter(|&(_, &n)| n > NONE).fold(0, |all, (m, _)| all | m)
-    }
-
-    /// The least nearness of the layers in use.
-    pub(crate) fn farthest(&self) -> Option<f32> {
-        self.near.iter().rev().copied().find(|&n| n > NONE)
+    /// Nearness down to which a pixel is hidden; negative infinity if it is open.
+    pub(crate) fn nearness(&self, bit: u32) -> f32 {
+        let holds = self.mask.iter().zip(&self.near).find(|&(m, &n)| n > NONE && m >> bit & 1 == 1);
+        holds.map_or(NONE, |(_, &n)| n)
     }
 
     /// Hides pixels for what is not nearer than `near`. Returns whether that says anything new.
@@ -140,16 +136,17 @@ mod tests {
             for _ in 0..40 {
                 let mask = next() & next() & (next() | next()) | (1 << (next() % 64));
                 let near = (next() % 100) as f32 / 10.0;
-                let before = tile.covered();
+                let before = tile.hidden(f32::MIN);
                 let news = tile.cover(mask, near);
                 for (i, p) in pixels.iter_mut().enumerate() {
                     if mask >> i & 1 == 1 {
                         *p = p.max(near);
                     }
                 }
-                assert_eq!(tile.covered(), before | if news { mask } else { 0 } | before);
+                let covered = tile.hidden(f32::MIN);
+                assert!(news || covered == before);
                 let all = pixels.iter().enumerate().filter(|(_, p)| **p > f32::NEG_INFINITY);
-                assert_eq!(tile.covered(), all.map(|(i, _)| 1 << i).sum::<u64>(), "{round}");
+                assert_eq!(covered, all.map(|(i, _)| 1 << i).sum::<u64>(), "{round}");
                 for step in 0..110 {
                     let near = step as f32 / 10.0;
                     let hidden = tile.hidden(near);
@@ -157,7 +154,8 @@ mod tests {
                         assert!(hidden >> i & 1 == 0 || *p >= near, "{round}: {tile:?} {i} {near}");
                     }
                 }
-                if tile.covered() == u64::MAX {
+                if covered == u64::MAX {
+                    assert!((0..64).all(|bit| tile.nearness(bit) >= tile.closed()));
                     assert_eq!(tile.hidden(tile.closed()), u64::MAX);
                     assert!(tile.hidden(tile.closed() + 0.05) != u64::MAX);
                 } else {

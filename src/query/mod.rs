@@ -10,6 +10,7 @@ use glam::IVec3;
 use crate::error::Error;
 use crate::mask::{DirectionMasks, SideCells};
 use crate::matrix::{BitMatrix, OcclusionMatrix};
+use crate::occlusion::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
 use crate::view::View;
@@ -279,6 +280,11 @@ impl Query {
     /// Cells behind the last shell walked are hidden too, and not in it.
     pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
         self.hidden.as_ref()
+    }
+
+    /// The occlusion buffers of the last run of [`Method::Point`]: for debugging. Costs their pixels.
+    pub fn occlusion_images(&self) -> Vec<OcclusionImage> {
+        self.scratch.point.buffers.images()
     }
 
     /// The cells inside the frustum that the last run visited, if it was told to
