@@ -13,6 +13,7 @@
 
 mod bricks;
 mod error;
+mod fused;
 mod geometry;
 mod grid;
 mod mask;

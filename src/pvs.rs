@@ -38,6 +38,8 @@ pub struct Stats {
     pub occluders_drawn: u32,
     /// [`Method::Point`]: how many of them covered a pixel that was open, or hid nearer.
     pub occluders_useful: u32,
+    /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
+    pub cells_drawn: u32,
     /// [`Method::Point`]: occluders too small to draw, or beyond the number allowed.
     pub occluders_skipped: u32,
     /// [`Method::Point`]: objects that only undecided pixels showed, or seemed to, and
@@ -66,6 +68,8 @@ pub struct Pvs {
     pub(crate) method: Method,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,
+    /// The eye's cell.
+    pub(crate) viewer: Option<IVec3>,
     pub(crate) visible: Vec<ObjectId>,
     pub(crate) revealed: Vec<ObjectId>,
     /// By slot: 1 + the place in `visible`, or 0.
@@ -81,6 +85,7 @@ impl Pvs {
             method: Method::Cell,
             view: None,
             cell: None,
+            viewer: None,
             visible: Vec::new(),
             revealed: Vec::new(),
             places: Vec::new(),

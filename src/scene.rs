@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::error::{Error, finite3};
+use crate::fused::Fused;
 use crate::geometry::Block;
 use crate::grid::{Grid, GridSpec};
 use crate::matrix::{BitMatrix, IdMatrix, OpacityMatrix, TbvMatrix};
@@ -83,7 +84,7 @@ pub(crate) struct Slot {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MemoryUse {
-    /// Os and O.
+    /// Os, O, and boxes of opaque cells.
     pub opacity: usize,
     /// I.
     pub ids: usize,
@@ -144,6 +145,8 @@ pub struct Scene {
     pub(crate) opacity_static: OpacityMatrix,
     /// What visible dynamic objects add to Os to make O.
     pub(crate) opacity_dynamic: OpacityMatrix,
+    /// Boxes of static opaque cells that are drawn like solids.
+    pub(crate) fused: Fused,
     pub(crate) ids: IdMatrix,
     pub(crate) volumes: Volumes,
     pub(crate) slots: Vec<Slot>,
@@ -176,6 +179,7 @@ impl Scene {
             grid,
             opacity_static: BitMatrix::new(grid.dims()),
             opacity_dynamic: BitMatrix::new(grid.dims()),
+            fused: Fused::new(grid.dims()),
             ids: IdMatrix::new(grid.dims()),
             volumes: Volumes::new(&grid),
             slots: Vec::new(),
@@ -276,7 +280,7 @@ impl Scene {
     /// Memory held. Walks over all bricks.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse {
-            opacity: self.opacity_static.bytes() + self.opacity_dynamic.bytes(),
+            opacity: self.opacity_static.bytes() + self.opacity_dynamic.bytes() + self.fused.bytes(),
             ids: self.ids.bytes(),
             tbvs: self.volumes.bytes(),
             objects: self.slots.capacity() * size_of::<Slot>()
@@ -462,12 +466,16 @@ impl Scene {
     ///
     /// A clock that goes backwards makes all of them due.
     ///
+    /// Also brings up to date what closes the seams between static solids inserted or
+    /// removed since, for [`crate::Method::Point`].
+    ///
     /// # Errors
     /// Refuses a time that is not finite.
     pub fn begin_frame(&mut self, now: f64) -> Result<Vec<ObjectId>, Error> {
         if !now.is_finite() {
             return Err(Error::NotFinite { what: "the time", value: DVec3::splat(now) });
         }
+        self.fused.refresh(&self.opacity_static);
         let backwards = now < self.now;
         self.now = now;
         let mut due = Vec::new();
@@ -526,7 +534,7 @@ impl Scene {
             return Ok(report);
         }
         self.viewers.clear();
-        self.viewers.extend(views.iter().filter_map(|p| p.cell));
+        self.viewers.extend(views.iter().filter_map(|p| p.viewer));
         let mut seen = std::mem::take(&mut self.seen);
         seen.clear();
         seen.resize(self.slots.len().div_ceil(64), 0);
@@ -825,7 +833,13 @@ impl Scene {
 
     fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
         let grid = self.grid;
-        occluder.opaque(&grid, &mut |r| self.opacity_static.set_run(r.x0, r.x1, r.y, r.z));
+        let drawn = !matches!(occluder, Occluder::Mesh(_));
+        occluder.opaque(&grid, &mut |r| {
+            self.opacity_static.set_run(r.x0, r.x1, r.y, r.z);
+            if !drawn {
+                r.cells().for_each(|c| self.fused.add(c));
+            }
+        });
         if placement(&grid, &occluder.block()).1 {
             let mut joint = Vec::new();
             occluder.touched(&grid, &mut |run| {
@@ -834,7 +848,10 @@ impl Scene {
                         !self.opacity_static.get(c) && self.solid_with(c, slot, Some(occluder))
                     }));
             });
-            joint.into_iter().for_each(|c| self.opacity_static.set(c));
+            for c in joint {
+                self.opacity_static.set(c);
+                self.fused.add(c);
+            }
         }
     }
 
@@ -849,6 +866,7 @@ impl Scene {
         for cell in cells {
             if self.opacity_static.get(cell) && !self.solid_with(cell, slot, None) {
                 self.opacity_static.clear_cell(cell);
+                self.fused.clear(cell);
             }
         }
     }

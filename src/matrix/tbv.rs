@@ -27,6 +27,13 @@ impl CellBox {
         cell.cmpge(self.lo).all() && cell.cmple(self.hi).all()
     }
 
+    pub(crate) fn cells(self) -> impl Iterator<Item = IVec3> {
+        let Self { lo, hi } = self;
+        (lo.z..=hi.z).flat_map(move |z| {
+            (lo.y..=hi.y).flat_map(move |y| (lo.x..=hi.x).map(move |x| IVec3::new(x, y, z)))
+        })
+    }
+
     /// The bricks that the surface passes through.
     fn surface_bricks(self) -> impl Iterator<Item = IVec3> {
         let (b0, b1) = (self.lo >> 3i32, self.hi >> 3i32);

@@ -239,6 +239,7 @@ impl Query {
         pvs.scene = scene.tag();
         pvs.method = self.settings.method;
         pvs.cell = None;
+        pvs.viewer = view.eye().map(|e| scene.grid.cell_of(e));
         match self.settings.method {
             Method::Frustum => {
                 pvs.revision = scene.moves();

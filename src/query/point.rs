@@ -32,6 +32,9 @@ const WORTH_TESTING_BAND: i64 = 32;
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
 
+/// In whose name boxes of cells are drawn.
+const NOBODY: u32 = u32::MAX;
+
 /// Bricks of parallel views are taken in portions of this many, front to back.
 const PORTION: usize = 64;
 
@@ -56,6 +59,8 @@ pub(super) struct Walk<'a> {
     /// What the near plane cuts away of the view.
     cut: Vec<(View, Block)>,
     grid: Grid,
+    /// Whether boxes of opaque cells may be drawn, once that was asked.
+    fuses: Option<bool>,
     stats: Stats,
 }
 
@@ -71,7 +76,7 @@ impl<'a> Walk<'a> {
         let (min, max) = scene.extent();
         let cut = view.cut_regions(min, max).collect();
         let grid = scene.grid.bricks();
-        Self { scene, view, settings, pvs, scratch, cut, grid, stats: Stats::default() }
+        Self { scene, view, settings, pvs, scratch, cut, grid, fuses: None, stats: Stats::default() }
     }
 
     pub(super) fn run(mut self) {
@@ -160,7 +165,11 @@ impl<'a> Walk<'a> {
     fn shell_bricks(&self, frustum: &CellFrustum, brick: IVec3, m: i32, out: &mut Vec<IVec3>) {
         let dims = self.grid.dims();
         let scene = self.scene;
-        let holds = |b: IVec3| scene.ids.in_brick(b).len() > 0 || !scene.volumes.matrix.ids(b).is_empty();
+        let holds = |b: IVec3| {
+            scene.ids.in_brick(b).len() > 0
+                || !scene.volumes.matrix.ids(b).is_empty()
+                || !scene.fused.in_brick(b).is_empty()
+        };
         if m == 0 {
             if self.grid.contains(brick) && holds(brick) {
                 out.push(brick);
@@ -233,12 +242,13 @@ impl<'a> Walk<'a> {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
         let volumes = scene.volumes.matrix.ids(brick);
+        let fused = scene.fused.in_brick(brick);
         let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count()
             + volumes.iter().filter(|&&s| !self.scratch.is_revealed(s)).count();
-        if open == 0 {
+        if open == 0 && fused.is_empty() {
             return;
         }
-        if open >= WORTH_TESTING {
+        if open >= WORTH_TESTING || !fused.is_empty() {
             let bounds = Block::new(self.grid.cell_bounds(brick));
             if self.hides(&bounds) {
                 self.stats.bricks_hidden += 1;
@@ -250,6 +260,36 @@ impl<'a> Walk<'a> {
         }
         for &slot in volumes {
             self.meet_volume(slot);
+        }
+        if !fused.is_empty() && self.may_fuse() {
+            for cells in fused {
+                self.draw_cells(cells);
+            }
+        }
+    }
+
+    /// Whether opaque cells hide: rays must not start inside the solids that make them.
+    fn may_fuse(&mut self) -> bool {
+        let (scene, view) = (self.scene, self.view);
+        let ask = || match view.eye() {
+            Some(eye) => !scene.inside_occluder(eye) && !scene.near_plane_cuts(view),
+            None => false,
+        };
+        *self.fuses.get_or_insert_with(ask)
+    }
+
+    /// Draws a box of opaque cells.
+    fn draw_cells(&mut self, cells: &CellBox) {
+        let buffers = &mut self.scratch.point.buffers;
+        let (min, max) = self.scene.grid.range_bounds(cells.lo, cells.hi);
+        let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
+        let block = Block { min: min - origin + shrink, max: max - origin - shrink };
+        if block.min.cmplt(block.max).all()
+            && !buffers.hides(&block)
+            && let Some(solid) = Solid::polytope(Polytope::block(&block), buffers.direction())
+        {
+            self.stats.cells_drawn += 1;
+            buffers.draw(&solid, NOBODY);
         }
     }
 
