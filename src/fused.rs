@@ -43,19 +43,22 @@ impl Fused {
     /// A cell is no longer opaque: boxes that may hold it go.
     pub(crate) fn clear(&mut self, cell: IVec3) {
         self.cells.clear_cell(cell);
-        let dims = self.cells.dims();
-        let (lo, hi) = ((cell - REACH).max(IVec3::ZERO) >> 3i32, (cell + REACH).min(dims - 1) >> 3i32);
-        for z in lo.z..=hi.z {
-            for y in lo.y..=hi.y {
-                for x in lo.x..=hi.x {
-                    let brick = IVec3::new(x, y, z);
-                    if !self.boxes.get(brick).is_empty() {
-                        self.boxes.release(brick);
-                        self.stale.insert(brick.to_array());
-                    }
-                }
-            }
+        let around = CellBox { lo: cell - REACH, hi: cell + REACH };
+        let gone: Vec<IVec3> =
+            self.bricks_of(&around).filter(|&b| self.boxes.get(b).iter().any(|b| b.contains(cell))).collect();
+        for brick in gone {
+            self.boxes.release(brick);
+            // Its neighbours may have relied on its boxes.
+            let reach = CellBox { lo: brick * BRICK - REACH, hi: brick * BRICK + BRICK - 1 + REACH };
+            let around: Vec<IVec3> = self.bricks_of(&reach).collect();
+            self.stale.extend(around.iter().map(|b| b.to_array()));
         }
+    }
+
+    /// The bricks of the grid that a block of cells touches.
+    fn bricks_of(&self, block: &CellBox) -> impl Iterator<Item = IVec3> {
+        let lo = block.lo.max(IVec3::ZERO) >> 3i32;
+        CellBox { lo, hi: block.hi.min(self.cells.dims() - 1) >> 3i32 }.cells()
     }
 
     /// Grows the boxes of all stale bricks.
@@ -66,11 +69,16 @@ impl Fused {
             let corner = brick * BRICK;
             let last = (corner + BRICK).min(self.cells.dims()) - 1;
             let mut grown: SmallVec<[CellBox; 2]> = SmallVec::new();
+            let neighbours = CellBox { lo: corner - REACH, hi: corner + BRICK - 1 + REACH };
+            let around: Vec<CellBox> =
+                self.bricks_of(&neighbours).flat_map(|b| self.boxes.get(b).iter().copied()).collect();
             for z in corner.z..=last.z {
                 for y in corner.y..=last.y {
                     for x in corner.x..=last.x {
                         let cell = IVec3::new(x, y, z);
-                        let new = self.cells.get(cell) && !grown.iter().any(|b| b.contains(cell));
+                        let new = self.cells.get(cell)
+                            && !grown.iter().any(|b| b.contains(cell))
+                            && !around.iter().any(|b| b.contains(cell));
                         if new && grown.len() < MOST {
                             let bounds = CellBox { lo: corner - REACH, hi: corner + BRICK - 1 + REACH };
                             grown.push(grow(cell, &bounds, opaque));
@@ -133,12 +141,13 @@ mod tests {
         for i in 0..125 {
             opaque.set(IVec3::new(20 + i % 5, 5 + i / 5 % 5, 12 + i / 25));
         }
+        let all = |f: &Fused| f.boxes.iter().flat_map(|(_, b)| b.to_vec()).collect::<Vec<_>>();
         let seeds = [IVec3::new(8, 8, 10), IVec3::new(8, 20, 11), IVec3::new(22, 7, 14)];
         seeds.iter().for_each(|&c| fused.add(c));
         fused.refresh(&opaque);
         for c in seeds {
             let boxes = fused.in_brick(c >> 3i32);
-            assert!(boxes.iter().any(|b| b.contains(c)));
+            assert!(all(&fused).iter().any(|b| b.contains(c)));
             assert!(boxes.iter().flat_map(|b| b.cells()).all(|c| opaque.get(c)));
             assert!(boxes.iter().all(|b| b.cells().count() > 100));
         }
@@ -146,10 +155,9 @@ mod tests {
         let hole = IVec3::new(9, 9, 10);
         opaque.clear_cell(hole);
         fused.clear(hole);
-        let all = |f: &Fused| f.boxes.iter().flat_map(|(_, b)| b.to_vec()).collect::<Vec<_>>();
         assert!(all(&fused).iter().all(|b| !b.contains(hole)));
         fused.refresh(&opaque);
         assert!(all(&fused).iter().flat_map(|b| b.cells()).all(|c| opaque.get(c)));
-        assert!(fused.in_brick(seeds[0] >> 3i32).iter().any(|b| b.contains(seeds[0])));
+        assert!(seeds.iter().all(|&c| all(&fused).iter().any(|b| b.contains(c))));
     }
 }

@@ -452,6 +452,9 @@ impl FaceBuffer {
             for tx in left / TILE..=(right - 1) / TILE {
                 let x = tx * TILE;
                 let t = ((ty - self.ty) * self.nx + tx - self.tx) as usize;
+                if self.closed[t] >= listed.near {
+                    continue;
+                }
                 let rect = self.square(x, ty * TILE, TILE);
                 let whole = common_left <= x && x + TILE <= common_right;
                 let near = below(if whole { front.behind_inside(&rect) } else { front.behind(&rect) });
