@@ -3,12 +3,12 @@
 //!
 //! `cargo bench --bench cell`; accuracy at the same settings: the `walkthrough` example.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
-use casca::{ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
-use casca_harness::drive::{Driver, grid_for, view_of};
+use casca::{Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca_harness::drive::{Driver, grid_for};
+use casca_harness::measure::{Settled, median, ratio};
 use casca_harness::scenes::{SceneKind, SceneOptions, build};
 use casca_harness::world::{FRAME_SECONDS, Motion, Shape, World};
 use criterion::Criterion;
@@ -20,23 +20,14 @@ fn spheres(hidden_extra: usize) -> World {
     world
 }
 
-/// A scene whose hidden objects have settled in their volumes after a walk of all frames.
-struct Settled {
-    driver: Driver,
-    views: Vec<View>,
+fn cell() -> Settings {
+    let mut settings = Settings::default();
+    settings.method = Method::Cell;
+    settings
 }
 
 fn settled(hidden_extra: usize) -> Settled {
-    let world = spheres(hidden_extra);
-    let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
-    let views: Vec<View> =
-        (0..world.frames).map(|f| view_of(&world.camera(f, 16.0 / 9.0)).unwrap()).collect();
-    let mut query = Query::new();
-    for view in &views {
-        query.run(&driver.scene, view);
-        driver.scene.end_frame([query.pvs()]).unwrap();
-    }
-    Settled { driver, views }
+    Settled::new(&spheres(hidden_extra), cell()).unwrap()
 }
 
 /// Masks against the thesis' caps, both in all directions.
@@ -50,7 +41,7 @@ fn against_the_thesis(c: &mut Criterion) {
     let mut group = c.benchmark_group("occlusion 100x60x100");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
     for resolution in [128, 256, 512, 1024] {
-        let mut settings = Settings::default();
+        let mut settings = cell();
         settings.mask_resolution = resolution;
         let mut query = Query::with_settings(settings).unwrap();
         group.bench_function(format!("masks {resolution}"), |b| b.iter(|| query.run(scene, &view).len()));
@@ -67,7 +58,7 @@ fn hidden_objects(c: &mut Criterion) {
     let mut group = c.benchmark_group("walk of 150 queries");
     group.sample_size(10).measurement_time(Duration::from_secs(7)).warm_up_time(Duration::from_secs(1));
     for (n, s) in &scenes {
-        let mut query = Query::new();
+        let mut query = Query::with_settings(cell()).unwrap();
         group.bench_function(format!("{n} hidden"), |b| {
             b.iter(|| s.views.iter().map(|v| query.run(&s.driver.scene, v).len()).sum::<usize>());
         });
@@ -129,7 +120,16 @@ impl<'a> Upkeep<'a> {
             }
         }
         let view = view_of(&world.camera(0, 16.0 / 9.0)).unwrap();
-        let mut run = Self { world, scene, ids, first, on_expiry, query: Query::new(), view, frame: 0 };
+        let mut run = Self {
+            world,
+            scene,
+            ids,
+            first,
+            on_expiry,
+            query: Query::with_settings(cell()).unwrap(),
+            view,
+            frame: 0,
+        };
         run.query.run(&run.scene, &run.view);
         run.frames(2000);
         run
@@ -175,28 +175,12 @@ impl<'a> Upkeep<'a> {
     }
 }
 
-/// The median of a benchmark that just ran, in nanoseconds.
-fn median(group: &str, name: &str) -> Option<f64> {
-    let clean = |s: &str| s.replace(['/', '\\', '"', '?', '*', '<', '>', ':', '|'], "_");
-    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let file =
-        Path::new(&folder).join("criterion").join(clean(group)).join(clean(name)).join("new/estimates.json");
-    let text = std::fs::read_to_string(file).ok()?;
-    let json: serde_json::Value = serde_json::from_str(&text).ok()?;
-    json["median"]["point_estimate"].as_f64()
-}
-
 fn main() {
     let mut criterion = Criterion::default().configure_from_args();
     against_the_thesis(&mut criterion);
     hidden_objects(&mut criterion);
     upkeep(&mut criterion);
     criterion.final_summary();
-    let ratio = |what: &str, a: Option<f64>, b: Option<f64>| {
-        if let (Some(a), Some(b)) = (a, b) {
-            println!("{what:<64}{:>10.3}", a / b);
-        }
-    };
     let (thesis, walk) = ("occlusion 100x60x100", "walk of 150 queries");
     let query = median(walk, "10000 hidden").map(|ns| ns / 150.0);
     println!("\nratios of medians");

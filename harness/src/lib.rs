@@ -7,6 +7,7 @@
 //! - [`oracle`]: exact visibility, which shares no code with the library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
+//! - [`measure`]: what benches share.
 //! - [`pictures`]: charts and views from above.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
@@ -14,6 +15,7 @@
 pub mod baselines;
 pub mod drive;
 pub mod import;
+pub mod measure;
 pub mod oracle;
 pub mod pictures;
 pub mod scenes;

@@ -167,6 +167,22 @@ impl TbvMatrix {
         if b.ids.is_empty() { 0 } else { b.all.tile(axes, at) }
     }
 
+    /// A block that holds the cells of a brick on the surface of some volume; `None` if there are none.
+    pub(crate) fn extent(&self, brick: IVec3) -> Option<CellBox> {
+        let TbvBrick { all, ids } = self.bricks.get(brick);
+        if ids.is_empty() {
+            return None;
+        }
+        let columns = |tile: u64| (0..8).fold(0, |sum, row| sum | (tile >> (8 * row) & 0xff));
+        let rows = |tile: u64| (0..8).map(|row| u64::from(tile >> (8 * row) & 0xff != 0) << row).sum::<u64>();
+        let used =
+            [columns(all.xy) | columns(all.xz), rows(all.xy) | columns(all.yz), rows(all.xz) | rows(all.yz)];
+        let lo = IVec3::from_array(used.map(|u| u.trailing_zeros().min(7) as i32));
+        let hi = IVec3::from_array(used.map(|u| 63 - (u | 1).leading_zeros() as i32));
+        let corner = brick * BRICK;
+        Some(CellBox { lo: corner + lo, hi: corner + hi })
+    }
+
     /// The objects whose volumes have surface in a brick.
     pub(crate) fn ids(&self, brick: IVec3) -> &[u32] {
         &self.bricks.get(brick).ids

@@ -43,6 +43,8 @@ const PORTION: usize = 64;
 pub(super) struct PointScratch {
     pub(super) buffers: OcclusionBuffers,
     bricks: Vec<IVec3>,
+    /// Bricks of a shell with volumes, if they are not hidden.
+    volumes: Vec<IVec3>,
     /// Objects of a shell: distance and slot.
     found: Vec<(f64, u32)>,
     /// Objects found visible so far.
@@ -157,6 +159,8 @@ impl<'a> Walk<'a> {
                 self.brick(brick);
             }
             self.settle();
+            self.meet_volumes();
+            self.settle();
         }
         self.scratch.point.bricks = bricks;
     }
@@ -235,20 +239,21 @@ impl<'a> Walk<'a> {
         }
         self.scratch.point.bricks = bricks;
         self.settle();
+        self.meet_volumes();
+        self.settle();
     }
 
     /// Finds the objects of one brick, unless the brick is hidden.
     fn brick(&mut self, brick: IVec3) {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
-        let volumes = scene.volumes.matrix.ids(brick);
         let fused = scene.fused.in_brick(brick);
-        let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count()
-            + volumes.iter().filter(|&&s| !self.scratch.is_revealed(s)).count();
-        if open == 0 && fused.is_empty() {
+        let volumes = !scene.volumes.matrix.ids(brick).is_empty();
+        let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count();
+        if open == 0 && fused.is_empty() && !volumes {
             return;
         }
-        if open >= WORTH_TESTING || !fused.is_empty() {
+        if open >= WORTH_TESTING || !fused.is_empty() || volumes {
             let bounds = Block::new(self.grid.cell_bounds(brick));
             if self.hides(&bounds) {
                 self.stats.bricks_hidden += 1;
@@ -258,8 +263,8 @@ impl<'a> Walk<'a> {
         for slot in scene.ids.in_brick(brick) {
             self.find(slot);
         }
-        for &slot in volumes {
-            self.meet_volume(slot);
+        if volumes {
+            self.scratch.point.volumes.push(brick);
         }
         if !fused.is_empty() && self.may_fuse() {
             for cells in fused {
@@ -304,6 +309,25 @@ impl<'a> Walk<'a> {
         scene.volumes.holding(cell, |slot| around.push(slot));
         around.sort_unstable();
         around.into_iter().for_each(|slot| self.reveal(slot));
+    }
+
+    /// Tests the volumes of the bricks met since the last time, once what is as near is drawn.
+    fn meet_volumes(&mut self) {
+        let mut bricks = std::mem::take(&mut self.scratch.point.volumes);
+        let scene = self.scene;
+        for brick in bricks.drain(..) {
+            let Some(CellBox { lo, hi }) = scene.volumes.matrix.extent(brick) else { continue };
+            let ids = scene.volumes.matrix.ids(brick);
+            if ids.iter().all(|&s| self.scratch.is_revealed(s))
+                || self.hides(&Block::new(scene.grid.range_bounds(lo, hi)))
+            {
+                continue;
+            }
+            for &slot in ids {
+                self.meet_volume(slot);
+            }
+        }
+        self.scratch.point.volumes = bricks;
     }
 
     fn meet_volume(&mut self, slot: u32) {

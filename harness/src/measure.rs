@@ -1,0 +1,59 @@
+//! What benches share: settled scenes, and ratios of what criterion measured.
+
+use std::path::Path;
+
+use casca::{Error, Query, Settings, View};
+
+use crate::drive::{Driver, grid_for, view_of};
+use crate::world::World;
+
+/// A scene whose hidden objects have settled in their volumes after a walk of all frames, as
+/// the world stands now.
+pub struct Settled {
+    /// The scene.
+    pub driver: Driver,
+    /// The views of the walk.
+    pub views: Vec<View>,
+}
+
+impl Settled {
+    /// Inserts a world and walks through it once.
+    ///
+    /// # Errors
+    /// As [`Driver::new`], [`view_of`] and [`Query::with_settings`].
+    pub fn new(world: &World, settings: Settings) -> Result<Self, Error> {
+        let mut driver = Driver::new(world, &grid_for(&world.grid, None)?, |_| ())?;
+        let views: Result<Vec<View>, Error> =
+            (0..world.frames).map(|f| view_of(&world.camera(f, 16.0 / 9.0))).collect();
+        let (mut query, views) = (Query::with_settings(settings)?, views?);
+        driver.scene.begin_frame(0.0)?;
+        for view in &views {
+            query.run(&driver.scene, view);
+            driver.scene.end_frame([query.pvs()])?;
+        }
+        Ok(Self { driver, views })
+    }
+
+    /// Runs the queries of the whole walk and returns how many objects they found.
+    pub fn walk(&self, query: &mut Query) -> usize {
+        self.views.iter().map(|view| query.run(&self.driver.scene, view).len()).sum()
+    }
+}
+
+/// The median of a benchmark that just ran, in nanoseconds.
+pub fn median(group: &str, name: &str) -> Option<f64> {
+    let clean = |s: &str| s.replace(['/', '\\', '"', '?', '*', '<', '>', ':', '|'], "_");
+    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let file =
+        Path::new(&folder).join("criterion").join(clean(group)).join(clean(name)).join("new/estimates.json");
+    let text = std::fs::read_to_string(file).ok()?;
+    let json: serde_json::Value = serde_json::from_str(&text).ok()?;
+    json["median"]["point_estimate"].as_f64()
+}
+
+/// Prints a ratio of two medians, if both were measured.
+pub fn ratio(what: &str, a: Option<f64>, b: Option<f64>) {
+    if let (Some(a), Some(b)) = (a, b) {
+        println!("{what:<64}{:>10.3}", a / b);
+    }
+}
