@@ -393,6 +393,13 @@ fn queries_in_parallel_give_the_same_results() {
         threads.into_iter().map(|t| t.join().unwrap()).collect()
     });
     assert_eq!(alone, together);
+    #[cfg(feature = "rayon")]
+    {
+        let mut queries: Vec<Query> = views.iter().map(|_| Query::new()).collect();
+        Query::run_all(&mut queries, &driver.scene, &views);
+        let all: Vec<Vec<ObjectId>> = queries.iter().map(|q| q.pvs().visible().to_vec()).collect();
+        assert_eq!(alone, all);
+    }
 }
 
 #[test]
@@ -485,6 +492,19 @@ fn refused_calls_leave_the_scene_as_it_was() {
     let mut settings = Settings::default();
     settings.mask_resolution = 100;
     assert!(Query::with_settings(settings).is_err());
+    for degrees in [0.0, -1.0, 20.0, f32::NAN, f32::INFINITY] {
+        settings = Settings::default();
+        settings.pixel_degrees = degrees;
+        let message = Query::with_settings(settings).unwrap_err().to_string();
+        assert!(message.contains("pixel"), "{message}");
+    }
+    settings = Settings::default();
+    settings.refine_depth = 17;
+    assert!(Query::with_settings(settings).is_err());
+    let nowhere = glam::Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+    assert!(scene.insert(ObjectDesc::fixed(Obb::new(Vec3::ZERO, Vec3::ONE, nowhere))).is_err());
+    let negative = Obb::new(Vec3::ZERO, Vec3::NEG_ONE, Quat::IDENTITY);
+    assert!(scene.insert(ObjectDesc::fixed(negative)).is_err());
     let after = state(&scene);
     assert_eq!((before.0, before.1, before.2), (after.0, after.1, after.2));
 

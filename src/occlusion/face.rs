@@ -69,13 +69,17 @@ impl Linear {
     /// Least value on a rectangle.
     #[inline]
     pub(crate) fn least(&self, r: &Rect) -> f64 {
-        (self.a * r.u0).min(self.a * r.u1) + (self.b * r.v0).min(self.b * r.v1) + self.c
+        let u = if self.a >= 0.0 { r.u0 } else { r.u1 };
+        let v = if self.b >= 0.0 { r.v0 } else { r.v1 };
+        self.at(u, v)
     }
 
     /// Greatest value on a rectangle.
     #[inline]
     pub(crate) fn most(&self, r: &Rect) -> f64 {
-        (self.a * r.u0).max(self.a * r.u1) + (self.b * r.v0).max(self.b * r.v1) + self.c
+        let u = if self.a >= 0.0 { r.u1 } else { r.u0 };
+        let v = if self.b >= 0.0 { r.v1 } else { r.v0 };
+        self.at(u, v)
     }
 }
 

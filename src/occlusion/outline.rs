@@ -24,7 +24,8 @@ pub(crate) const CONE_MARGIN: f64 = 2e-9;
 /// has no silhouette plane that is known to [`CONE_MARGIN`].
 const NEAREST_EDGE: f64 = 1e-5;
 
-/// A convex shape relative to the origin of the rays.
+/// A convex shape relative to the origin of the rays. Lives on the stack.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(crate) enum Outline {
     Sphere {

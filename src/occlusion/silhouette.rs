@@ -279,7 +279,12 @@ impl Front {
         if !self.complete {
             return self.floor;
         }
-        self.planes.iter().map(|f| f.least(r)).fold(f64::INFINITY, f64::min).max(self.floor)
+        let mut near = f64::INFINITY;
+        for plane in &self.planes {
+            let own = plane.least(r);
+            near = if own < near { own } else { near };
+        }
+        if near > self.floor { near } else { self.floor }
     }
 
     /// As [`Front::behind`], for a rectangle inside the silhouette: the depth at which

@@ -82,8 +82,9 @@ impl Tile {
             layers.copy_within(dropped + 1.., dropped);
             count -= 1;
         }
-        for i in 0..LAYERS {
-            (self.near[i], self.mask[i]) = if i < count { layers[i] } else { (NONE, 0) };
+        layers[count..].fill((NONE, 0));
+        for ((near, own), layer) in self.near.iter_mut().zip(&mut self.mask).zip(layers) {
+            (*near, *own) = layer;
         }
         true
     }

@@ -272,6 +272,18 @@ impl Query {
         pvs
     }
 
+    /// Runs each query on its view, in parallel: as if each had been run alone, bit for bit.
+    /// Of two slices of different lengths, the rest of the longer one is left alone.
+    ///
+    /// Needs the feature `rayon`.
+    #[cfg(feature = "rayon")]
+    pub fn run_all(queries: &mut [Self], scene: &Scene, views: &[View]) {
+        use rayon::prelude::*;
+        queries.par_iter_mut().zip(views).for_each(|(query, view)| {
+            query.run(scene, view);
+        });
+    }
+
     /// The result of the last run; empty before the first.
     pub fn pvs(&self) -> &Pvs {
         &self.pvs

@@ -175,7 +175,7 @@ fn fill(depth: &mut DepthPyramid, corners: [Vec3; 3], cull: bool) {
     let [a, mut b, mut c] = corners;
     let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     // With y down, fronts are clockwise.
-    if !(area.abs() > 1e-12) || cull && area > 0.0 {
+    if area.is_nan() || area.abs() <= 1e-12 || cull && area > 0.0 {
         return;
     }
     let inverse = 1.0 / area;
