@@ -25,8 +25,8 @@ pub(crate) struct Effort {
 /// Directions tried for one target on one face before squares.
 const DIRECTIONS: u32 = 16;
 
-/// A target with this many uncovered pixels on one face, none of which shows it for
-/// certain, is taken to be visible.
+/// A target with this many uncovered pixels on one face (or a quarter of the squares allowed, if
+/// that is more), none of which shows it for certain, is taken to be visible.
 const PIXELS: usize = 64;
 
 /// One occluder that may hide the target.
@@ -77,6 +77,7 @@ impl Search<'_> {
         if self.squares > 0 && self.middle_is_seen(target) {
             return false;
         }
+        let most = PIXELS.max(self.squares as usize / 4);
         let mut open: SmallVec<[Rect; PIXELS]> = SmallVec::new();
         let (mut seen, mut tries) = (false, 0);
         self.buffer.uncovered(self.target, |x, y, rect| {
@@ -86,13 +87,13 @@ impl Search<'_> {
                 self.squares -= 1;
                 seen = self.is_seen(u, v, self.buffer.bin(x, y));
             }
-            let full = open.len() == PIXELS;
+            let full = open.len() == most;
             if !full {
                 open.push(*rect);
             }
             seen || full || self.squares == 0
         });
-        if seen || self.squares == 0 || open.len() == PIXELS {
+        if seen || self.squares == 0 || open.len() == most {
             return open.is_empty();
         }
         let mut known: SmallVec<[(u32, bool); 16]> = SmallVec::new();

@@ -323,9 +323,21 @@ impl Front {
         if ball.across > 0.0 {
             return f64::INFINITY;
         }
-        // It lies behind the plane that touches it where the middle of the rectangle enters.
-        let (u, v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
-        let Some(z) = ball.enters(u, v) else { return f64::INFINITY };
+        // It lies behind any plane that touches it. The one where the direction nearest to its
+        // middle enters bounds it well; on its rim, a direction a little farther in.
+        let c = ball.center;
+        let (mut u, mut v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
+        if c.z > 0.0 {
+            (u, v) = ((c.x / c.z).clamp(r.u0, r.u1), (c.y / c.z).clamp(r.v0, r.v1));
+        }
+        let mut enters = ball.enters(u, v);
+        if enters.is_none() && c.z > 0.0 {
+            let (du, dv) = (c.x / c.z - u, c.y / c.z - v);
+            let step = (2.0 * (r.u1 - r.u0 + r.v1 - r.v0) / (du.abs() + dv.abs())).min(1.0);
+            (u, v) = (u + du * step, v + dv * step);
+            enters = ball.enters(u, v);
+        }
+        let Some(z) = enters else { return f64::INFINITY };
         let n = ball.center - DVec3::new(u, v, 1.0) * z;
         let h = n.dot(ball.center) - ball.radius * n.length();
         if h <= 1e-6 * n.length() * ball.center.length() {

@@ -47,7 +47,7 @@ pub struct Settings {
     /// visible opaque cells. 0 draws all.
     pub min_solid_angle: f32,
     /// [`Method::Point`]: width of a pixel of the occlusion buffers in the middle of a face of the
-    /// view cube, in degrees, from 0.01 to 11.25. Finer pixels hide more and cost more. For
+    /// view cube, in degrees, from 0.03 to 11.25. Finer pixels hide more and cost more. For
     /// orthographic views 90 degrees mean the width of the view.
     pub pixel_degrees: f32,
     /// [`Method::Point`]: the longer side of the view gets at least this many pixels, so
@@ -96,7 +96,7 @@ impl Settings {
         within("the mask resolution (a power of two)", f64::from(n), 64.0, 4096.0)?;
         within("the least solid angle", f64::from(self.min_solid_angle), 0.0, 1.0)?;
         let degrees = f64::from(self.pixel_degrees);
-        within("the width of a pixel in degrees", degrees, f64::from(0.01f32), 11.25)?;
+        within("the width of a pixel in degrees", degrees, f64::from(0.03f32), 11.25)?;
         within("the least number of pixels", f64::from(self.min_pixels), 0.0, 4096.0)?;
         within("the depth of refinement", f64::from(self.refine_depth), 0.0, 16.0)
     }
