@@ -287,7 +287,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let (median_query, p99_query) = (percentile(&mut query_us, 0.5), percentile(&mut query_us, 0.99));
     let median_update = percentile(&mut update_us, 0.5);
     let cells: u64 = frames.iter().map(|f| f.cells).sum();
-    let ns_per_cell = query_us.iter().sum::<f64>() * 1e3 / cells.max(1) as f64;
+    let ns_per_cell = if cells > 0 { query_us.iter().sum::<f64>() * 1e3 / cells as f64 } else { 0.0 };
     let memory = driver.scene.memory();
     let dims = driver.scene.grid().dims();
     let method = format!("{:?}", options.method).to_lowercase();
@@ -308,7 +308,9 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     row("rays of proof", format!("{:.1} M", (rays + pixels) as f64 / 1e6));
     row("query time, median", format!("{median_query:.0} us"));
     row("query time, 99th percentile", format!("{p99_query:.0} us"));
-    row("query time per visited cell", format!("{ns_per_cell:.2} ns"));
+    if cells > 0 {
+        row("query time per visited cell", format!("{ns_per_cell:.2} ns"));
+    }
     row("scene update, median", format!("{median_update:.0} us"));
     row("setup", format!("{setup_ms:.0} ms"));
     row("grid memory", format!("{:.2} MiB", memory.grid() as f64 / (1 << 20) as f64));

@@ -7,7 +7,9 @@
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a
-//! rule on the lattice of cells, which direction masks decide by a look-up each.
+//! rule on the lattice of cells, which direction masks decide by a look-up each
+//! ([`Method::Cell`]), and with the occluder fusion in image space that it names as future work
+//! ([`Method::Point`]).
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -1,12 +1,14 @@
 //! No visible object is ever lost: random scenes, motion, removal and views
 //! against exact visibility, which shares no code with the library.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use casca::{
     Bounds, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings,
     Sphere, View,
 };
+use casca_harness::baselines::{Hzb, RayBuffer};
 use casca_harness::cases;
 use casca_harness::drive::{Driver, grid_for, view_of};
 use casca_harness::oracle::{Oracle, OracleOptions};
@@ -354,6 +356,74 @@ fn the_procedural_scenes_lose_nothing() {
         }
         assert!(exact_sum > 0 && pvs_sum >= exact_sum, "{kind:?}: {pvs_sum} {exact_sum}");
     }
+}
+
+/// All scenes, two seeds, and every resolution of the point method against exact visibility with more than
+/// 10^8 aimed rays; and what sampled buffers lose in the same frames. Prints a table.
+///
+/// `cargo test --release --test visibility -- --ignored --nocapture long_suite`
+#[test]
+#[ignore = "takes about ten minutes"]
+fn long_suite_of_all_scenes_and_resolutions() {
+    const PIXELS: [f32; 5] = [80.0, 160.0, 360.0, 640.0, 1280.0];
+    let mut rays = 0;
+    println!("lost in 30 frames: point at {PIXELS:?} pixels a side, hzb 640x360, rays 256x144");
+    for kind in SceneKind::ALL {
+        for seed in 1..=2 {
+            let mut world = build(kind, &SceneOptions { seed, ..SceneOptions::default() });
+            let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+            let mut queries = PIXELS.map(|pixels| {
+                let mut settings = Settings::default();
+                settings.pixel_degrees = 90.0 / pixels;
+                Query::with_settings(settings).unwrap()
+            });
+            let mut settings = Settings::default();
+            settings.method = Method::Frustum;
+            let mut frustum = Query::with_settings(settings).unwrap();
+            let (mut hzb, mut cast) = (Hzb::new(640, 360), RayBuffer::new(&world.objects, 256, 144));
+            let options = OracleOptions {
+                width: 960,
+                height: 540,
+                samples_per_object: 160,
+                max_candidates: 1500,
+                seed,
+            };
+            let mut oracle = Oracle::new(&world.objects, options);
+            let mut lost = [0; PIXELS.len() + 2];
+            for frame in (0..world.frames).step_by(5) {
+                let mut moved = world.set_frame(frame);
+                driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
+                driver.update(&world.objects, &moved).unwrap();
+                let camera = world.camera(frame, 16.0 / 9.0);
+                let view = view_of(&camera).unwrap();
+                for (query, lost) in queries.iter_mut().zip(&mut lost) {
+                    let pvs = query.run(&driver.scene, &view);
+                    let verdict = oracle.frame(&world.objects, &moved, &camera, &|i| driver.sees(pvs, i));
+                    moved.clear();
+                    *lost += verdict.false_negatives.len();
+                    rays += verdict.rays;
+                }
+                let pvs = frustum.run(&driver.scene, &view);
+                let within: Vec<usize> = (0..world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect();
+                let sampled = [
+                    hzb.frame(&world.objects, &within, &camera),
+                    cast.frame(&world.objects, &within, &camera),
+                ];
+                for (found, lost) in sampled.into_iter().zip(&mut lost[PIXELS.len()..]) {
+                    let found: HashSet<usize> = found.into_iter().collect();
+                    let verdict = oracle.frame(&world.objects, &[], &camera, &|i| found.contains(&i));
+                    *lost += verdict.false_negatives.len();
+                    rays += verdict.rays;
+                }
+                let seen: Vec<_> = queries.iter().map(Query::pvs).collect();
+                driver.scene.end_frame(seen).unwrap();
+            }
+            println!("{:<10} seed {seed}: {lost:?}", kind.name());
+            assert!(lost[..PIXELS.len()].iter().all(|&n| n == 0), "{kind:?} {seed}: {lost:?}");
+        }
+    }
+    println!("{rays} aimed rays");
+    assert!(rays >= 100_000_000, "only {rays} rays");
 }
 
 #[test]
