@@ -363,7 +363,7 @@ fn the_procedural_scenes_lose_nothing() {
 ///
 /// `cargo test --release --test visibility -- --ignored --nocapture long_suite`
 #[test]
-#[ignore = "takes about ten minutes"]
+#[ignore = "takes a minute with optimisation, which CI gives it"]
 fn long_suite_of_all_scenes_and_resolutions() {
     const PIXELS: [f32; 5] = [80.0, 160.0, 360.0, 640.0, 1280.0];
     let mut rays = 0;

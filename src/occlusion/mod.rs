@@ -542,18 +542,18 @@ impl FaceBuffer {
         })
     }
 
-    /// The occluders listed for the pixel that holds the corner of a rectangle inside the window.
-    fn bin_of(&self, rect: &Rect) -> &[Listed] {
+    /// The list of occluders for the pixel that holds the corner of a rectangle inside the window.
+    fn bin_of(&self, rect: &Rect) -> usize {
         let pixel =
             |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + 1e-6).clamp(lo, hi - 1);
         self.bin(pixel(rect.u0, self.px), pixel(rect.v0, self.py))
     }
 
-    /// The occluders listed for a pixel.
-    fn bin(&self, x: i64, y: i64) -> &[Listed] {
+    /// The list of occluders for a pixel.
+    fn bin(&self, x: i64, y: i64) -> usize {
         let bins = (self.nx - 1) / BIN + 1;
         let (bx, by) = ((x / TILE - self.tx) / BIN, (y / TILE - self.ty) / BIN);
-        &self.bins[(by * bins + bx) as usize]
+        (by * bins + bx) as usize
     }
 }
 

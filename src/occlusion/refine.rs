@@ -85,7 +85,7 @@ impl Search<'_> {
             if tries < DIRECTIONS && self.squares > 0 && self.target.silhouette.holds(u, v) {
                 tries += 1;
                 self.squares -= 1;
-                seen = self.is_seen(u, v, self.buffer.bin(x, y));
+                seen = self.is_seen(u, v, &self.buffer.bins[self.buffer.bin(x, y)]);
             }
             let full = open.len() == most;
             if !full {
@@ -93,33 +93,46 @@ impl Search<'_> {
             }
             seen || full || self.squares == 0
         });
-        if seen || self.squares == 0 || open.len() == most {
+        if seen || self.squares == 0 || open.is_empty() || open.len() == most {
             return open.is_empty();
         }
-        let mut known: SmallVec<[(u32, bool); 16]> = SmallVec::new();
+        let all = open.iter().skip(1).fold(open[0], |all, r| Rect {
+            u0: all.u0.min(r.u0),
+            v0: all.v0.min(r.v0),
+            u1: all.u1.max(r.u1),
+            v1: all.v1.max(r.v1),
+        });
+        let mut gathered: (usize, SmallVec<[Candidate; 16]>) = (usize::MAX, SmallVec::new());
         open.iter().all(|rect| {
-            let mut candidates: SmallVec<[Candidate; 16]> = SmallVec::new();
-            for &Listed { drawn, near } in self.buffer.bin_of(rect) {
-                // Who is no nearer hides at most a part.
-                if near <= self.target.near {
-                    continue;
-                }
-                let d = &self.buffer.drawn[drawn as usize];
-                if d.owner == self.owner || !d.silhouette.touches(rect) {
-                    continue;
-                }
-                let behind = match known.iter().find(|(k, _)| *k == drawn) {
-                    Some(&(_, behind)) => behind,
-                    None => {
-                        let behind = target.is_behind(&buffers.shadows[d.solid as usize]);
-                        known.push((drawn, behind));
-                        behind
-                    }
-                };
-                candidates.push(Candidate { listed: Listed { drawn, near }, behind });
+            let bin = self.buffer.bin_of(rect);
+            if gathered.0 != bin {
+                gathered = (bin, self.candidates(buffers, target, bin, &all));
             }
+            let touching =
+                |c: &&Candidate| self.buffer.drawn[c.listed.drawn as usize].silhouette.touches(rect);
+            let candidates: SmallVec<[Candidate; 16]> = gathered.1.iter().filter(touching).copied().collect();
             self.covered(rect, &candidates, 0)
         })
+    }
+
+    /// The occluders of a bin that may hide the target in a rectangle.
+    fn candidates(
+        &self,
+        buffers: &OcclusionBuffers,
+        target: &Target,
+        bin: usize,
+        rect: &Rect,
+    ) -> SmallVec<[Candidate; 16]> {
+        let mut found = SmallVec::new();
+        for listed in &self.buffer.bins[bin] {
+            let d = &self.buffer.drawn[listed.drawn as usize];
+            // Who is no nearer hides at most a part.
+            if listed.near > self.target.near && d.owner != self.owner && d.silhouette.touches(rect) {
+                let behind = target.is_behind(&buffers.shadows[d.solid as usize]);
+                found.push(Candidate { listed: *listed, behind });
+            }
+        }
+        found
     }
 
     /// Tries the direction to the target's middle.
@@ -132,7 +145,7 @@ impl Search<'_> {
             return false;
         }
         self.squares -= 1;
-        self.is_seen(u, v, self.buffer.bin_of(&Rect { u0: u, v0: v, u1: u, v1: v }))
+        self.is_seen(u, v, &self.buffer.bins[self.buffer.bin_of(&Rect { u0: u, v0: v, u1: u, v1: v })])
     }
 
     /// Whether the candidates surely hide the target in a square.
