@@ -94,8 +94,13 @@ fn settings() -> impl Strategy<Value = Settings> {
     let method = prop_oneof![1 => Just(Method::Cell), 3 => Just(Method::Point)];
     let pixels = prop_oneof![1 => 8.0..80.0f32, 3 => 80.0..1280.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(100_000)];
-    (method, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32).prop_map(
-        |(method, mask, pixels, least, squares, depth)| {
+    let limits = prop_oneof![
+        3 => Just((u32::MAX, 0.0f32)),
+        1 => (0..12u32, Just(0.0f32)),
+        1 => (Just(u32::MAX), 0.0..0.5f32)
+    ];
+    (method, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32, limits).prop_map(
+        |(method, mask, pixels, least, squares, depth, (occluders, angle))| {
             let mut settings = Settings::default();
             settings.method = method;
             settings.mask_resolution = 1 << mask;
@@ -103,6 +108,8 @@ fn settings() -> impl Strategy<Value = Settings> {
             settings.min_pixels = least;
             settings.refine_squares = squares;
             settings.refine_depth = depth;
+            settings.max_occluders = occluders;
+            settings.min_solid_angle = angle;
             settings
         },
     )

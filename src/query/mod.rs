@@ -44,7 +44,8 @@ pub struct Settings {
     pub mask_resolution: u32,
     /// Occluders that appear smaller than this are not drawn, in steradians (Coorg & Teller
     /// 1997: area over squared distance). For [`Method::Cell`] they are sides of shells with their
-    /// visible opaque cells. 0 draws all.
+    /// visible opaque cells; for [`Method::Point`], single occluders (for parallel rays their area counts
+    /// instead). 0 draws all.
     pub min_solid_angle: f32,
     /// [`Method::Point`]: width of a pixel of the occlusion buffers in the middle of a face of the
     /// view cube, in degrees, from 0.03 to 11.25. Finer pixels hide more and cost more. For
@@ -53,7 +54,8 @@ pub struct Settings {
     /// [`Method::Point`]: the longer side of the view gets at least this many pixels, so
     /// that narrow views stay sharp. Up to 4096.
     pub min_pixels: u32,
-    /// [`Method::Point`]: occluders drawn in a query, at most.
+    /// [`Method::Point`]: occluders drawn in a query, at most: shell by shell from the eye, the
+    /// largest solid angles of a shell first.
     pub max_occluders: u32,
     /// [`Method::Point`]: squares of directions examined again for one object that only undecided
     /// pixels show, at most. 0 takes such objects for visible.

@@ -376,37 +376,53 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Tests and draws what was found, front to back.
+    /// Tests what was found, front to back, and draws what may be seen: at once, or,
+    /// where only some may be drawn, the largest of the shell first.
     fn settle(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.point.found);
+        let limited = self.settings.max_occluders < u32::MAX;
+        let mut seen: Vec<(f64, u32)> = Vec::new();
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, slot) in found.drain(..) {
             self.stats.occlusion_tests += 1;
             if !self.hides(&self.scene.object(slot).bounds.block()) {
                 self.scratch.point.candidates.push(slot);
-                self.draw(slot);
+                if limited {
+                    seen.push((self.solid_angle(slot), slot));
+                } else {
+                    self.draw(slot);
+                }
             }
+        }
+        seen.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, slot) in seen {
+            self.draw(slot);
         }
         self.scratch.point.found = found;
     }
 
+    /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
+    /// Teller 1997). For parallel rays, the area of that ball's disc.
+    fn solid_angle(&self, slot: u32) -> f64 {
+        let Some(occluder) = &self.scene.object(slot).occluder else { return 0.0 };
+        let (block, buffers) = (occluder.block(), &self.scratch.point.buffers);
+        let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
+        match buffers.direction() {
+            Some(_) => area,
+            None => area / ((block.min + block.max) * 0.5 - buffers.origin()).length_squared(),
+        }
+    }
+
     fn draw(&mut self, slot: u32) {
         let Some(occluder) = &self.scene.object(slot).occluder else { return };
-        if self.stats.occluders_drawn >= self.settings.max_occluders {
+        let least = f64::from(self.settings.min_solid_angle);
+        let small = least > 0.0 && self.solid_angle(slot) < least;
+        if small || self.stats.occluders_drawn >= self.settings.max_occluders {
             self.stats.occluders_skipped += 1;
             return;
         }
         let buffers = &mut self.scratch.point.buffers;
         let block = occluder.block();
-        if self.settings.min_solid_angle > 0.0 && buffers.direction().is_none() {
-            let middle = (block.min + block.max) * 0.5 - buffers.origin();
-            let radius2 = (block.max - block.min).length_squared() * 0.25;
-            let angle = std::f64::consts::PI * radius2 / middle.length_squared();
-            if angle < f64::from(self.settings.min_solid_angle) {
-                self.stats.occluders_skipped += 1;
-                return;
-            }
-        }
         // Where the near plane cuts into a solid, one sees through it.
         let cut = self.cut.iter().any(|(region, around)| {
             around.min.cmple(block.max).all()
