@@ -233,7 +233,12 @@ impl View {
             Bounds::Oriented(b) => self.may_see_oriented(b),
             other => self.may_see_block(&other.block()),
         };
-        meets || self.eye().is_some_and(|e| bounds.block().contains_point(e) && bounds.contains_point(e))
+        let holds_eye = |at: DVec3, error: f64| {
+            let block = bounds.block();
+            let around = Block { min: block.min - error, max: block.max + error };
+            around.contains_point(at) && (error > 0.0 || bounds.contains_point(at))
+        };
+        meets || matches!(self.origin, Origin::Eye { at, error } if holds_eye(at, error))
     }
 
     pub(crate) fn may_see_sphere(&self, s: &Sphere) -> bool {

@@ -43,6 +43,11 @@ const BIN: i64 = 4;
 /// The most pixels along a face: of the whole face, of which only the window is kept.
 const MAX_PIXELS: i64 = 1 << 20;
 
+/// Parallel rays start this many times the reach of the scene before its middle, so that depths
+/// are positive and of one size; all of it is nearer than the second number of times.
+const MIDDLE_DEPTH: f64 = 4.0;
+const MAX_DEPTH: f64 = 6.0;
+
 /// Directions are compared with the frustum to this, on faces of width 2.
 const FRUSTUM_MARGIN: f64 = 1e-9;
 
@@ -137,9 +142,8 @@ impl OcclusionBuffers {
                 Side::ALL.iter().map(Face::side).collect()
             }
             Origin::Direction(d) => {
-                // Behind everything, so that depths are positive and of one size.
                 (self.origin, self.error, self.direction) =
-                    (pitch.middle - d * (4.0 * pitch.reach), 0.0, Some(d));
+                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.reach), 0.0, Some(d));
                 // Across the rays, along one of the view's own sides.
                 let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < 1e-3);
                 let right =
@@ -300,7 +304,8 @@ impl FaceBuffer {
             if self.face.parallel {
                 let along = plane.normal.dot(self.face.forward);
                 if along.abs() < 1e-6 {
-                    let mut half = self.face.half(plane.normal, at + slack + along.abs() * pitch.reach);
+                    let mut half =
+                        self.face.half(plane.normal, at + slack + along.abs() * MAX_DEPTH * pitch.reach);
                     half.c += FRUSTUM_MARGIN;
                     self.halves.push(half);
                 }

@@ -270,7 +270,9 @@ impl Front {
             _ => None,
         };
         let complete = found.len() == planes.len();
-        Self { planes: found, complete, ball, floor: face.nearness_of(farthest.max(0.0)) }
+        // What lies behind the eye on this face says nothing.
+        let floor = if face.parallel || farthest > 0.0 { face.nearness_of(farthest) } else { 0.0 };
+        Self { planes: found, complete, ball, floor }
     }
 
     /// What is less near than this on the whole rectangle, and in the silhouette, is behind.

@@ -273,12 +273,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether opaque cells hide: rays must not start inside the solids that make them.
+    /// Whether opaque cells hide: rays must surely start outside the solids that make them.
     fn may_fuse(&mut self) -> bool {
         let (scene, view) = (self.scene, self.view);
-        let ask = || match view.eye() {
-            Some(eye) => !scene.inside_occluder(eye) && !scene.near_plane_cuts(view),
-            None => false,
+        let ask = || match view.origin {
+            Origin::Eye { at, error: 0.0 } => !scene.inside_occluder(at) && !scene.near_plane_cuts(view),
+            _ => false,
         };
         *self.fuses.get_or_insert_with(ask)
     }
@@ -434,7 +434,10 @@ impl<'a> Walk<'a> {
                 }
         });
         let cut = cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &block));
-        let inside = buffers.direction().is_none() && occluder.contains_point(buffers.origin());
+        let (eye, unsure) = (buffers.origin(), buffers.uncertainty());
+        let around = Block { min: block.min - unsure, max: block.max + unsure };
+        let inside = buffers.direction().is_none()
+            && (occluder.contains_point(eye) || unsure > 0.0 && around.contains_point(eye));
         if cut || inside {
             self.stats.eye_in_occluder = true;
             return;
