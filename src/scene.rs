@@ -801,9 +801,9 @@ impl Scene {
             let (min, max) = self.grid.cell_bounds(cell);
             let holds = |&other: &u32| {
                 let o = self.object(other);
-                other != slot
-                    && !o.is_static()
-                    && o.occluder.as_ref().is_some_and(|o| o.contains_box(min, max))
+                // What another contains it will clear itself; of meshes that is not sure.
+                let holds = |o: &Occluder| !matches!(o, Occluder::Mesh(_)) && o.contains_box(min, max);
+                other != slot && !o.is_static() && o.occluder.as_ref().is_some_and(holds)
             };
             if !self.ids.get(cell).iter().any(holds) && !self.always.iter().any(holds) {
                 self.opacity_dynamic.clear_cell(cell);

@@ -352,3 +352,28 @@ fn hidden_objects_leave_no_trace_in_the_cells() {
     ids.iter().for_each(|&id| scene.remove(id).unwrap());
     assert_eq!((scene.len(), scene.tbv_matrix().volumes()), (1, 0));
 }
+
+#[test]
+fn overlapping_solids_leave_no_opaque_cells_behind() {
+    // Corners of cells lie on these spheres but for the last digits.
+    let spheres = [
+        (Vec3::new(17.0, 11.0, 5.0), 22.0),
+        (Vec3::new(14.625, 7.446_777, 22.0), 22.0),
+        (Vec3::new(24.0, 7.446_777, 22.0), 10.505_371),
+        (Vec3::new(17.0, 11.0, 5.0), 22.0),
+        (Vec3::new(1.515_072_8e-13, 11.0, 5.0), 22.0),
+        (Vec3::new(24.0, 16.0, 22.0), 10.505_371),
+    ];
+    for first in 0..spheres.len() {
+        let mut scene = new_scene();
+        let mut ids: Vec<ObjectId> = Vec::new();
+        for (center, radius) in spheres {
+            let ball = Sphere::new(center, radius);
+            ids.push(scene.insert(ObjectDesc::dynamic(ball).occluder(ball)).unwrap());
+        }
+        assert!(scene.dynamic_opacity().count() > 1000);
+        ids.rotate_left(first);
+        ids.into_iter().for_each(|id| scene.remove(id).unwrap());
+        assert_eq!(scene.dynamic_opacity().count(), 0);
+    }
+}

@@ -83,7 +83,8 @@ impl Shape for Sphere {
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         let farthest = (c - min).abs().max((max - c).abs());
-        let r = r - margin;
+        // A little less than the rows of `opaque` hold, so that every cell found here is one of theirs.
+        let r = r - 4.0 * margin;
         r > 0.0 && farthest.length_squared() <= r * r
     }
 
@@ -127,5 +128,30 @@ mod tests {
                 assert_eq!(far < r, s.contains_box(min, max));
             }
         }
+    }
+
+    #[test]
+    fn a_cell_that_a_sphere_contains_is_in_its_rows() {
+        // Corners of cells lie on these spheres, so that rounding decides.
+        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+        let (mut inside, mut barely) = (0, 0);
+        for i in 0..400 {
+            let center = Vec3::new((i % 7) as f32 + 8.0, (i % 5) as f32 + 9.0, (i % 3) as f32 * 0.5 + 10.0);
+            let corner = Vec3::new((i % 11) as f32, (i % 13) as f32, (i % 4) as f32 + 3.0);
+            let s = Sphere::new(center, center.distance(corner));
+            let mut rows = BTreeSet::new();
+            s.opaque(&grid, &mut |run| rows.extend(run.cells().map(|c| c.to_array())));
+            for j in 0..24 * 24 * 24 {
+                let cell = IVec3::new(j % 24, j / 24 % 24, j / 576);
+                let (min, max) = grid.cell_bounds(cell);
+                if s.contains_box(min, max) {
+                    inside += 1;
+                    assert!(rows.contains(&cell.to_array()), "{s:?} {cell}");
+                } else {
+                    barely += i32::from(rows.contains(&cell.to_array()));
+                }
+            }
+        }
+        assert!(inside > 1000 && barely < inside / 100, "{inside} {barely}");
     }
 }
