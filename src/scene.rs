@@ -60,9 +60,14 @@ impl Object {
         matches!(self.state, State::Unlocated { .. })
     }
 
+    /// Whether it is in a volume.
+    pub(crate) fn is_hidden(&self) -> bool {
+        matches!(self.state, State::Hidden { .. })
+    }
+
     /// Whether it is in a volume and its bounds are old.
     pub(crate) fn is_hidden_unreported(&self) -> bool {
-        self.on_expiry() && matches!(self.state, State::Hidden { .. })
+        self.on_expiry() && self.is_hidden()
     }
 
     fn is_static(&self) -> bool {

@@ -73,12 +73,15 @@ pub struct View {
     cutting: u32,
     /// How far planes found from a matrix were moved outwards, at most.
     widened: f64,
+    /// Whether it is known at which end parallel rays start.
+    ordered: bool,
 }
 
 impl View {
     /// The view of a perspective or orthographic camera, from the matrix that
     /// takes world space to clip space with depth 0 to 1.
     ///
+    /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
     /// The eye is found from the matrix, to the precision that single floats
     /// leave (about 1e-6 of its distance from the origin): where that does not tell
     /// the eye's cell, the result is slightly larger. [`View::perspective`]
@@ -108,6 +111,34 @@ impl View {
         Self::from_clip(matrix, false, Some(eye.as_dvec3()))
     }
 
+    /// The view of an orthographic camera that looks along `forward`; depth 0 to 1, also reversed.
+    ///
+    /// A matrix alone does not tell at which end parallel rays start: views of orthographic
+    /// matrices from the other constructors get no occlusion.
+    ///
+    /// # Errors
+    /// As [`View::from_view_projection`]; also refuses a direction that is not finite or runs across the
+    /// rays, and a perspective matrix.
+    pub fn orthographic(forward: Vec3, matrix: Mat4) -> Result<Self, Error> {
+        finite3("the direction", forward)?;
+        let mut view = Self::from_clip(matrix, false, None)?;
+        let Origin::Direction(d) = view.origin else {
+            return Err(Error::Matrix("it is no orthographic camera's"));
+        };
+        let along = d.dot(forward.as_dvec3().normalize_or_zero());
+        if along.abs() < 0.5 {
+            return Err(Error::Matrix("its rays do not run along the direction given"));
+        }
+        view.origin = Origin::Direction(d * along.signum());
+        view.ordered = true;
+        Ok(view)
+    }
+
+    /// Whether it is known where rays start.
+    pub(crate) fn is_ordered(&self) -> bool {
+        self.ordered || self.eye().is_some()
+    }
+
     /// All that an eye sees, in every direction and however far.
     ///
     /// # Errors
@@ -116,7 +147,8 @@ impl View {
         Self::from_planes(eye, &[])
     }
 
-    /// What an eye sees inside all of the half-spaces given.
+    /// What an eye sees inside all of the half-spaces given. Planes closer to the eye than about a part in
+    /// 10^7 of their coordinates count as planes through it, since single precision does not tell them apart.
     ///
     /// # Errors
     /// Refuses an eye that is not finite, planes without direction and more than
@@ -133,10 +165,10 @@ impl View {
         let planes: SmallVec<[HalfSpace; 6]> = planes.collect::<Result<_, _>>()?;
         let at = eye.as_dvec3();
         // Planes through the eye miss it by their rounding to single precision.
-        let rounding = |p: &HalfSpace| 2f64.powi(-20) * (at.abs().max_element() + p.offset.abs());
+        let rounding = |p: &HalfSpace| 2f64.powi(-23) * (at.abs().dot(p.normal.abs()) + p.offset.abs());
         let cuts = |p: &HalfSpace| p.distance(at) < -rounding(p);
         let cutting = planes.iter().zip(0..).filter(|(p, _)| cuts(p)).map(|(_, i)| 1 << i).sum();
-        Ok(Self { origin: Origin::Eye { at, error: 0.0 }, planes, cutting, widened: 0.0 })
+        Ok(Self { origin: Origin::Eye { at, error: 0.0 }, planes, cutting, widened: 0.0, ordered: false })
     }
 
     fn from_clip(matrix: Mat4, gl_depth: bool, eye: Option<DVec3>) -> Result<Self, Error> {
@@ -183,7 +215,7 @@ impl View {
         if planes.len() < 4 {
             return Err(Error::Matrix("it maps space to a plane, a line or a point"));
         }
-        Ok(Self { origin, planes, cutting, widened })
+        Ok(Self { origin, planes, cutting, widened, ordered: false })
     }
 
     /// The half-spaces that do not hold the eye, such as that of a near plane.
@@ -208,7 +240,7 @@ impl View {
             let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
             let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
-            let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0 };
+            let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
             let corners = region.corners(min, max);
             let block = corners.iter().fold(None, |b: Option<Block>, &c| {
                 Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))

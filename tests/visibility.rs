@@ -242,7 +242,8 @@ proptest! {
         for camera in cameras {
             let (w, h) = (width * 0.5, height * 0.5);
             let camera = Camera { projection: directx::orthographic(-w, w, -h, h, 0.5, 80.0), ..camera };
-            let pvs = query.run(&scene, &View::from_view_projection(camera.view_projection()).unwrap());
+            let forward = -camera.view.row(2).truncate();
+            let pvs = query.run(&scene, &View::orthographic(forward, camera.view_projection()).unwrap());
             let options = OracleOptions { width: 160, height: 120, samples_per_object: 48, ..OracleOptions::default() };
             let sees = |i: usize| pvs.contains(ids[i]);
             let verdict = Oracle::new(&objects, options).frame(&objects, &[], &camera, &sees);
@@ -599,4 +600,95 @@ fn refused_calls_leave_the_scene_as_it_was() {
     let pvs = query.run(&scene, &View::around(Vec3::splat(1.0)).unwrap());
     assert!(pvs.contains(huge) && pvs.contains(boxy) && pvs.contains(id));
     assert!(scene.remove(huge).is_ok() && scene.remove(boxy).is_ok());
+}
+
+#[test]
+fn reversed_orthographic_depth_needs_a_direction() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+    let slab = |z: f32| casca::Aabb::new(Vec3::new(0.0, 0.0, z), Vec3::new(32.0, 32.0, z + 2.0));
+    let mut insert = |z| scene.insert(ObjectDesc::fixed(slab(z)).occluder(slab(z))).unwrap();
+    let (back, front) = (insert(4.0), insert(20.0));
+    let eye = Vec3::new(16.0, 16.0, 31.0);
+    let look = look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);
+    let mut query = Query::new();
+    for (near, far) in [(0.1, 100.0), (100.0, 0.1)] {
+        let matrix = directx::orthographic(-8.0, 8.0, -8.0, 8.0, near, far) * look;
+        let pvs = query.run(&scene, &View::orthographic(Vec3::NEG_Z, matrix).unwrap());
+        assert!(pvs.contains(front) && !pvs.contains(back));
+        let pvs = query.run(&scene, &View::from_view_projection(matrix).unwrap());
+        assert!(pvs.contains(front) && pvs.contains(back));
+        assert!(View::orthographic(Vec3::X, matrix).is_err());
+    }
+}
+
+#[test]
+fn long_solids_seen_end_on_cover_no_more_than_their_silhouette() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 4.0, dims: UVec3::splat(40) }).unwrap();
+    let long = casca::Aabb::new(Vec3::ZERO, Vec3::new(32.0, 32.0, 56.0));
+    scene.insert(ObjectDesc::fixed(long).occluder(long)).unwrap();
+    // Its back is this far off its front, as the rays see it; beside that a small ball shows.
+    let slope = 6.5e-6f32;
+    let shift = 56.0 * slope;
+    let ball = Vec3::new(-0.8 * shift + 100.0 * slope, 32.0 - 0.2 * shift + 100.0 * slope, 100.0);
+    let ball = scene.insert(ObjectDesc::fixed(Sphere::new(ball, 2e-5))).unwrap();
+    let direction = Vec3::new(slope, slope, 1.0).normalize();
+    let look = look_to_mat4(Vec3::new(0.0, 32.0, -10.0), direction, Vec3::Y);
+    let matrix = directx::orthographic(-0.05, 0.05, -0.05, 0.05, 0.1, 500.0) * look;
+    let mut settings = Settings::default();
+    settings.refine_depth = 12;
+    let mut query = Query::with_settings(settings).unwrap();
+    assert!(query.run(&scene, &View::orthographic(direction, matrix).unwrap()).contains(ball));
+}
+
+#[test]
+fn a_frustum_of_a_point_still_sees_what_is_at_it() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+    let near = casca::Aabb::new(Vec3::new(8.001, 3.0, 3.0), Vec3::new(9.0, 5.0, 5.0));
+    let near = scene.insert(ObjectDesc::fixed(near)).unwrap();
+    let eye = Vec3::new(7.999, 4.0, 4.0);
+    let planes: Vec<casca::Plane> = Vec3::AXES
+        .iter()
+        .flat_map(|&n| [n, -n])
+        .map(|n| casca::Plane { normal: n, offset: 0.005 - n.dot(eye) })
+        .collect();
+    let pvs = Query::new().run(&scene, &View::from_planes(eye, &planes).unwrap()).clone();
+    assert!(pvs.contains(near));
+}
+
+#[test]
+fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(96) }).unwrap();
+    let floor = casca::Aabb::new(Vec3::new(8.0, 8.0, 40.0), Vec3::new(88.0, 88.0, 42.0));
+    scene.insert(ObjectDesc::fixed(floor).occluder(floor)).unwrap();
+    let ball = Sphere::new(Vec3::new(48.0, 48.0, 48.0), 1.0);
+    let hidden = scene.insert(ObjectDesc::dynamic(ball).max_speed(20.0)).unwrap();
+    let mut query = Query::new();
+    let away = casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 };
+    for frame in 0..40 {
+        scene.begin_frame(f64::from(frame) * 0.2).unwrap();
+        query.run(&scene, &View::from_planes(Vec3::ONE, &[away]).unwrap());
+        scene.end_frame([query.pvs()]).unwrap();
+    }
+    let (lo, hi) = scene.tbv(hidden).unwrap().expect("nobody saw it");
+    assert!(hi.z - lo.z > 8.0, "{lo} {hi}");
+    let look = look_to_mat4(Vec3::new(48.0, 48.0, 50.5), Vec3::NEG_Z, Vec3::Y);
+    let matrix = directx::orthographic(-0.5, 0.5, -0.5, 0.5, 0.1, 90.0) * look;
+    assert!(query.run(&scene, &View::orthographic(Vec3::NEG_Z, matrix).unwrap()).contains(hidden));
+}
+
+#[test]
+fn near_planes_far_from_the_origin_still_cut() {
+    let (corner, x) = (Vec3::new(131_072.0, 0.0, 0.0), 131_082.0);
+    let mut scene = Scene::new(&GridSpec { min: corner, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+    let wall = casca::Aabb::new(Vec3::new(x + 0.047, 0.0, 0.0), Vec3::new(x + 2.0, 24.0, 24.0));
+    scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    let behind = Sphere::new(Vec3::new(x + 6.0, 4.0, 4.0), 1.0);
+    let behind = scene.insert(ObjectDesc::fixed(behind)).unwrap();
+    let eye = Vec3::new(x, 4.5, 4.5);
+    let near = |way: f32| casca::Plane { normal: Vec3::X, offset: -(x + way) };
+    let mut query = Query::new();
+    let mut sees = |planes: &[casca::Plane]| {
+        query.run(&scene, &View::from_planes(eye, planes).unwrap()).contains(behind)
+    };
+    assert!(sees(&[near(0.125)]) && !sees(&[]));
 }

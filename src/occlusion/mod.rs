@@ -255,6 +255,11 @@ impl OcclusionBuffers {
 
     /// Whether all pixels are closed for what lies farther than `distance` along some axis.
     pub(crate) fn closed(&self, distance: f64) -> bool {
+        let distance = distance - self.uncertainty();
+        // What is closer may be in sight beside the windows.
+        if distance.is_nan() || distance <= self.nearest {
+            return false;
+        }
         self.faces.iter().filter(|b| b.active).all(|b| {
             let near = above(b.face.nearness_of(distance));
             b.closed.iter().all(|&c| c >= near)
@@ -325,6 +330,9 @@ impl FaceBuffer {
 
     /// The pixels that a range of the face touches, upper end excluded.
     fn pixels(&self, lo: f64, hi: f64, window: (i64, i64)) -> (i64, i64) {
+        if lo.is_nan() || hi.is_nan() {
+            return window;
+        }
         let margin = 1e-6;
         let clamp = |p: f64| floor(p.clamp(window.0 as f64 - 1.0, window.1 as f64));
         let first = clamp((lo + 1.0) * self.per_unit - margin).max(window.0);

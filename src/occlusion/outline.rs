@@ -129,19 +129,25 @@ impl Polytope {
             }
             let (p, q) = (self.vertices[usize::from(a)], self.vertices[usize::from(b)]);
             let edge = q - p;
-            let across = direction.map_or_else(|| p.cross(q), |d| edge.cross(d));
+            let across = match direction {
+                None => p.cross(edge),
+                Some(d) => {
+                    let n = edge.cross(d);
+                    n - d * n.dot(d)
+                }
+            };
             let length = across.length();
             let reach = p.abs().max_element().max(q.abs().max_element());
+            // Edges without length, as rays see them, bound nothing.
+            if edge.length() <= 1e-12 * reach || direction.is_some() && length <= 1e-12 * reach {
+                continue;
+            }
             let known = match direction {
                 // Twice the triangle's area is the edge's length times its distance.
-                None => length > NEAREST_EDGE * reach * edge.length() && edge.length() > 1e-12 * reach,
-                Some(_) => length > NEAREST_EDGE * edge.length(),
+                None => length > NEAREST_EDGE * reach * edge.length(),
+                Some(_) => length > 1e-9 * edge.length(),
             };
             if !known {
-                if direction.is_some() || edge.length() <= 1e-12 * reach {
-                    // An edge seen end-on, or a point: it bounds nothing.
-                    continue;
-                }
                 return Outline::Everything;
             }
             let n = across / length;

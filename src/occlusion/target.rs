@@ -126,11 +126,11 @@ impl Target {
 /// Rounds a nearness to single precision, upwards by at least a part in 2^22.
 pub(crate) fn above(near: f64) -> f32 {
     let n = near as f32;
-    n + n.abs() * 2.4e-7
+    (n + n.abs() * 2.4e-7).next_up()
 }
 
 /// Rounds a nearness to single precision, downwards by at least a part in 2^22.
 pub(crate) fn below(near: f64) -> f32 {
-    let n = near as f32;
-    n - n.abs() * 2.4e-7
+    let n = (near as f32).min(f32::MAX);
+    (n - n.abs() * 2.4e-7).next_down()
 }

@@ -47,6 +47,9 @@ impl Tile {
     /// Hides pixels for what is not nearer than `near`. Returns whether that says anything new.
     #[inline]
     pub(crate) fn cover(&mut self, mask: u64, near: f32) -> bool {
+        if near.is_nan() {
+            return false;
+        }
         let at = self.near.iter().take_while(|&&n| n >= near).count();
         let before = if at == 0 { 0 } else { self.mask[at - 1] };
         let mask = before | mask;

@@ -15,7 +15,7 @@ use crate::mask::Side;
 use crate::matrix::CellBox;
 use crate::occlusion::{Effort, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict};
 use crate::pvs::{Pvs, Stats};
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::shape::{Bounds, Occluder, Shape};
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
@@ -163,6 +163,13 @@ impl<'a> Walk<'a> {
             self.settle();
         }
         self.scratch.point.bricks = bricks;
+        // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
+        for slot in 0..self.scene.slots.len() as u32 {
+            if self.scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden) {
+                self.meet_volume(slot);
+            }
+        }
+        self.settle();
     }
 
     /// The bricks of shell `m` around `brick` in the frustum that hold anything.
@@ -336,7 +343,9 @@ impl<'a> Walk<'a> {
         }
         let CellBox { lo, hi } = *self.scene.volumes.cells(slot);
         let bounds = Block::new(self.scene.grid.range_bounds(lo, hi));
-        if self.view.may_see_block(&bounds) && !self.hides(&bounds) {
+        // A hollow volume that rays start in does not stand for what it holds.
+        let starts = self.scratch.point.buffers.direction().is_some_and(|d| self.view.cuts_front(d, &bounds));
+        if self.view.may_see_block(&bounds) && (starts || !self.hides(&bounds)) {
             self.reveal(slot);
         }
     }
@@ -414,6 +423,9 @@ impl<'a> Walk<'a> {
     }
 
     fn draw(&mut self, slot: u32) {
+        if !self.view.is_ordered() {
+            return;
+        }
         let Some(occluder) = &self.scene.object(slot).occluder else { return };
         let least = f64::from(self.settings.min_solid_angle);
         let small = least > 0.0 && self.solid_angle(slot) < least;
@@ -491,9 +503,9 @@ fn target(bounds: &Bounds, buffers: &OcclusionBuffers) -> Target {
     match bounds {
         Bounds::Sphere(s) => Target::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) + grow),
         Bounds::Oriented(b) => {
-            let (center, axes, margin) = b.parts();
-            let longer = |a: DVec3| a + a.normalize_or_zero() * (grow + margin);
-            let axes = DMat3::from_cols(longer(axes.x_axis), longer(axes.y_axis), longer(axes.z_axis));
+            let (center, _, margin) = b.parts();
+            let (turn, half) = (b.turn(), b.half.as_dvec3() + grow + margin);
+            let axes = DMat3::from_cols(turn.x_axis * half.x, turn.y_axis * half.y, turn.z_axis * half.z);
             Target::oriented(center - origin, &axes, buffers.direction())
         }
         other => {

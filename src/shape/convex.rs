@@ -138,7 +138,7 @@ impl Convex {
     }
 
     /// Finds the edges, and checks that the faces close.
-    fn joined(points: Vec<DVec3>, faces: Vec<(DVec3, f64)>, size: f64) -> Result<Self, Error> {
+    fn joined(points: Vec<DVec3>, mut faces: Vec<(DVec3, f64)>, size: f64) -> Result<Self, Error> {
         const OPEN: Error =
             Error::Convex("its faces do not close: the points are flat, or too close together");
         let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
@@ -185,7 +185,14 @@ impl Convex {
         for e in &mut edges {
             (e[0], e[1]) = (renamed[usize::from(e[0])], renamed[usize::from(e[1])]);
         }
-        Ok(Self { vertices: used.iter().map(|&i| points[i]).collect(), faces, edges })
+        let vertices: Vec<DVec3> = used.iter().map(|&i| points[i]).collect();
+        // Faces go no farther out than the corners of their own edges.
+        for (f, (n, h)) in faces.iter_mut().enumerate() {
+            let own = edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
+            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(vertices[usize::from(v)]));
+            *h = ends.fold(f64::INFINITY, f64::min);
+        }
+        Ok(Self { vertices, faces, edges })
     }
 
     /// The same solid, moved.
@@ -293,7 +300,8 @@ impl Shape for Convex {
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
-        let slack = 100.0 * FLAT * size_of_hull(&self.vertices);
+        let reach = self.vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let slack = 1e-6 * (size_of_hull(&self.vertices) + reach);
         self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + slack)
     }
 }
@@ -308,7 +316,7 @@ impl Obb {
     }
 
     /// Unit axes.
-    fn turn(&self) -> DMat3 {
+    pub(crate) fn turn(&self) -> DMat3 {
         DMat3::from_quat(self.rotation.as_dquat().normalize())
     }
 }
