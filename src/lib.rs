@@ -27,6 +27,7 @@ mod query;
 pub mod reference;
 mod scene;
 mod shape;
+mod surface;
 mod tbv;
 mod view;
 mod walk;
@@ -39,7 +40,9 @@ pub use occlusion::OcclusionImage;
 pub use pvs::{Pvs, Stats};
 pub use query::{Method, Query, Settings};
 pub use scene::{FrameReport, MemoryUse, Scene};
-pub use shape::{Bounds, CellRun, Convex, MAX_CONVEX, Occluder, Shape, TriMesh};
+pub use shape::{
+    Bounds, CellRun, Convex, Facing, Instance, MAX_CONVEX, Occluder, Preparation, Shape, TriMesh,
+};
 pub use view::{MAX_PLANES, Plane, View};
 
 #[doc = include_str!("../README.md")]

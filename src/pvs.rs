@@ -38,6 +38,8 @@ pub struct Stats {
     pub occluders_drawn: u32,
     /// [`Method::Point`]: how many of them covered a pixel that was open, or hid nearer.
     pub occluders_useful: u32,
+    /// [`Method::Point`]: patches of triangles drawn.
+    pub patches_drawn: u32,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
     /// [`Method::Point`]: occluders too small to draw, or beyond the number allowed.

@@ -14,6 +14,7 @@ use crate::matrix::{BitMatrix, IdMatrix, OpacityMatrix, TbvMatrix};
 use crate::object::{Motion, ObjectDesc, ObjectId, Reports};
 use crate::pvs::Pvs;
 use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
+use crate::surface::Seams;
 use crate::tbv::{Expiry, FIRST_VALIDITY, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
 
@@ -152,6 +153,8 @@ pub struct Scene {
     pub(crate) opacity_dynamic: OpacityMatrix,
     /// Boxes of static opaque cells that are drawn like solids.
     pub(crate) fused: Fused,
+    /// Where surfaces of static objects meet.
+    pub(crate) seams: Seams,
     pub(crate) ids: IdMatrix,
     pub(crate) volumes: Volumes,
     pub(crate) slots: Vec<Slot>,
@@ -185,6 +188,7 @@ impl Scene {
             opacity_static: BitMatrix::new(grid.dims()),
             opacity_dynamic: BitMatrix::new(grid.dims()),
             fused: Fused::new(grid.dims()),
+            seams: Seams::default(),
             ids: IdMatrix::new(grid.dims()),
             volumes: Volumes::new(&grid),
             slots: Vec::new(),
@@ -290,6 +294,7 @@ impl Scene {
             tbvs: self.volumes.bytes(),
             objects: self.slots.capacity() * size_of::<Slot>()
                 + (self.free.capacity() + self.listed.capacity() + self.always.capacity()) * 4
+                + self.seams.bytes()
                 + self.expiries.capacity() * size_of::<Expiry>()
                 + self.seen.capacity() * 8,
         }
@@ -314,7 +319,7 @@ impl Scene {
         };
         self.slots[slot as usize].object = Some(Object {
             bounds: desc.bounds,
-            occluder: desc.occluder,
+            occluder: None,
             motion: desc.motion,
             state: State::Listed,
             validity: FIRST_VALIDITY,
@@ -324,6 +329,7 @@ impl Scene {
         });
         self.len += 1;
         self.revision += 1;
+        self.set_occluder(slot, desc.occluder);
         self.list(slot);
         Ok(self.id(slot))
     }
@@ -355,12 +361,12 @@ impl Scene {
             return Ok(());
         }
         self.moves += 1;
-        let object = self.object_mut(slot);
-        match object.state {
+        match self.object(slot).state {
             State::Hidden { tbv, .. } => {
                 let block = bounds.block();
+                self.set_occluder(slot, occluder);
+                let object = self.object_mut(slot);
                 object.bounds = bounds;
-                object.occluder = occluder;
                 if tbv.block.contains(&block) {
                     if object.on_expiry() {
                         let room = (block.min - tbv.block.min).min(tbv.block.max - block.max);
@@ -376,8 +382,8 @@ impl Scene {
             }
             State::Unlocated { tbv } => {
                 let block = bounds.block();
-                object.bounds = bounds;
-                object.occluder = occluder;
+                self.object_mut(slot).bounds = bounds;
+                self.set_occluder(slot, occluder);
                 self.forget_always(slot);
                 self.revision += 1;
                 self.object_mut(slot).lengthen();
@@ -423,6 +429,7 @@ impl Scene {
             Bounds::Sphere(s) => Bounds::Sphere(sphere(s)),
             Bounds::Box(b) => Bounds::Box(aabb(b)),
             Bounds::Oriented(b) => Bounds::Oriented(oriented(b)),
+            Bounds::Instance(i) => Bounds::Instance(i.translated(offset)?),
             Bounds::Mesh(_) => return Err(mesh()),
         };
         let occluder = match &object.occluder {
@@ -430,6 +437,7 @@ impl Scene {
             Some(Occluder::Box(b)) => Some(Occluder::Box(aabb(b))),
             Some(Occluder::Oriented(b)) => Some(Occluder::Oriented(oriented(b))),
             Some(Occluder::Convex(c)) => Some(Occluder::Convex(Arc::new(c.translated(offset)?))),
+            Some(Occluder::Instance(i)) => Some(Occluder::Instance(i.translated(offset)?)),
             Some(Occluder::Mesh(_)) => return Err(mesh()),
             None => None,
         };
@@ -453,6 +461,7 @@ impl Scene {
                 }
             }
         }
+        self.set_occluder(id.slot, None);
         let slot = &mut self.slots[id.slot as usize];
         slot.object = None;
         self.len -= 1;
@@ -653,6 +662,7 @@ impl Scene {
                 Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
                 Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
                 Some(Occluder::Mesh(m)) => m.surface_meets(&block),
+                Some(Occluder::Instance(i)) => region.may_see_block(&Block::new(i.bounds())),
                 None => false,
             };
             let (lo, hi) = self.grid.cover(block.min, block.max);
@@ -703,6 +713,26 @@ impl Scene {
             if let Some(&moved) = self.listed.get(at as usize) {
                 self.object_mut(moved).listed_at = at;
             }
+        }
+    }
+
+    /// Gives an object another occluder, in no matrix.
+    fn set_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
+        let object = self.slots[slot as usize].object.as_mut();
+        let object = object.expect("the matrices and lists hold living objects only");
+        let motion = object.motion;
+        // Only what lies where its triangles are shares positions with others.
+        let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
+        if let Some(old) = &object.occluder
+            && let Some(surface) = old.surface()
+        {
+            self.seams.remove(slot, surface, fixed(old));
+        }
+        object.occluder = occluder;
+        if let Some(new) = &object.occluder
+            && let Some(surface) = new.surface()
+        {
+            self.seams.insert(slot, surface, fixed(new));
         }
     }
 
@@ -768,9 +798,8 @@ impl Scene {
             && ![&object.occluder, &occluder].iter().any(|o| matches!(o, Some(Occluder::Mesh(_))));
         if !simple {
             self.unlist(slot);
-            let object = self.object_mut(slot);
-            object.bounds = bounds;
-            object.occluder = occluder;
+            self.set_occluder(slot, occluder);
+            self.object_mut(slot).bounds = bounds;
             self.list(slot);
             return;
         }

@@ -33,7 +33,7 @@ fn shapes(object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
                 mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
             if object.motion == Motion::Static {
                 let mesh = Arc::new(TriMesh::new(positions, mesh.triangles.clone())?);
-                let occluder = mesh.is_closed().then(|| mesh.clone().into());
+                let occluder = Some(mesh.clone().into());
                 (mesh.into(), occluder)
             } else {
                 let corners = mesh.triangles.iter().flatten().map(|&v| positions[v as usize]);

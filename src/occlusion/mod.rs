@@ -16,6 +16,7 @@ mod outline;
 mod refine;
 mod silhouette;
 mod solid;
+mod surface;
 mod target;
 mod tiles;
 
@@ -26,6 +27,7 @@ pub use image::OcclusionImage;
 pub(crate) use outline::Polytope;
 pub(crate) use refine::Effort;
 pub(crate) use solid::Solid;
+pub(crate) use surface::Drawable;
 pub(crate) use target::Target;
 
 use crate::geometry::Block;
@@ -70,6 +72,20 @@ struct Listed {
     near: f32,
 }
 
+/// Planes kept for a tile.
+const SHADES: usize = 2;
+
+/// Pixels of a tile in which everything behind a plane is hidden, more exactly than by one depth.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    mask: u64,
+    near: Linear,
+}
+
+impl Shade {
+    const NONE: Self = Self { mask: 0, near: Linear { a: 0.0, b: 0.0, c: 0.0 } };
+}
+
 /// One face's window inside the frustum.
 #[derive(Debug)]
 struct FaceBuffer {
@@ -93,6 +109,8 @@ struct FaceBuffer {
     tiles: Vec<Tile>,
     /// For each tile, the nearness down to which it is closed.
     closed: Vec<f32>,
+    /// For each tile, planes behind which some of its pixels are hidden.
+    planes: Vec<[Shade; SHADES]>,
     bins: Vec<Vec<Listed>>,
     drawn: Vec<Drawn>,
 }
@@ -125,6 +143,7 @@ pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
     /// For each occluder drawn, where it hides.
     shadows: Vec<Shadow>,
+    surfaces: surface::SurfaceScratch,
     origin: DVec3,
     error: f64,
     direction: Option<DVec3>,
@@ -290,6 +309,7 @@ impl FaceBuffer {
             halves: SmallVec::new(),
             tiles: Vec::new(),
             closed: Vec::new(),
+            planes: Vec::new(),
             bins: Vec::new(),
             drawn: Vec::new(),
         }
@@ -356,6 +376,8 @@ impl FaceBuffer {
         self.tiles.resize(count, Tile::EMPTY);
         self.closed.clear();
         self.closed.resize(count, f32::NEG_INFINITY);
+        self.planes.clear();
+        self.planes.resize(count, [Shade::NONE; SHADES]);
         let bins = (((self.nx - 1) / BIN + 1) * ((self.ny - 1) / BIN + 1)) as usize;
         self.bins.iter_mut().for_each(Vec::clear);
         if self.bins.len() < bins {
@@ -516,10 +538,17 @@ impl FaceBuffer {
                 }
                 // In this tile it may be farther than as a whole.
                 open &= !self.tiles[t].hidden(target.near(&rect));
+                let shades = &self.planes[t];
+                for shade in shades {
+                    if open & shade.mask != 0 && target.is_behind_plane(&shade.near, &rect) {
+                        open &= !shade.mask;
+                    }
+                }
                 let stopped = bits(open).any(|bit| {
                     let (x, y) = (x + (bit & 7), y + (bit >> 3));
                     let rect = self.square(x, y, 1);
-                    target.silhouette.touches(&rect) && found(x, y, &rect)
+                    let shaded = |s: &Shade| s.mask >> bit & 1 == 1 && target.is_behind_plane(&s.near, &rect);
+                    target.silhouette.touches(&rect) && !shades.iter().any(shaded) && found(x, y, &rect)
                 });
                 if stopped {
                     return;

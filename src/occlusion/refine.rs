@@ -144,8 +144,13 @@ impl Search<'_> {
         if (!self.buffer.face.parallel && p.z <= 0.0) || !inside || !self.target.silhouette.holds(u, v) {
             return false;
         }
+        let point = Rect { u0: u, v0: v, u1: u, v1: v };
+        // What triangles cover is known by pixels only.
+        if self.buffer.hides(&point, self.target.near(&point)) {
+            return false;
+        }
         self.squares -= 1;
-        self.is_seen(u, v, &self.buffer.bins[self.buffer.bin_of(&Rect { u0: u, v0: v, u1: u, v1: v })])
+        self.is_seen(u, v, &self.buffer.bins[self.buffer.bin_of(&point)])
     }
 
     /// Whether the candidates surely hide the target in a square.

@@ -306,6 +306,18 @@ impl Front {
         planes.max(if ball.across > 0.0 { -deepest } else { 1.0 / deepest })
     }
 
+    /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear: their
+    /// difference is least at a corner. By a margin for planes known to a part in 10^9.
+    #[inline]
+    pub(crate) fn is_behind(&self, plane: &Linear, r: &Rect) -> bool {
+        self.ball.is_none()
+            && self.planes.iter().any(|f| {
+                let margin = 1e-8
+                    * (plane.a.abs() + plane.b.abs() + plane.c.abs() + f.a.abs() + f.b.abs() + f.c.abs());
+                Linear { a: plane.a - f.a, b: plane.b - f.b, c: plane.c - f.c }.least(r) >= margin
+            })
+    }
+
     /// Nearness of the front in one direction that is in the silhouette, but for rounding.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         match &self.ball {

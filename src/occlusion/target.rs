@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::face::{Face, Rect};
+use super::face::{Face, Linear, Rect};
 use super::outline::{Half, Outline, Polytope};
 use super::silhouette::{Front, Silhouette};
 use super::solid::Shadow;
@@ -34,6 +34,12 @@ impl FaceTarget {
         self.near.min(above(self.front.nearest(rect)))
     }
 
+    /// Whether all of it in a rectangle lies behind a plane, given by its nearness.
+    #[inline]
+    pub(crate) fn is_behind_plane(&self, plane: &Linear, rect: &Rect) -> bool {
+        self.front.is_behind(plane, rect)
+    }
+
     /// Nearness in one direction of the silhouette, but for rounding.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         self.front.at(u, v)
@@ -58,7 +64,7 @@ impl Target {
         Self::polytope(polytope, block, direction)
     }
 
-    fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
+    pub(crate) fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
         let (outline, fronts) = (polytope.outline(direction), polytope.fronts(direction));
         Self { outline, fronts, vertices: polytope.vertices, block }
     }

@@ -13,10 +13,10 @@ use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::mask::Side;
 use crate::matrix::CellBox;
-use crate::occlusion::{Effort, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict};
+use crate::occlusion::{Drawable, Effort, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict};
 use crate::pvs::{Pvs, Stats};
 use crate::scene::{Object, Scene};
-use crate::shape::{Bounds, Occluder, Shape};
+use crate::shape::{Bounds, Occluder, Placement, Shape};
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
 
@@ -31,6 +31,9 @@ const WORTH_TESTING_BAND: i64 = 32;
 
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
+
+/// Patches are drawn from this radius on, in pixels.
+const SMALLEST_PATCH: f64 = 3.0;
 
 /// In whose name boxes of cells are drawn.
 const NOBODY: u32 = u32::MAX;
@@ -49,6 +52,11 @@ pub(super) struct PointScratch {
     found: Vec<(f64, u32)>,
     /// Objects found visible so far.
     candidates: Vec<u32>,
+    /// Clusters of visible surfaces by the shell that they begin in: object and cluster.
+    clusters: Vec<Vec<(u32, u32)>>,
+    /// For each patch of the scene, the last query that drew it, and in which batch.
+    drawn: Vec<(u32, u32)>,
+    batches: u32,
 }
 
 /// One run of the point method.
@@ -63,6 +71,8 @@ pub(super) struct Walk<'a> {
     grid: Grid,
     /// Whether boxes of opaque cells may be drawn, once that was asked.
     fuses: Option<bool>,
+    /// The eye's brick, and the last shell around it, if the walk goes in shells.
+    around: Option<(IVec3, i32)>,
     stats: Stats,
 }
 
@@ -78,7 +88,8 @@ impl<'a> Walk<'a> {
         let (min, max) = scene.extent();
         let cut = view.cut_regions(min, max).collect();
         let grid = scene.grid.bricks();
-        Self { scene, view, settings, pvs, scratch, cut, grid, fuses: None, stats: Stats::default() }
+        let (fuses, around, stats) = (None, None, Stats::default());
+        Self { scene, view, settings, pvs, scratch, cut, grid, fuses, around, stats }
     }
 
     pub(super) fn run(mut self) {
@@ -94,6 +105,18 @@ impl<'a> Walk<'a> {
         self.scratch.point.buffers.begin(self.view, &pitch);
         self.stats.pixels = self.scratch.point.buffers.pixels();
         self.scratch.point.candidates.clear();
+        self.scratch.point.clusters.iter_mut().for_each(Vec::clear);
+        let patches = self.scene.seams.patches();
+        let drawn = &mut self.scratch.point.drawn;
+        drawn.resize(patches.max(drawn.len()), (0, 0));
+        if self.scratch.epoch == 1 {
+            drawn.fill((0, 0));
+        }
+        if let Origin::Eye { at, .. } = self.view.origin {
+            let brick = grid.cell_of(at);
+            let (nearest, farthest) = shell_range(&grid, brick);
+            self.around = (nearest <= FAR_VIEWER).then_some((brick, farthest));
+        }
         for &slot in &self.scene.always {
             self.find(slot);
         }
@@ -101,11 +124,9 @@ impl<'a> Walk<'a> {
         match self.view.origin {
             Origin::Eye { at, .. } => {
                 self.around_eye(at);
-                let brick = grid.cell_of(at);
-                let (nearest, farthest) = shell_range(&grid, brick);
-                if nearest <= FAR_VIEWER {
+                if let Some((brick, farthest)) = self.around {
                     let frustum = CellFrustum::new(&grid, self.view, brick);
-                    for m in nearest..=farthest {
+                    for m in shell_range(&grid, brick).0..=farthest {
                         self.stats.shells += 1;
                         self.shell(&frustum, brick, m);
                         if self.scratch.point.buffers.closed(self.distance_beyond(brick, m, at)) {
@@ -159,8 +180,10 @@ impl<'a> Walk<'a> {
                 self.brick(brick);
             }
             self.settle();
+            self.draw_clusters(0);
             self.meet_volumes();
             self.settle();
+            self.draw_clusters(0);
         }
         self.scratch.point.bricks = bricks;
         // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
@@ -170,6 +193,7 @@ impl<'a> Walk<'a> {
             }
         }
         self.settle();
+        self.draw_clusters(0);
     }
 
     /// The bricks of shell `m` around `brick` in the frustum that hold anything.
@@ -246,8 +270,10 @@ impl<'a> Walk<'a> {
         }
         self.scratch.point.bricks = bricks;
         self.settle();
+        self.draw_clusters(m);
         self.meet_volumes();
         self.settle();
+        self.draw_clusters(m);
     }
 
     /// Finds the objects of one brick, unless the brick is hidden.
@@ -433,6 +459,19 @@ impl<'a> Walk<'a> {
             self.stats.occluders_skipped += 1;
             return;
         }
+        if let Some(surface) = occluder.surface() {
+            self.stats.occluders_drawn += 1;
+            for index in 0..surface.clusters.len() as u32 {
+                let around = placed_block(&surface.clusters[index as usize].block(), occluder.placement());
+                let shell = self.shell_of(&around);
+                let clusters = &mut self.scratch.point.clusters;
+                if clusters.len() <= shell {
+                    clusters.resize_with(shell + 1, Vec::new);
+                }
+                clusters[shell].push((slot, index));
+            }
+            return;
+        }
         let buffers = &mut self.scratch.point.buffers;
         let block = occluder.block();
         // Where the near plane cuts into a solid, one sees through it.
@@ -460,6 +499,168 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// The shell of bricks around the eye that a box begins in.
+    fn shell_of(&self, block: &Block) -> usize {
+        let Some((brick, farthest)) = self.around else { return 0 };
+        let (lo, hi) = self.grid.cover(block.min, block.max);
+        (lo - brick).max(brick - hi).max_element().clamp(0, farthest.max(0)) as usize
+    }
+
+    /// Draws the visible clusters of surfaces that begin up to shell `m`, as one.
+    fn draw_clusters(&mut self, m: i32) {
+        let scene = self.scene;
+        let epoch = self.scratch.epoch;
+        let eye = self.scratch.point.buffers.origin();
+        let direction = self.scratch.point.buffers.direction();
+        let smallest = f64::from(self.settings.pixel_degrees).to_radians() * SMALLEST_PATCH;
+        let mut batch: Vec<Drawable> = Vec::new();
+        self.scratch.point.batches += 1;
+        let number = self.scratch.point.batches;
+        let last = self.scratch.point.clusters.len().min(m.max(0) as usize + 1);
+        for shell in 0..last {
+            let mut clusters = std::mem::take(&mut self.scratch.point.clusters[shell]);
+            for (slot, index) in clusters.drain(..) {
+                let Some(occluder) = &scene.object(slot).occluder else { continue };
+                let Some(surface) = occluder.surface() else { continue };
+                let placement = occluder.placement();
+                let growth = placement.map_or(1.0, |p| p.growth);
+                let cluster = &surface.clusters[index as usize];
+                let around = placed_block(&cluster.block(), placement);
+                let distance = (around.min - eye).max(eye - around.max).max(DVec3::ZERO).length();
+                let small = |radius: f32, distance: f64| {
+                    direction.is_none() && f64::from(radius) * growth < smallest * distance
+                };
+                if small(cluster.radius, distance) || !self.view.may_see_block(&around) || self.hides(&around)
+                {
+                    continue;
+                }
+                for patch in cluster.first..cluster.last {
+                    let own = &surface.patches[patch as usize];
+                    if small(own.radius, distance) {
+                        break;
+                    }
+                    let block = placed_block(&own.block(), placement);
+                    let distance = (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length();
+                    if small(own.radius, distance) {
+                        continue;
+                    }
+                    if let Some(drawable) = self.drawable(slot, patch) {
+                        self.scratch.point.drawn[drawable.number as usize] = (epoch, number);
+                        batch.push(drawable);
+                    }
+                }
+            }
+            self.scratch.point.clusters[shell] = clusters;
+        }
+        if batch.is_empty() {
+            return;
+        }
+        // Neighbours drawn before are drawn again, so that no seam stays between batches.
+        for i in 0..batch.len() {
+            let first = batch[i].clone();
+            for (_, twin) in first.sides() {
+                let Some((twin, _)) = twin else { continue };
+                let drawn = &mut self.scratch.point.drawn[twin as usize];
+                if drawn.0 != epoch || drawn.1 == number {
+                    continue;
+                }
+                drawn.1 = number;
+                let slot = scene.seams.owner(twin);
+                let again = self.drawable(slot, twin - scene.seams.place(slot).base);
+                batch.extend(again.map(|d| Drawable { again: true, ..d }));
+            }
+        }
+        self.stats.patches_drawn += batch.len() as u32;
+        let news = self.scratch.point.buffers.draw_surfaces(&batch, scene.seams.patches());
+        self.stats.occluders_useful += u32::from(news);
+    }
+
+    /// A patch of an object's surface ready to be drawn, if it can be.
+    fn drawable(&self, slot: u32, patch: u32) -> Option<Drawable<'a>> {
+        let scene = self.scene;
+        let occluder = scene.object(slot).occluder.as_ref()?;
+        let (surface, placement) = (occluder.surface()?, occluder.placement());
+        let place = scene.seams.place(slot);
+        let buffers = &self.scratch.point.buffers;
+        let (eye, unsure) = (buffers.origin(), buffers.uncertainty());
+        let own = &surface.patches[patch as usize];
+        let world = placed_block(&own.block(), placement);
+        let block = Block { min: world.min - eye - unsure, max: world.max - eye + unsure };
+        let (mut normal, mut lo, mut hi) = (own.normal, own.lo, own.hi);
+        let (mut error, mut slack) = (unsure, f64::from(own.slack));
+        if let Some(p) = placement {
+            let turned = p.normals? * normal;
+            let length = turned.length();
+            // The slab's two planes, by a point of each.
+            let at = |h: f64| turned.dot(p.affine.transform_point3(normal * h)) / length;
+            (lo, hi) = (at(lo), at(hi));
+            normal = turned / length;
+            if !(normal.is_finite() && lo.is_finite() && hi.is_finite()) {
+                return None;
+            }
+            error += p.error;
+            slack *= p.growth;
+        }
+        let base = normal.dot(eye);
+        let room = error + 1e-12 * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
+        let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
+        // How far above the middle of its slab rays start.
+        let height = match buffers.direction() {
+            Some(d) => -normal.dot(d),
+            None => -(slab.0 + slab.1) * 0.5,
+        };
+        if buffers.direction().is_none() {
+            let clear = buffers.clearance(error + slack);
+            let outside = slab.0 > clear || slab.1 < -clear;
+            if !outside && block.min.max(-block.max).max_element() <= clear {
+                return None;
+            }
+        }
+        if let Some(sine) = surface.front {
+            // Every triangle is turned to every ray: the directions from its points to the eye
+            // are less than a right angle less the patch's own from its normal.
+            let sine = sine + 1e-4;
+            let front = match buffers.direction() {
+                Some(d) => -normal.dot(d) > sine,
+                None => {
+                    let d = -(block.min + block.max) * 0.5;
+                    let radius = (block.max - block.min).length() * 0.5;
+                    normal.dot(d) - radius > sine * (d.length() + radius)
+                }
+            };
+            // Unequal scales change the angles in a patch.
+            if !front || placement.is_some_and(|p| !p.keeps_angles) {
+                return None;
+            }
+        }
+        // Where the near plane cuts into it, one sees through it.
+        let cut = self.cut.iter().any(|(region, around)| {
+            let middle = normal.dot((around.min + around.max) * 0.5 - eye);
+            let reach = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + 1e-9) + room;
+            around.min.cmple(world.max).all()
+                && world.min.cmple(around.max).all()
+                && middle + reach >= slab.0
+                && middle - reach <= slab.1
+                && region.may_see_block(&world)
+        });
+        if cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &world)) {
+            return None;
+        }
+        Some(Drawable {
+            surface,
+            placement,
+            patch,
+            number: place.base + patch,
+            links: &place.links,
+            block,
+            normal,
+            slab,
+            again: false,
+            turned: height < 0.0,
+            error,
+        })
+    }
+
     /// Whether a box in world units is hidden.
     fn hides(&self, bounds: &Block) -> bool {
         let buffers = &self.scratch.point.buffers;
@@ -470,22 +671,16 @@ impl<'a> Walk<'a> {
     /// Tests all candidates again, with every occluder drawn, and refines what stays open.
     fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.point.candidates);
-        let buffers = &self.scratch.point.buffers;
         let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
         let mut budget = u64::from(self.settings.refine_budget);
         for slot in candidates.drain(..) {
             let object = self.scene.object(slot);
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
-                let target = target(&object.bounds, buffers);
                 self.stats.occlusion_tests += 1;
                 let before = budget;
-                let verdict = if effort.squares > 0 {
-                    buffers.refine(&target, slot, &effort, &mut budget)
-                } else {
-                    buffers.test(&target)
-                };
+                let hidden = self.is_hidden(&object.bounds, slot, &effort, &mut budget);
                 self.stats.refined += u32::from(budget < before);
-                if verdict == Verdict::Hidden {
+                if hidden {
                     self.stats.refined_hidden += u32::from(budget < before);
                     continue;
                 }
@@ -495,6 +690,50 @@ impl<'a> Walk<'a> {
         self.stats.refine_squares = u64::from(self.settings.refine_budget) - budget;
         self.scratch.point.candidates = candidates;
     }
+}
+
+impl Walk<'_> {
+    /// Whether nothing of what is tested can be seen, all occluders being drawn.
+    fn is_hidden(&self, bounds: &Bounds, slot: u32, effort: &Effort, budget: &mut u64) -> bool {
+        let buffers = &self.scratch.point.buffers;
+        let mut hidden = |target: &Target| {
+            let verdict = if effort.squares > 0 {
+                buffers.refine(target, slot, effort, budget)
+            } else {
+                buffers.test(target)
+            };
+            verdict == Verdict::Hidden
+        };
+        let (origin, direction) = (buffers.origin(), buffers.direction());
+        let meshes = matches!(bounds, Bounds::Mesh(_) | Bounds::Instance(_));
+        if meshes && self.hides(&bounds.block()) {
+            return true;
+        }
+        let mut part_is_hidden = |polytope: Polytope| {
+            let block = polytope.bounds();
+            hidden(&Target::polytope(polytope, block, direction))
+        };
+        match bounds {
+            // Only eyes known exactly see more than the box.
+            Bounds::Mesh(mesh) if buffers.uncertainty() == 0.0 => {
+                mesh.parts().iter().all(|part| part_is_hidden(part.seen_from(origin)))
+            }
+            Bounds::Instance(instance) if buffers.uncertainty() == 0.0 => {
+                instance.parts_from(origin).all(part_is_hidden)
+            }
+            _ => hidden(&target(bounds, buffers)),
+        }
+    }
+}
+
+/// A box around a box as it is placed.
+fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
+    let Some(p) = placement else { return *block };
+    let (center, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
+    let m = p.affine.matrix3;
+    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
+    let center = p.affine.transform_point3(center);
+    Block { min: center - reach, max: center + reach }
 }
 
 /// What is tested, with room for what is not known of the eye.
@@ -539,15 +778,7 @@ fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
             solid.then(|| Solid::polytope(Polytope::boxed(center - origin, &axes), buffers.direction()))?
         }
         // Only eyes known exactly see it whole.
-        Occluder::Convex(c) if shrink == 0.0 => {
-            let faces = c.faces.iter().map(|&(n, h)| (n, h - n.dot(origin)));
-            let polytope = Polytope {
-                vertices: c.vertices.iter().map(|&v| v - origin).collect(),
-                faces: faces.collect(),
-                edges: c.edges.iter().copied().collect(),
-            };
-            Solid::polytope(polytope, buffers.direction())
-        }
-        Occluder::Convex(_) | Occluder::Mesh(_) => None,
+        Occluder::Convex(c) if shrink == 0.0 => Solid::polytope(c.seen_from(origin), buffers.direction()),
+        Occluder::Convex(_) | Occluder::Mesh(_) | Occluder::Instance(_) => None,
     }
 }

@@ -9,6 +9,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::{CellRun, Shape};
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
+use crate::occlusion::Polytope;
 use crate::{Obb, Plane};
 
 /// The most points or half-spaces of a [`Convex`].
@@ -217,6 +218,15 @@ impl Convex {
     /// Number of faces.
     pub fn faces(&self) -> usize {
         self.faces.len()
+    }
+
+    /// The solid relative to an origin.
+    pub(crate) fn seen_from(&self, origin: DVec3) -> Polytope {
+        Polytope {
+            vertices: self.vertices.iter().map(|&v| v - origin).collect(),
+            faces: self.faces.iter().map(|&(n, h)| (n, h - n.dot(origin))).collect(),
+            edges: self.edges.iter().copied().collect(),
+        }
     }
 
     fn margin(&self, p: DVec3, h: f64) -> f64 {

@@ -9,31 +9,117 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use super::{CellRun, Shape};
+use super::{CellRun, Convex, Shape, parts};
 use crate::Aabb;
-use crate::error::{Error, finite3};
+use crate::error::{Error, finite3, not_negative};
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::matrix::BitMatrix;
+use crate::surface::{Rules, Surface};
 
-/// A triangle mesh in world space, checked once.
+/// How the triangles of a [`TriMesh`] are prepared for hiding.
+///
+/// ```
+/// use casca::{Preparation, TriMesh};
+/// use glam::Vec3;
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut how = Preparation::default();
+/// how.tolerance = Some(0.002);
+/// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let mesh = TriMesh::prepare(corners, faces, &how, &mut |_| ())?;
+/// assert!(mesh.is_closed());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Preparation {
+    /// How far the outlines of patches may leave the edges of triangles, in world units. What
+    /// they leave is added as a margin when they are drawn: larger is faster, and hides less near
+    /// outlines. Without a number, a 2000th of the mesh's diagonal.
+    pub tolerance: Option<f32>,
+    /// Patches of a smaller radius hide nothing, in world units. Without a number, a 1000th of the
+    /// mesh's diagonal.
+    pub least_radius: Option<f32>,
+    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80.
+    pub max_angle: f32,
+    /// From which side triangles hide.
+    pub facing: Facing,
+}
+
+/// From which side triangles hide what is behind them: where the renderer draws them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Facing {
+    /// From both sides.
+    #[default]
+    Both,
+    /// From the side where their corners run counter-clockwise: for renderers that leave out
+    /// triangles seen from behind.
+    Front,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Self { tolerance: None, least_radius: None, max_angle: 40.0, facing: Facing::Both }
+    }
+}
+
+impl Preparation {
+    /// The rules for a mesh of a diagonal.
+    fn rules(&self, diagonal: f64) -> Result<Rules, Error> {
+        let length = |what, given: Option<f32>, share: f64| match given {
+            Some(v) => not_negative(what, f64::from(v)).map(|()| f64::from(v)),
+            None => Ok(diagonal * share),
+        };
+        let degrees = f64::from(self.max_angle);
+        if !(0.0..=80.0).contains(&degrees) {
+            let what = "the greatest angle of a patch in degrees";
+            return Err(Error::Setting { what, value: degrees, min: 0.0, max: 80.0 });
+        }
+        Ok(Rules {
+            tolerance: length("the tolerance of outlines", self.tolerance, 1.0 / 2000.0)?,
+            least: length("the least radius of a patch", self.least_radius, 1.0 / 1000.0)?,
+            cosine: degrees.to_radians().cos(),
+            front: self.facing == Facing::Front,
+        })
+    }
+}
+
+/// A triangle mesh in world space, checked and prepared once.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     bounds: Aabb,
     closed: bool,
+    surface: Surface,
+    parts: Vec<Convex>,
 }
 
 impl TriMesh {
     /// Takes positions in world units and triangles as indices of three
-    /// positions. Vertices at equal positions count as one.
+    /// positions, and prepares them as [`Preparation::default`] says. Vertices at equal positions count as one.
     ///
-    /// Costs a sort of the edges.
+    /// Costs a few sorts of the triangles: about a second for a million.
     ///
     /// # Errors
     /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        Self::prepare(positions, triangles, &Preparation::default(), &mut |_| ())
+    }
+
+    /// As [`TriMesh::new`], prepared as asked; `progress` is told what share of the work is done.
+    ///
+    /// # Errors
+    /// As [`TriMesh::new`]; also settings that are not finite or out of their range.
+    pub fn prepare(
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        how: &Preparation,
+        progress: &mut dyn FnMut(f32),
+    ) -> Result<Self, Error> {
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions.len()) {
                 return Err(Error::MeshIndex { triangle, vertex, vertices: positions.len() });
@@ -42,8 +128,14 @@ impl TriMesh {
         positions.iter().try_for_each(|&p| finite3("a mesh position", p))?;
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
+        let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
         let closed = is_closed(&positions, &triangles);
-        Ok(Self { positions, triangles, bounds, closed })
+        progress(0.2);
+        let surface = Surface::new(&positions, &triangles, &rules);
+        progress(0.7);
+        let parts = parts::parts(&positions, &triangles);
+        progress(1.0);
+        Ok(Self { positions, triangles, bounds, closed, surface, parts })
     }
 
     /// The positions given.
@@ -67,13 +159,22 @@ impl TriMesh {
         self.closed
     }
 
+    /// Convex solids that together hold the mesh.
+    pub(crate) fn parts(&self) -> &[Convex] {
+        &self.parts
+    }
+
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
     fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
         self.triangles.iter().map(|t| t.map(|v| self.positions[v as usize].as_dvec3()))
     }
 
     /// The block of grid cells that holds the mesh, and its surface as bits
     /// relative to the block's first cell.
-    fn surface(&self, grid: &Grid) -> Option<(IVec3, BitMatrix)> {
+    fn surface_cells(&self, grid: &Grid) -> Option<(IVec3, BitMatrix)> {
         let (lo, hi) = grid.cover(self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3());
         let (lo, hi) = grid.clip(lo, hi)?;
         let mut bits = BitMatrix::new(hi - lo + 1);
@@ -218,7 +319,7 @@ impl Shape for TriMesh {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let Some((lo, bits)) = self.surface(grid) else { return };
+        let Some((lo, bits)) = self.surface_cells(grid) else { return };
         for c in bits.iter() {
             let c = c + lo;
             out(CellRun { x0: c.x, x1: c.x, y: c.y, z: c.z });
@@ -229,7 +330,7 @@ impl Shape for TriMesh {
         if !self.closed {
             return;
         }
-        let Some((lo, surface)) = self.surface(grid) else { return };
+        let Some((lo, surface)) = self.surface_cells(grid) else { return };
         let dims = surface.dims();
         let mut gaps: Vec<Gap> = Vec::new();
         let mut odd: Vec<bool> = Vec::new();

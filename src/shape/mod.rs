@@ -6,7 +6,9 @@
 
 mod aabb;
 mod convex;
+mod instance;
 mod mesh;
+mod parts;
 mod sphere;
 
 use std::sync::Arc;
@@ -14,11 +16,14 @@ use std::sync::Arc;
 use glam::{DVec3, IVec3};
 
 pub use convex::{Convex, MAX_CONVEX};
-pub use mesh::TriMesh;
+pub use instance::Instance;
+pub(crate) use instance::Placement;
+pub use mesh::{Facing, Preparation, TriMesh};
 
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::grid::Grid;
+use crate::surface::Surface;
 use crate::{Aabb, Obb, Sphere};
 
 /// A run of cells along x, both ends included.
@@ -73,6 +78,8 @@ pub enum Bounds {
     /// The triangles themselves, in world space. Their bounding box is tested
     /// against the frustum; only cells that triangles touch hold the object.
     Mesh(Arc<TriMesh>),
+    /// A mesh under a transform.
+    Instance(Instance),
 }
 
 /// The part of an object that hides others: it must lie inside the object's
@@ -88,8 +95,10 @@ pub enum Occluder {
     Oriented(Obb),
     /// A solid convex polytope in world space.
     Convex(Arc<Convex>),
-    /// The inside of a closed mesh in world space. An open mesh hides nothing.
+    /// The triangles of a mesh in world space, and the inside of a closed one.
     Mesh(Arc<TriMesh>),
+    /// The triangles of a mesh under a transform.
+    Instance(Instance),
 }
 
 macro_rules! shapes {
@@ -102,6 +111,7 @@ macro_rules! shapes {
                     Self::Oriented(b) => b,
                     $(Self::$convex(c) => &**c,)?
                     Self::Mesh(m) => &**m,
+                    Self::Instance(i) => i,
                 }
             }
 
@@ -111,7 +121,7 @@ macro_rules! shapes {
                     Self::Box(b) => b.check($what),
                     Self::Oriented(b) => b.check($what),
                     $(Self::$convex(_) => Ok(()),)?
-                    Self::Mesh(_) => Ok(()),
+                    Self::Mesh(_) | Self::Instance(_) => Ok(()),
                 }
             }
 
@@ -123,6 +133,7 @@ macro_rules! shapes {
                     (Self::Oriented(a), Self::Oriented(b)) => a == b,
                     $((Self::$convex(a), Self::$convex(b)) => Arc::ptr_eq(a, b),)?
                     (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
+                    (Self::Instance(a), Self::Instance(b)) => a == b,
                     _ => false,
                 }
             }
@@ -173,6 +184,12 @@ macro_rules! shapes {
             }
         }
 
+        impl From<Instance> for $name {
+            fn from(i: Instance) -> Self {
+                Self::Instance(i)
+            }
+        }
+
         impl From<Arc<TriMesh>> for $name {
             fn from(m: Arc<TriMesh>) -> Self {
                 Self::Mesh(m)
@@ -187,6 +204,25 @@ shapes!(Occluder, "the occluder", Convex);
 impl From<Arc<Convex>> for Occluder {
     fn from(c: Arc<Convex>) -> Self {
         Self::Convex(c)
+    }
+}
+
+impl Occluder {
+    /// What is drawn of it, if it is made of triangles.
+    pub(crate) fn surface(&self) -> Option<&Surface> {
+        match self {
+            Self::Mesh(m) => Some(m.surface()),
+            Self::Instance(i) => Some(i.mesh().surface()),
+            _ => None,
+        }
+    }
+
+    /// Where what is drawn of it lies, if that is not where its triangles are.
+    pub(crate) fn placement(&self) -> Option<&Placement> {
+        match self {
+            Self::Instance(i) => Some(i.placement()),
+            _ => None,
+        }
     }
 }
 

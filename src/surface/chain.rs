@@ -1,0 +1,294 @@
+//! Chains: the outlines of patches, simplified.
+
+use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
+
+use super::patch::Patches;
+use super::weld::{Welded, key};
+use super::{Cluster, NONE, Patch, Rules, Side, Surface};
+
+/// Patches in a cluster, at most.
+const CLUSTER: usize = 12;
+
+/// How often each patch runs along an edge, in the edge's direction less against it.
+type Runs = SmallVec<[(u32, i32); 2]>;
+
+/// An edge of outlines before simplification.
+struct Rim {
+    ends: [u32; 2],
+    runs: Runs,
+}
+
+/// A straight edge in place of a chain.
+struct Straight {
+    ends: [u32; 2],
+    slack: f64,
+    runs: Runs,
+    /// Tells the chain of an open edge from others.
+    chain: u64,
+}
+
+/// The outlines of all patches.
+pub(super) fn outline(mesh: &Welded, patches: &Patches, rules: &Rules) -> Surface {
+    let rims = rims(mesh, patches);
+    let straight = simplify(mesh, &rims, rules.tolerance);
+    gather(mesh, patches, &straight, rules)
+}
+
+/// The edges of triangles that do not cancel inside a patch.
+fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
+    let mut rims = Vec::new();
+    for beside in mesh.edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let mut runs: Runs = SmallVec::new();
+        for &(_, _, t, up) in beside {
+            let (patch, turned) = patches.of[t as usize];
+            let step = if up != turned { 1 } else { -1 };
+            match runs.iter_mut().find(|r| r.0 == patch) {
+                Some(run) => run.1 += step,
+                None => runs.push((patch, step)),
+            }
+        }
+        runs.retain(|r| r.1 != 0);
+        if !runs.is_empty() {
+            runs.sort_unstable();
+            rims.push(Rim { ends: [beside[0].0, beside[0].1], runs });
+        }
+    }
+    rims
+}
+
+/// Whether the runs are those of an edge passed in the same, or in the opposite, direction.
+fn same_runs(a: &Runs, b: &Runs, opposite: bool) -> bool {
+    let sign = if opposite { -1 } else { 1 };
+    a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.0 == y.0 && x.1 == sign * y.1)
+}
+
+/// Replaces chains of edges between the same patches by straight ones.
+fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Straight> {
+    let mut at: Vec<SmallVec<[u32; 2]>> = vec![SmallVec::new(); mesh.positions.len()];
+    for (i, rim) in rims.iter().enumerate() {
+        for v in rim.ends {
+            at[v as usize].push(i as u32);
+        }
+    }
+    // Leaving a vertex along an edge: the other end, and whether that is against its direction.
+    let leave = |rim: u32, v: u32| {
+        let ends = rims[rim as usize].ends;
+        if ends[0] == v { (ends[1], false) } else { (ends[0], true) }
+    };
+    let passes = |v: u32| {
+        let &[a, b] = at[v as usize].as_slice() else { return false };
+        // Arriving along one and leaving along the other.
+        let (arrives_against, leaves_against) = (!leave(a, v).1, leave(b, v).1);
+        same_runs(&rims[a as usize].runs, &rims[b as usize].runs, arrives_against != leaves_against)
+    };
+    let mut used = vec![false; rims.len()];
+    let mut straight = Vec::new();
+    let mut follow = |start: u32, first: u32, used: &mut Vec<bool>| {
+        let mut chain = vec![start];
+        let (mut v, mut rim) = (start, first);
+        loop {
+            used[rim as usize] = true;
+            v = leave(rim, v).0;
+            chain.push(v);
+            if v == start || !passes(v) {
+                break;
+            }
+            let next = if at[v as usize][0] == rim { at[v as usize][1] } else { at[v as usize][0] };
+            if used[next as usize] {
+                break;
+            }
+            rim = next;
+        }
+        let against = leave(first, start).1;
+        let sign = if against { -1 } else { 1 };
+        let runs: Runs = rims[first as usize].runs.iter().map(|r| (r.0, sign * r.1)).collect();
+        straighten(mesh, &chain, &runs, tolerance, &mut straight);
+    };
+    for v in 0..mesh.positions.len() as u32 {
+        if at[v as usize].is_empty() || passes(v) {
+            continue;
+        }
+        for &rim in &at[v as usize] {
+            if !used[rim as usize] {
+                follow(v, rim, &mut used);
+            }
+        }
+    }
+    // What is left are rings.
+    for rim in 0..rims.len() as u32 {
+        if !used[rim as usize] {
+            follow(rims[rim as usize].ends[0], rim, &mut used);
+        }
+    }
+    straight
+}
+
+fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let d = b - a;
+    let length = d.length_squared();
+    let t = if length > 0.0 { ((p - a).dot(d) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (p - a - d * t).length()
+}
+
+/// Cuts a chain where it is farthest from a straight line, until it is close enough.
+fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
+    let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
+    let mut spans = vec![(0, chain.len() - 1)];
+    while let Some((a, b)) = spans.pop() {
+        let (mut farthest, mut slack) = (a, 0.0f64);
+        for i in a + 1..b {
+            let d = distance_to_segment(at(i), at(a), at(b));
+            if d > slack {
+                (farthest, slack) = (i, d);
+            }
+        }
+        // A ring must not collapse.
+        let ring = chain[a] == chain[b];
+        if b > a + 1 && farthest > a && (slack > tolerance || ring) {
+            spans.extend([(farthest, b), (a, farthest)]);
+            continue;
+        }
+        let chain_hash = hash(mesh, &chain[a..=b]);
+        // Room for the rounding of the distances.
+        let slack = if slack > 0.0 { slack * (1.0 + 1e-6) } else { 0.0 };
+        out.push(Straight { ends: [chain[a], chain[b]], slack, runs: runs.clone(), chain: chain_hash });
+    }
+}
+
+/// A number that tells the points between a chain's ends from others, whichever end it starts at
+/// (FNV-1a on the positions, Fowler, Noll and Vo 1991).
+fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
+    let at = |i: usize| key(mesh.positions[chain[i] as usize]);
+    let last = chain.len() - 1;
+    let upwards = at(0) <= at(last);
+    (1..last).flat_map(|i| at(if upwards { i } else { last - i })).fold(0xcbf2_9ce4_8422_2325, |h, word| {
+        (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29)
+    })
+}
+
+/// Puts patches together that lie together: orders those of a range, and adds its clusters.
+fn cluster(order: &mut [u32], middles: &[DVec3], first: u32, out: &mut Vec<(u32, u32)>) {
+    if order.len() <= CLUSTER {
+        out.push((first, first + order.len() as u32));
+        return;
+    }
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &p in order.iter() {
+        (min, max) = (min.min(middles[p as usize]), max.max(middles[p as usize]));
+    }
+    let axis = (max - min).max_position();
+    let half = order.len() / 2;
+    order.sort_by(|&a, &b| {
+        let place = |p: u32| middles[p as usize][axis];
+        place(a).total_cmp(&place(b)).then(a.cmp(&b))
+    });
+    let (low, high) = order.split_at_mut(half);
+    cluster(low, middles, first, out);
+    cluster(high, middles, first + half as u32, out);
+}
+
+/// Patches with their slabs, boxes and outlines, in clusters.
+fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
+    let count = grown.normals.len();
+    let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); count];
+    let mut boxes = vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); count];
+    for (t, &(patch, _)) in grown.of.iter().enumerate() {
+        for v in mesh.triangles[t] {
+            let p = mesh.positions[v as usize];
+            let (span, around) = (&mut spans[patch as usize], &mut boxes[patch as usize]);
+            let along = grown.normals[patch as usize].dot(p.as_dvec3());
+            *span = (span.0.min(along), span.1.max(along));
+            *around = (around.0.min(p), around.1.max(p));
+        }
+    }
+    let mut outlines: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for (i, edge) in straight.iter().enumerate() {
+        for &(patch, steps) in &edge.runs {
+            let directed = 2 * i as u32 + u32::from(steps < 0);
+            outlines[patch as usize].extend((0..steps.abs()).map(|_| directed));
+        }
+    }
+    // Each edge after one that ends where it starts, as far as that goes.
+    for outline in &mut outlines {
+        let ends = |d: u32| {
+            let [a, b] = straight[(d >> 1) as usize].ends;
+            if d & 1 == 0 { (a, b) } else { (b, a) }
+        };
+        for i in 1..outline.len() {
+            let end = ends(outline[i - 1]).1;
+            if let Some(next) = (i..outline.len()).find(|&j| ends(outline[j]).0 == end) {
+                outline.swap(i, next);
+            }
+        }
+    }
+    let radius = |p: usize| f64::from((boxes[p].1 - boxes[p].0).length()) * 0.5;
+    let mut order: Vec<u32> = (0..count as u32)
+        .filter(|&p| radius(p as usize) >= rules.least && !outlines[p as usize].is_empty())
+        .collect();
+    let middles: Vec<DVec3> = boxes.iter().map(|b| (b.0.as_dvec3() + b.1.as_dvec3()) * 0.5).collect();
+    let mut ranges = Vec::new();
+    if !order.is_empty() {
+        cluster(&mut order, &middles, 0, &mut ranges);
+    }
+    // Largest first, so that small ones can be passed over together.
+    for &(a, b) in &ranges {
+        order[a as usize..b as usize]
+            .sort_by(|&p, &q| radius(q as usize).total_cmp(&radius(p as usize)).then(p.cmp(&q)));
+    }
+    let mut number = vec![NONE; count];
+    for (new, &old) in order.iter().enumerate() {
+        number[old as usize] = new as u32;
+    }
+
+    let sine = (1.0 - rules.cosine * rules.cosine).max(0.0).sqrt();
+    let mut surface = Surface { front: rules.front.then_some(sine), ..Surface::default() };
+    for &old in &order {
+        let patch = number[old as usize];
+        let old = old as usize;
+        let first = surface.sides.len() as u32;
+        for &directed in &outlines[old] {
+            let edge = &straight[(directed >> 1) as usize];
+            let ends = edge.ends.map(|v| mesh.positions[v as usize]);
+            let [from, to] = if directed & 1 == 0 { ends } else { [ends[1], ends[0]] };
+            let kept: Runs =
+                edge.runs.iter().map(|r| (number[r.0 as usize], r.1)).filter(|r| r.0 != NONE).collect();
+            let (twin, opposite) = match kept.as_slice() {
+                [(p, x), (q, y)] if x.abs() == 1 && y.abs() == 1 => {
+                    (if *p == patch { *q } else { *p }, *x == -y)
+                }
+                [(_, x)] if x.abs() == 1 => {
+                    surface.open.push((surface.sides.len() as u32, edge.chain));
+                    (NONE, false)
+                }
+                _ => (NONE, false),
+            };
+            let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
+            surface.sides.push(Side { from, to, slack, twin, opposite });
+        }
+        let (lo, hi) = spans[old];
+        let room = 1e-12 * lo.abs().max(hi.abs());
+        surface.patches.push(Patch {
+            first,
+            last: surface.sides.len() as u32,
+            normal: grown.normals[old],
+            lo: lo - room,
+            hi: hi + room,
+            min: boxes[old].0,
+            max: boxes[old].1,
+            radius: radius(old) as f32,
+            slack: surface.sides[first as usize..].iter().map(|s| s.slack).fold(0.0, f32::max),
+        });
+    }
+    for (first, last) in ranges {
+        let own = &surface.patches[first as usize..last as usize];
+        surface.clusters.push(Cluster {
+            first,
+            last,
+            min: own.iter().fold(Vec3::INFINITY, |m, p| m.min(p.min)),
+            max: own.iter().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max)),
+            radius: own.iter().map(|p| p.radius).fold(0.0, f32::max),
+        });
+    }
+    surface
+}
