@@ -1,17 +1,34 @@
 //! Scenes from glTF 2.0 files.
 //!
-//! Every node with a mesh is one object; its triangle primitives are joined, and
-//! instances share one mesh. A node that an animation moves, itself or by a
-//! parent, is dynamic. `extras.role` on the node says "occluder" (hides only),
-//! "occludee" (is only tested) or "both", which is the default.
-//!
-//! The first perspective camera that an animation moves is the path, at 30 frames a
-//! second; else the first perspective camera, standing still. Without one the path
-//! is an orbit inside the bounds, at the height of their centre, with a radius of
-//! 0.35 times the smaller of width and depth, looking ahead.
+//! - **Nodes**: the default scene, else the first, else all nodes. Every node with a
+//!   mesh is one object; nodes share meshes. `EXT_mesh_gpu_instancing` makes each
+//!   instance an object, named "node#0", "node#1" and so on. `extras.role` on the node says
+//!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default.
+//! - **Meshes**: the triangles, strips and fans of a mesh are joined, points and lines are
+//!   left out. Positions are floats, or integers as by `KHR_mesh_quantization`.
+//!   Materials are not looked at: all triangles are opaque, and seen from both sides, so
+//!   that a node that mirrors its mesh keeps the order of corners.
+//! - **Motion**: a node that an animation moves, itself or by a parent, is dynamic. All
+//!   animations play together from time 0; of those for one property of a node the first
+//!   in the file is used. The greatest speed of an object bounds the way of each of its
+//!   points from any frame to any other. Skins and morph targets in use are refused,
+//!   because they move the surface in ways that the node does not tell.
+//! - **Path**: the first perspective camera that an animation moves, at 30 frames a
+//!   second, for as long as the longest animation (at most 100,000 frames); else the first
+//!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
+//! - **Walk**, where that leaves no camera: 150 frames on a circle inside the bounds, at the
+//!   height of their centre, with a radius of 0.35 times the smaller of width and depth,
+//!   looking ahead. A side shorter than a hundredth of the longest counts as a tenth of it:
+//!   one walks above a bare floor and around a bare wall.
+//! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs.
+//!   Accessors may be sparse.
 //!
 //! A file is taken whole or refused: nothing is half loaded.
 
+mod accessors;
+mod buffers;
+mod instances;
+mod meshes;
 mod nodes;
 mod path;
 #[cfg(test)]
@@ -22,19 +39,36 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
-use gltf::accessor::{DataType, Dimensions};
-use gltf::animation::{Interpolation, Property};
+use glam::Affine3A;
 
 use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
-use nodes::{Nodes, nodes_of, role_of};
+use accessors::{Buffers, Components};
+use buffers::buffers_of;
+use instances::{INSTANCING, instances_of};
+use meshes::Meshes;
+use nodes::{check_rigid, nodes_of, role_of};
 use path::{FilePath, Moving, camera_of};
-use tracks::Track;
+use tracks::animate;
 
 /// Frames of a path that the file does not give.
 const OWN_FRAMES: usize = 150;
+/// Frames after the first of a path that the file gives.
+const MOST_FRAMES: f64 = 99_999.0;
 /// Cells along the longest axis of the grid that is asked for.
 const CELLS: f32 = 128.0;
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+/// Extensions that a file may require.
+const UNDERSTOOD: [&str; 2] = [QUANTIZATION, INSTANCING];
+/// What the names of extensions start with that change no geometry, only what it looks like.
+const COLOURS: [&str; 7] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_dds",
+    "KHR_lights_punctual",
+    "EXT_lights_image_based",
+    "KHR_xmp",
+];
 
 /// Why a file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -56,8 +90,8 @@ pub enum Trouble {
     /// It is no glTF 2.0, or breaks its rules.
     #[error("is not a valid glTF 2.0 file: {0}")]
     Format(#[from] gltf::Error),
-    /// A buffer that it names is missing.
-    #[error("buffer {buffer} is missing: {why}")]
+    /// A buffer that it names cannot be had.
+    #[error("buffer {buffer} cannot be read: {why}")]
     Buffer {
         /// Index of the buffer.
         buffer: usize,
@@ -84,6 +118,22 @@ pub enum Trouble {
         /// What is not read about it.
         why: &'static str,
     },
+    /// It requires extensions that are not read.
+    #[error("requires extensions that are not read: {0}")]
+    Extensions(String),
+    /// The corners of a primitive make no whole triangles.
+    #[error("primitive {primitive} of mesh {mesh} has {corners} corners, which make no whole triangles")]
+    Corners {
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the primitive in the mesh.
+        primitive: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
+    /// A mesh has more vertices than can be numbered.
+    #[error("mesh {0} has too many vertices")]
+    TooManyVertices(usize),
     /// A triangle names a vertex that does not exist.
     #[error("mesh {mesh} names vertex {vertex} of {vertices}")]
     Vertex {
@@ -97,6 +147,16 @@ pub enum Trouble {
     /// A coordinate or transform is not finite.
     #[error("{0} is not finite")]
     NotFinite(String),
+    /// A node breaks the rules, or is of a kind that is not read.
+    #[error("node {node} ({name:?}) {why}")]
+    Node {
+        /// Index of the node.
+        node: usize,
+        /// Its name; may be empty.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// Nodes are their own ancestors, or have two parents.
     #[error("node {0} is reached twice: nodes must form trees")]
     NotATree(usize),
@@ -105,7 +165,7 @@ pub enum Trouble {
     NoTriangles,
 }
 
-/// Loads a scene from a `.glb` file, or from a `.gltf` file with its buffers in files beside it.
+/// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its folder.
 ///
 /// # Errors
 /// Says what is wrong with a file that cannot be taken whole.
@@ -117,34 +177,17 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
         .map_err(|why| ImportError { path: path.to_owned(), why })
 }
 
-/// Reads a scene from the bytes of a file; buffers in other files are looked for in `folder`.
+/// Reads a scene from the bytes of a file; buffers in other files are looked for from `folder`.
 ///
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
     check_header(bytes)?;
-    let gltf::Gltf { document, mut blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
+    check_extensions(&document)?;
     check_rules(&document)?;
-    let mut buffers = Vec::new();
-    for buffer in document.buffers() {
-        let index = buffer.index();
-        let fail = |why: &str| Trouble::Buffer { buffer: index, why: why.to_owned() };
-        let data = match buffer.source() {
-            gltf::buffer::Source::Bin => blob.take().ok_or_else(|| fail("the file has no binary chunk"))?,
-            gltf::buffer::Source::Uri(uri) if uri.starts_with("data:") => {
-                return Err(fail("data URIs are not read; pack the file as .glb"));
-            }
-            gltf::buffer::Source::Uri(uri) => {
-                let folder = folder.ok_or_else(|| fail("it lies in another file"))?;
-                std::fs::read(folder.join(uri)).map_err(|e| fail(&format!("{uri}: {e}")))?
-            }
-        };
-        if data.len() < buffer.length() {
-            return Err(Trouble::ShortBuffer { buffer: index, held: data.len(), needed: buffer.length() });
-        }
-        buffers.push(data);
-    }
-    Reader { buffers }.world(name, &document)
+    let buffers = Buffers::new(buffers_of(&document, blob, folder)?);
+    world(name, &document, &buffers)
 }
 
 /// Refuses a .glb that claims to be shorter than its header; the parser takes this for granted.
@@ -155,6 +198,18 @@ fn check_header(bytes: &[u8]) -> Result<(), gltf::Error> {
         return Ok(());
     }
     Err(gltf::Error::Binary(gltf::binary::Error::Length { length, length_read: bytes.len() }))
+}
+
+/// Refuses files that cannot be read without extensions that are not understood.
+fn check_extensions(document: &gltf::Document) -> Result<(), Trouble> {
+    let known =
+        |name: &str| UNDERSTOOD.contains(&name) || COLOURS.iter().any(|start| name.starts_with(start));
+    let mut unknown: Vec<&str> = document.extensions_required().filter(|name| !known(name)).collect();
+    if unknown.is_empty() {
+        return Ok(());
+    }
+    unknown.dedup();
+    Err(Trouble::Extensions(unknown.join(", ")))
 }
 
 /// Validates a document, with the rules that the validation of the glTF crate leaves out but takes for granted.
@@ -191,215 +246,89 @@ fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
     if errors.is_empty() {
         root.validate(root, Path::new, &mut |path, error| errors.push((path(), error)));
     }
+    // Extensions are checked on their own: the crate knows none of those that are read here.
+    errors.retain(|(_, error)| *error != Error::Unsupported);
     if errors.is_empty() { Ok(()) } else { Err(gltf::Error::Validation(errors)) }
 }
 
-struct Reader {
-    buffers: Vec<Vec<u8>>,
-}
+fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<World, Trouble> {
+    let mut nodes = nodes_of(document)?;
+    let clip = animate(document, buffers, &mut nodes)?;
+    let quantized =
+        document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
+    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
 
-impl Reader {
-    /// Makes sure that an accessor lies inside its buffer and has the form expected.
-    fn check(
-        &self,
-        accessor: &gltf::Accessor,
-        what: &'static str,
-        dimensions: Dimensions,
-        types: &[DataType],
-    ) -> Result<(), Trouble> {
-        let fail = |why| Err(Trouble::Accessor { accessor: accessor.index(), what, why });
-        if accessor.sparse().is_some() {
-            return fail("sparse, which is not read");
-        }
-        if accessor.dimensions() != dimensions || !types.contains(&accessor.data_type()) {
-            return fail("of a type that is not read");
-        }
-        let Some(view) = accessor.view() else { return fail("without data") };
-        let (size, count) = (accessor.size(), accessor.count());
-        if count == 0 {
-            return fail("empty");
-        }
-        let stride = view.stride().unwrap_or(size);
-        if stride < size {
-            return fail("packed closer than its elements are long");
-        }
-        let length = (count - 1)
-            .checked_mul(stride)
-            .and_then(|n| n.checked_add(size))
-            .and_then(|n| n.checked_add(accessor.offset()));
-        if length.is_none_or(|n| n > view.length()) {
-            return fail("longer than its buffer view");
-        }
-        let buffer = view.buffer().index();
-        let held = self.buffers.get(buffer).map_or(0, Vec::len);
-        match view.offset().checked_add(view.length()) {
-            Some(needed) if needed <= held => Ok(()),
-            needed => Err(Trouble::ShortBuffer { buffer, held, needed: needed.unwrap_or(usize::MAX) }),
-        }
-    }
-
-    fn world(&self, name: &str, document: &gltf::Document) -> Result<World, Trouble> {
-        let (nodes, order) = nodes_of(document)?;
-        let mut nodes = Nodes(nodes);
-        let clip = self.animate(document, &mut nodes, &order)?;
-
-        let mut meshes: HashMap<usize, Option<Arc<Mesh>>> = HashMap::new();
-        let mut objects = Vec::new();
-        let mut moving = Vec::new();
-        for (place, &index) in order.iter().enumerate() {
-            let Some(node) = document.nodes().nth(index) else { continue };
-            let Some(mesh) = node.mesh() else { continue };
-            let mesh = match meshes.get(&mesh.index()) {
-                Some(known) => known.clone(),
-                None => {
-                    let read = self.mesh(&mesh)?.map(Arc::new);
-                    meshes.insert(mesh.index(), read.clone());
-                    read
-                }
-            };
-            let Some(mesh) = mesh else { continue };
-            let role = role_of(&node);
-            let transform = nodes.global(place, 0.0);
-            let dynamic = nodes.moves(place);
+    let mut meshes: HashMap<usize, Option<Arc<Mesh>>> = HashMap::new();
+    let mut objects = Vec::new();
+    let mut moving = Vec::new();
+    for (place, item) in nodes.0.iter().enumerate() {
+        let Some(node) = document.nodes().nth(item.index) else { continue };
+        let Some(mesh) = node.mesh() else { continue };
+        check_rigid(&node, &mesh, item.morphs)?;
+        let (occludes, tested) = role_of(&node)?;
+        let mesh = match meshes.get(&mesh.index()) {
+            Some(known) => known.clone(),
+            None => {
+                let read = reader.mesh(&mesh)?.map(Arc::new);
+                meshes.insert(mesh.index(), read.clone());
+                read
+            }
+        };
+        let Some(mesh) = mesh else { continue };
+        let name = node.name().unwrap_or("");
+        let (transform, dynamic) = (nodes.global(place, 0.0), nodes.moves(place));
+        let mut add = |name: String, instance: Affine3A| {
             if dynamic {
-                moving.push(Moving { object: objects.len(), node: place, mesh: mesh.clone() });
+                moving.push(Moving {
+                    object: objects.len(),
+                    node: place,
+                    place: instance,
+                    mesh: mesh.clone(),
+                });
             }
             objects.push(Object {
-                name: node.name().unwrap_or("").to_owned(),
-                shape: Shape::Mesh { mesh, transform },
+                name,
+                shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
                 motion: if dynamic { Motion::Dynamic { max_speed: 0.0 } } else { Motion::Static },
-                occludes: role != Some("occludee".to_owned()),
-                tested: role != Some("occluder".to_owned()),
+                occludes,
+                tested,
             });
-        }
-        if objects.is_empty() {
-            return Err(Trouble::NoTriangles);
-        }
-
-        // Both ends of the clip are frames.
-        let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, 1e5) as usize + 1;
-        let camera = camera_of(document, &nodes, &order);
-        let frames = match &camera {
-            Some(c) if nodes.moves(c.node) => clip_frames,
-            _ => OWN_FRAMES,
         };
-        let mut animation = FilePath { nodes, moving, camera, orbit: (Vec3::ZERO, 0.0), frames };
-        let (min, max) = animation.settle(&mut objects)?;
-        let margin = (max - min).max_element().max(1e-3) * 1e-3;
-        let (min, max) = (min - margin, max + margin);
-        let cell = (max - min).max_element() / CELLS;
-        Ok(World {
-            name: name.to_owned(),
-            objects,
-            grid: GridHint { min, max, cell },
-            frames,
-            animation: Box::new(animation),
-        })
+        match instances_of(document, buffers, &node)? {
+            None => add(name.to_owned(), Affine3A::IDENTITY),
+            Some(places) => {
+                for (i, instance) in places.into_iter().enumerate() {
+                    add(format!("{name}#{i}"), instance);
+                }
+            }
+        }
+    }
+    if objects.is_empty() {
+        return Err(Trouble::NoTriangles);
     }
 
-    /// Reads all animations onto their nodes; gives the length of the longest.
-    fn animate(&self, document: &gltf::Document, nodes: &mut Nodes, order: &[usize]) -> Result<f32, Trouble> {
-        let mut clip = 0f32;
-        for channel in document.animations().flat_map(|a| a.channels().collect::<Vec<_>>()) {
-            let target = channel.target();
-            let Some(place) = order.iter().position(|&i| i == target.node().index()) else { continue };
-            let dimensions = match target.property() {
-                Property::Translation | Property::Scale => Dimensions::Vec3,
-                Property::Rotation => Dimensions::Vec4,
-                Property::MorphTargetWeights => continue,
-            };
-            let sampler = channel.sampler();
-            let (input, output) = (sampler.input(), sampler.output());
-            self.check(&input, "animation times", Dimensions::Scalar, &[DataType::F32])?;
-            self.check(&output, "animation values", dimensions, &[DataType::F32])?;
-            let interpolation = sampler.interpolation();
-            let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-            let unfit = |why| Trouble::Accessor { accessor: output.index(), what: "animation values", why };
-            if input.count() == 0 || output.count() != input.count() * per_key {
-                return Err(unfit("not as long as its times"));
-            }
-            let reader = channel.reader(|b| self.buffers.get(b.index()).map(Vec::as_slice));
-            let times: Vec<f32> = reader.read_inputs().ok_or_else(|| unfit("unreadable"))?.collect();
-            if times.iter().any(|t| !t.is_finite()) || !times.is_sorted() {
-                return Err(Trouble::NotFinite("an animation time, or their order,".to_owned()));
-            }
-            clip = clip.max(times[times.len() - 1]);
-            let tracks = &mut nodes.0[place].tracks;
-            use gltf::animation::util::ReadOutputs;
-            let finite = |ok: bool| {
-                if ok { Ok(()) } else { Err(Trouble::NotFinite("an animation value".to_owned())) }
-            };
-            match reader.read_outputs().ok_or_else(|| unfit("unreadable"))? {
-                ReadOutputs::Translations(v) => {
-                    let values: Vec<Vec3> = v.map(Vec3::from_array).collect();
-                    finite(values.iter().all(|v| v.is_finite()))?;
-                    tracks.translation = Some(Track { times, values, interpolation });
-                }
-                ReadOutputs::Scales(v) => {
-                    let values: Vec<Vec3> = v.map(Vec3::from_array).collect();
-                    finite(values.iter().all(|v| v.is_finite()))?;
-                    tracks.scale = Some(Track { times, values, interpolation });
-                }
-                ReadOutputs::Rotations(v) => {
-                    let values: Vec<Quat> = v.into_f32().map(Quat::from_array).collect();
-                    finite(values.iter().all(|v| v.is_finite()))?;
-                    tracks.rotation = Some(Track { times, values, interpolation });
-                }
-                ReadOutputs::MorphTargetWeights(_) => {}
-            }
-            nodes.0[place].moves = true;
-        }
-        Ok(clip)
+    // Both ends of the clip are frames.
+    let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
+    let camera = camera_of(document, &nodes);
+    let frames = match &camera {
+        Some(c) if nodes.moves(c.node) => clip_frames,
+        _ => OWN_FRAMES,
+    };
+    let mut animation = FilePath::new(nodes, moving, camera, frames);
+    let (min, max) = animation.settle(&mut objects)?;
+    let size = (max - min).max_element();
+    // Far from the origin, cells that are too small could not be told apart.
+    let margin = (size.max(1e-3) * 1e-3).max(min.abs().max(max.abs()).max_element() * 1e-5);
+    let (min, max) = (min - margin, max + margin);
+    let cell = (max - min).max_element() / CELLS;
+    if !(min.is_finite() && max.is_finite() && cell.is_finite()) {
+        return Err(Trouble::NotFinite("the size of the scene".to_owned()));
     }
-
-    /// Joins the triangles of a mesh; `None` if it has none.
-    fn mesh(&self, mesh: &gltf::Mesh) -> Result<Option<Mesh>, Trouble> {
-        use gltf::mesh::Mode;
-        let mut joined = Mesh::default();
-        for primitive in mesh.primitives() {
-            let mode = primitive.mode();
-            if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-                continue;
-            }
-            let Some(positions) = primitive.get(&gltf::Semantic::Positions) else { continue };
-            self.check(&positions, "positions", Dimensions::Vec3, &[DataType::F32])?;
-            if let Some(indices) = primitive.indices() {
-                let types = [DataType::U8, DataType::U16, DataType::U32];
-                self.check(&indices, "indices", Dimensions::Scalar, &types)?;
-            }
-            let reader = primitive.reader(|b| self.buffers.get(b.index()).map(Vec::as_slice));
-            let unreadable =
-                || Trouble::Accessor { accessor: positions.index(), what: "positions", why: "unreadable" };
-            let points: Vec<Vec3> =
-                reader.read_positions().ok_or_else(unreadable)?.map(Vec3::from_array).collect();
-            if points.iter().any(|p| !p.is_finite()) {
-                return Err(Trouble::NotFinite(format!("a position of mesh {}", mesh.index())));
-            }
-            let indices: Vec<u32> = match primitive.indices() {
-                Some(_) => reader.read_indices().ok_or_else(unreadable)?.into_u32().collect(),
-                None => (0..points.len() as u32).collect(),
-            };
-            let vertices = points.len();
-            if let Some(&vertex) = indices.iter().find(|&&v| v as usize >= vertices) {
-                return Err(Trouble::Vertex { mesh: mesh.index(), vertex, vertices });
-            }
-            let base = joined.positions.len() as u32;
-            let mut add = |a: u32, b: u32, c: u32| joined.triangles.push([a + base, b + base, c + base]);
-            match mode {
-                Mode::TriangleStrip => {
-                    for (i, w) in indices.windows(3).enumerate() {
-                        if i % 2 == 0 { add(w[0], w[1], w[2]) } else { add(w[1], w[0], w[2]) }
-                    }
-                }
-                Mode::TriangleFan => {
-                    for w in indices.get(1..).unwrap_or(&[]).windows(2) {
-                        add(indices[0], w[0], w[1]);
-                    }
-                }
-                _ => indices.chunks_exact(3).for_each(|t| add(t[0], t[1], t[2])),
-            }
-            joined.positions.extend(points);
-        }
-        Ok((!joined.triangles.is_empty()).then_some(joined))
-    }
+    Ok(World {
+        name: name.to_owned(),
+        objects,
+        grid: GridHint { min, max, cell },
+        frames,
+        animation: Box::new(animation),
+    })
 }
