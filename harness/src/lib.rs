@@ -3,7 +3,7 @@
 //!
 //! - [`world`]: what a test scene is: objects, their motion, a camera path.
 //! - [`scenes`]: the procedural scenes, seeded.
-//! - [`import`]: scenes from glTF 2.0 binary files.
+//! - [`import`]: scenes from glTF 2.0 files.
 //! - [`oracle`]: exact visibility, which shares no code with the library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.

@@ -1,0 +1,200 @@
+//! Typed elements of buffers: dense, sparse, or both. Nothing is taken for granted about where they lie.
+
+use std::cell::Cell;
+
+use gltf::accessor::sparse::IndexType;
+use gltf::accessor::{DataType, Dimensions};
+use gltf::{Accessor, buffer::View};
+
+use super::Trouble;
+
+/// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the file.
+const MOST_ZEROS: usize = 1 << 22;
+/// Elements that are read from one file: many accessors can lie in the same bytes.
+const MOST_ELEMENTS: usize = 1 << 28;
+
+/// Which component types elements may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Components {
+    /// Floats only.
+    Floats,
+    /// Also normalised integers of 8 or 16 bits.
+    Normalized,
+    /// Also other integers of 8 or 16 bits.
+    Integers,
+}
+
+/// All buffers of a file.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    bytes: Vec<Vec<u8>>,
+    /// Elements that may still be read.
+    left: Cell<usize>,
+}
+
+impl Buffers {
+    pub(super) fn new(bytes: Vec<Vec<u8>>) -> Self {
+        Self { bytes, left: Cell::new(MOST_ELEMENTS) }
+    }
+
+    /// Reads vectors of `N` floats.
+    pub(super) fn floats<const N: usize>(
+        &self,
+        accessor: &Accessor,
+        what: &'static str,
+        components: Components,
+    ) -> Result<Vec<[f32; N]>, Trouble> {
+        let (data_type, normalized) = (accessor.data_type(), accessor.normalized());
+        let taken = match data_type {
+            DataType::F32 => true,
+            DataType::U32 => false,
+            _ if normalized => components != Components::Floats,
+            _ => components == Components::Integers,
+        };
+        let dimensions = match N {
+            1 => Dimensions::Scalar,
+            3 => Dimensions::Vec3,
+            _ => Dimensions::Vec4,
+        };
+        if !taken || accessor.dimensions() != dimensions {
+            return Err(unfit(accessor, what, "of a type that is not read"));
+        }
+        let size = data_type.size();
+        self.elements(accessor, what, [0.0; N], |bytes| {
+            let mut components = bytes.chunks_exact(size).map(|c| component(data_type, normalized, c));
+            std::array::from_fn(|_| components.next().unwrap_or(0.0))
+        })
+    }
+
+    /// Reads the indices of a primitive.
+    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, Trouble> {
+        let what = "indices";
+        let greatest = match accessor.data_type() {
+            DataType::U8 => u32::from(u8::MAX),
+            DataType::U16 => u32::from(u16::MAX),
+            DataType::U32 => u32::MAX,
+            _ => return Err(unfit(accessor, what, "of a type that is not read")),
+        };
+        if accessor.dimensions() != Dimensions::Scalar || accessor.normalized() {
+            return Err(unfit(accessor, what, "of a type that is not read"));
+        }
+        let indices = self.elements(accessor, what, 0, unsigned)?;
+        // Where primitives can be restarted, this index does it; glTF forbids it.
+        if indices.contains(&greatest) {
+            return Err(unfit(accessor, what, "with the greatest index of its type, which is no vertex"));
+        }
+        Ok(indices)
+    }
+
+    /// Makes sure that all elements of an accessor are there, whatever they are.
+    pub(super) fn check(&self, accessor: &Accessor, what: &'static str) -> Result<(), Trouble> {
+        self.elements(accessor, what, (), |_| ()).map(drop)
+    }
+
+    fn elements<T: Copy>(
+        &self,
+        accessor: &Accessor,
+        what: &'static str,
+        zero: T,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, Trouble> {
+        let fail = |why| unfit(accessor, what, why);
+        let (size, count) = (accessor.size(), accessor.count());
+        if count == 0 {
+            return Err(fail("empty"));
+        }
+        let base = match accessor.view() {
+            Some(view) => {
+                let stride = view.stride().unwrap_or(size);
+                if stride < size {
+                    return Err(fail("packed closer than its elements are long"));
+                }
+                let bytes = self
+                    .span(&view, accessor.offset(), count, stride, size)?
+                    .ok_or_else(|| fail("longer than its buffer view"))?;
+                Some(bytes.chunks(stride))
+            }
+            None if accessor.sparse().is_none() => return Err(fail("without data")),
+            None if count > MOST_ZEROS => return Err(fail("too long to be read without a buffer view")),
+            None => None,
+        };
+        let left = self.left.get().checked_sub(count);
+        self.left.set(left.ok_or_else(|| fail("one too many: the file unfolds to too much"))?);
+        let mut elements: Vec<T> = match base {
+            Some(chunks) => chunks.map(|chunk| decode(&chunk[..size])).collect(),
+            None => vec![zero; count],
+        };
+        if let Some(sparse) = accessor.sparse() {
+            if sparse.count() == 0 || sparse.count() > count {
+                return Err(fail("sparse with no elements, or with more than it has"));
+            }
+            let packed = |view: &View, offset: usize, size: usize| {
+                if view.stride().is_some() {
+                    return Err(fail("sparse with a stride"));
+                }
+                self.span(view, offset, sparse.count(), size, size)?
+                    .ok_or_else(|| fail("sparse with more elements than its buffer view holds"))
+            };
+            let (places, values) = (sparse.indices(), sparse.values());
+            let width = match places.index_type() {
+                IndexType::U8 => 1,
+                IndexType::U16 => 2,
+                IndexType::U32 => 4,
+            };
+            let at = packed(&places.view(), places.offset(), width)?.chunks_exact(width);
+            let new = packed(&values.view(), values.offset(), size)?.chunks_exact(size);
+            let mut least = 0;
+            for (place, value) in at.map(|b| unsigned(b) as usize).zip(new) {
+                if place < least {
+                    return Err(fail("sparse with indices that do not ascend"));
+                }
+                *elements.get_mut(place).ok_or_else(|| fail("sparse with an index beyond its end"))? =
+                    decode(value);
+                least = place + 1;
+            }
+        }
+        Ok(elements)
+    }
+
+    /// The bytes from the first of `count` elements to the end of the last; `None` if the view is too short.
+    fn span(
+        &self,
+        view: &View,
+        offset: usize,
+        count: usize,
+        stride: usize,
+        size: usize,
+    ) -> Result<Option<&[u8]>, Trouble> {
+        let buffer = view.buffer().index();
+        let bytes = self.bytes.get(buffer).map_or(&[][..], Vec::as_slice);
+        let end = view.offset().checked_add(view.length());
+        let Some(bytes) = end.and_then(|end| bytes.get(view.offset()..end)) else {
+            let needed = end.unwrap_or(usize::MAX);
+            return Err(Trouble::ShortBuffer { buffer, held: bytes.len(), needed });
+        };
+        let length = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size));
+        let end = length.and_then(|n| n.checked_add(offset));
+        Ok(end.and_then(|end| bytes.get(offset..end)))
+    }
+}
+
+pub(super) fn unfit(accessor: &Accessor, what: &'static str, why: &'static str) -> Trouble {
+    Trouble::Accessor { accessor: accessor.index(), what, why }
+}
+
+/// A little-endian number of at most 4 bytes.
+fn unsigned(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |n, &byte| n << 8 | u32::from(byte))
+}
+
+fn component(data_type: DataType, normalized: bool, bytes: &[u8]) -> f32 {
+    let bits = unsigned(bytes);
+    let (value, most) = match data_type {
+        DataType::I8 => (f32::from(bits as u8 as i8), 127.0),
+        DataType::U8 => (f32::from(bits as u8), 255.0),
+        DataType::I16 => (f32::from(bits as u16 as i16), 32767.0),
+        DataType::U16 => (f32::from(bits as u16), 65535.0),
+        DataType::U32 | DataType::F32 => return f32::from_bits(bits),
+    };
+    if normalized { (value / most).max(-1.0) } else { value }
+}

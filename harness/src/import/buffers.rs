@@ -1,0 +1,76 @@
+//! The bytes of buffers: from the binary chunk, from data URIs and from other files.
+
+use std::io::Read;
+use std::path::{Component, Path};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gltf::buffer::Source;
+use percent_encoding::percent_decode_str;
+
+use super::Trouble;
+
+/// Reads all buffers; each holds at least as many bytes as the file says.
+pub(super) fn buffers_of(
+    document: &gltf::Document,
+    mut blob: Option<Vec<u8>>,
+    folder: Option<&Path>,
+) -> Result<Vec<Vec<u8>>, Trouble> {
+    let mut buffers = Vec::new();
+    for buffer in document.buffers() {
+        let (index, needed) = (buffer.index(), buffer.length());
+        let data = match buffer.source() {
+            // Later buffers have no binary chunk to be in.
+            Source::Bin if index > 0 => Err("it has no URI".to_owned()),
+            Source::Bin => blob.take().ok_or_else(|| "the file has no binary chunk".to_owned()),
+            Source::Uri(uri) => match uri.split_at_checked(5) {
+                Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => decoded(rest),
+                _ => beside(folder, uri, needed),
+            },
+        };
+        let data = data.map_err(|why| Trouble::Buffer { buffer: index, why })?;
+        if data.len() < needed {
+            return Err(Trouble::ShortBuffer { buffer: index, held: data.len(), needed });
+        }
+        buffers.push(data);
+    }
+    Ok(buffers)
+}
+
+/// The bytes of a data URI, from behind its scheme.
+fn decoded(rest: &str) -> Result<Vec<u8>, String> {
+    let (kind, data) = rest.split_once(',').ok_or("its data URI has no comma")?;
+    if !kind.to_ascii_lowercase().ends_with(";base64") {
+        return Err("its data URI is not in base64, and no other is read".to_owned());
+    }
+    STANDARD.decode(data).map_err(|e| format!("its data URI is not sound base64: {e}"))
+}
+
+/// The bytes of the file at a relative URI; no more than are `needed`, for it may have no end.
+fn beside(folder: Option<&Path>, uri: &str, needed: usize) -> Result<Vec<u8>, String> {
+    let fail = |why: &str| format!("{uri}: {why}");
+    let start = uri.split(['/', '?', '#']).next().unwrap_or("");
+    if start.contains(':') {
+        return Err(fail("only files are read, by relative URIs"));
+    }
+    if uri.contains(['?', '#']) {
+        return Err(fail("a URI with a query or a fragment names no file"));
+    }
+    let path = percent_decode_str(uri).decode_utf8().map_err(|_| fail("names no file in UTF-8"))?;
+    let path = Path::new(path.as_ref());
+    let relative = |part| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
+    if !path.components().all(relative) {
+        return Err(fail("only relative URIs are read"));
+    }
+    let path = folder.ok_or_else(|| fail("lies in another file, and no folder is given"))?.join(path);
+    let read = || {
+        // Pipes and devices are not opened: that alone may wait without end.
+        if !std::fs::metadata(&path)?.is_file() {
+            return Err(std::io::Error::other("is no file"));
+        }
+        let mut data = Vec::new();
+        std::fs::File::open(&path)?.take(needed as u64).read_to_end(&mut data)?;
+        Ok(data)
+    };
+    read().map_err(|e| fail(&e.to_string()))
+}

@@ -1,0 +1,101 @@
+//! The triangles of meshes.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::rc::Rc;
+
+use glam::Vec3;
+use gltf::mesh::Mode;
+
+use super::Trouble;
+use super::accessors::{Buffers, Components};
+use crate::world::Mesh;
+
+/// Reads meshes; vertex data that several share is read once.
+pub(super) struct Meshes<'a> {
+    buffers: &'a Buffers,
+    /// What positions may be.
+    components: Components,
+    positions: HashMap<usize, Rc<Vec<Vec3>>>,
+}
+
+impl<'a> Meshes<'a> {
+    pub(super) fn new(buffers: &'a Buffers, components: Components) -> Self {
+        Self { buffers, components, positions: HashMap::new() }
+    }
+
+    /// Joins the triangles of a mesh, with the vertices that they use; `None` if it has none.
+    pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<Mesh>, Trouble> {
+        let mut joined = Mesh::default();
+        // By accessor and index there.
+        let mut known: HashMap<(usize, u32), u32> = HashMap::new();
+        for primitive in mesh.primitives() {
+            let mode = primitive.mode();
+            if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+                continue;
+            }
+            let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else { continue };
+            let points = self.points(&accessor, mesh.index())?;
+            let vertices = points.len();
+            let corners: Vec<u32> = match primitive.indices() {
+                Some(indices) => self.buffers.indices(&indices)?,
+                None => (0..=u32::MAX).take(vertices).collect(),
+            };
+            let whole = match mode {
+                Mode::Triangles => corners.len().is_multiple_of(3),
+                _ => corners.len() >= 3,
+            };
+            if !whole {
+                let corners = corners.len();
+                return Err(Trouble::Corners { mesh: mesh.index(), primitive: primitive.index(), corners });
+            }
+            let mut add = |corners: [u32; 3]| {
+                let [a, b, c] = corners;
+                if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+                    return Err(Trouble::Vertex { mesh: mesh.index(), vertex, vertices });
+                }
+                // Strips go on elsewhere by triangles with two equal corners, which show nothing.
+                if mode != Mode::Triangles && (a == b || b == c || c == a) {
+                    return Ok(());
+                }
+                let mut triangle = [0; 3];
+                for (place, vertex) in triangle.iter_mut().zip(corners) {
+                    *place = match known.entry((accessor.index(), vertex)) {
+                        Entry::Occupied(entry) => *entry.get(),
+                        Entry::Vacant(entry) => {
+                            let new = u32::try_from(joined.positions.len())
+                                .map_err(|_| Trouble::TooManyVertices(mesh.index()))?;
+                            joined.positions.push(points[vertex as usize]);
+                            *entry.insert(new)
+                        }
+                    };
+                }
+                joined.triangles.push(triangle);
+                Ok(())
+            };
+            match mode {
+                Mode::TriangleStrip => corners.windows(3).enumerate().try_for_each(|(i, w)| {
+                    // Every other triangle of a strip runs the other way round.
+                    add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
+                }),
+                Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
+                _ => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
+            }?;
+        }
+        Ok((!joined.triangles.is_empty()).then_some(joined))
+    }
+
+    fn points(&mut self, accessor: &gltf::Accessor, mesh: usize) -> Result<Rc<Vec<Vec3>>, Trouble> {
+        if let Some(points) = self.positions.get(&accessor.index()) {
+            return Ok(points.clone());
+        }
+        let points = self.buffers.floats(accessor, "positions", self.components)?;
+        let points: Vec<Vec3> = points.into_iter().map(Vec3::from_array).collect();
+        if points.iter().any(|p| !p.is_finite()) {
+            return Err(Trouble::NotFinite(format!("a position of mesh {mesh}")));
+        }
+        let points = Rc::new(points);
+        self.positions.insert(accessor.index(), points.clone());
+        Ok(points)
+    }
+}

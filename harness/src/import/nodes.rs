@@ -1,0 +1,164 @@
+//! The nodes of the scene that is shown: what holds what, and where each is.
+
+use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
+
+use super::Trouble;
+use super::tracks::{Track, Tracks};
+
+/// Translation, rotation and scale.
+type Pose = (Vec3, Quat, Vec3);
+
+/// A node: its rest pose, what moves it, and its parent, which comes before it.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    /// Index in the file.
+    pub(super) index: usize,
+    pub(super) parent: Option<usize>,
+    rest: Pose,
+    /// Where the file gives a matrix instead of a pose.
+    pub(super) matrix: Option<Affine3A>,
+    pub(super) tracks: Tracks,
+    /// Whether an animation moves it.
+    pub(super) moves: bool,
+    /// Whether an animation deforms its mesh.
+    pub(super) morphs: bool,
+}
+
+impl Node {
+    pub(super) fn local(&self, time: f32) -> Affine3A {
+        if let Some(matrix) = self.matrix {
+            return matrix;
+        }
+        let at =
+            |track: &Option<Track<Vec3>>, rest: Vec3| track.as_ref().and_then(|t| t.at(time)).unwrap_or(rest);
+        let rotation = self.tracks.rotation.as_ref().and_then(|t| t.at(time)).unwrap_or(self.rest.1);
+        Affine3A::from_scale_rotation_translation(
+            at(&self.tracks.scale, self.rest.2),
+            rotation.normalize(),
+            at(&self.tracks.translation, self.rest.0),
+        )
+    }
+}
+
+/// All nodes, parents first.
+#[derive(Debug, Clone)]
+pub(super) struct Nodes(pub(super) Vec<Node>);
+
+impl Nodes {
+    pub(super) fn global(&self, node: usize, time: f32) -> Affine3A {
+        let mut transform = self.0[node].local(time);
+        let mut at = self.0[node].parent;
+        while let Some(parent) = at {
+            transform = self.0[parent].local(time) * transform;
+            at = self.0[parent].parent;
+        }
+        transform
+    }
+
+    pub(super) fn moves(&self, node: usize) -> bool {
+        std::iter::successors(Some(node), |&n| self.0[n].parent).any(|n| self.0[n].moves)
+    }
+}
+
+/// The nodes of the scene that is shown: the default one, else the first; all nodes where there are no scenes.
+pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
+    let all: Vec<gltf::Node> = document.nodes().collect();
+    let mut is_child = vec![false; all.len()];
+    for node in &all {
+        for child in node.children() {
+            if std::mem::replace(&mut is_child[child.index()], true) {
+                return Err(Trouble::NotATree(child.index()));
+            }
+        }
+    }
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let roots: Vec<usize> = match &scene {
+        Some(scene) => scene.nodes().map(|n| n.index()).collect(),
+        None => (0..all.len()).filter(|&i| !is_child[i]).collect(),
+    };
+    if let Some(&child) = roots.iter().find(|&&i| is_child[i]) {
+        return Err(wrong(&all[child], "is a root of the scene, but has a parent"));
+    }
+    let mut nodes = Vec::new();
+    let mut seen = vec![false; all.len()];
+    let mut todo: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|i| (i, None)).collect();
+    while let Some((index, parent)) = todo.pop() {
+        if std::mem::replace(&mut seen[index], true) {
+            return Err(Trouble::NotATree(index));
+        }
+        let node = &all[index];
+        let (rest, matrix) = pose_of(node)?;
+        let place = nodes.len();
+        let tracks = Tracks::default();
+        nodes.push(Node { index, parent, rest, matrix, tracks, moves: false, morphs: false });
+        todo.extend(node.children().map(|c| (c.index(), Some(place))));
+    }
+    // Nodes in a ring hang from no root.
+    match seen.iter().position(|seen| !seen) {
+        Some(ring) if scene.is_none() => Err(Trouble::NotATree(ring)),
+        _ => Ok(Nodes(nodes)),
+    }
+}
+
+/// The pose of a node, and the matrix if that is what the file gives.
+fn pose_of(node: &gltf::Node) -> Result<(Pose, Option<Affine3A>), Trouble> {
+    match node.transform() {
+        gltf::scene::Transform::Matrix { matrix } => {
+            let matrix = Mat4::from_cols_array_2d(&matrix);
+            if !matrix.is_finite() {
+                return Err(Trouble::NotFinite(format!("the matrix of node {}", node.index())));
+            }
+            if !matrix.row(3).abs_diff_eq(Vec4::W, 1e-5) {
+                return Err(wrong(node, "has a matrix that is not affine"));
+            }
+            Ok(((Vec3::ZERO, Quat::IDENTITY, Vec3::ONE), Some(Affine3A::from_mat4(matrix))))
+        }
+        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
+            let (t, s) = (Vec3::from_array(translation), Vec3::from_array(scale));
+            match unit(Quat::from_array(rotation)) {
+                Some(r) if t.is_finite() && s.is_finite() => Ok(((t, r, s), None)),
+                _ => Err(Trouble::NotFinite(format!("the pose of node {}", node.index()))),
+            }
+        }
+    }
+}
+
+/// A rotation with length 1; `None` for what has no length to speak of.
+pub(super) fn unit(rotation: Quat) -> Option<Quat> {
+    let length = rotation.length();
+    (1e-3..1e3).contains(&length).then(|| rotation / length)
+}
+
+/// What is wrong with a node.
+pub(super) fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
+    Trouble::Node { node: node.index(), name: node.name().unwrap_or("").to_owned(), why: why.into() }
+}
+
+/// Whether the object of a node hides others, and whether it is tested.
+pub(super) fn role_of(node: &gltf::Node) -> Result<(bool, bool), Trouble> {
+    let Some(extras) = node.extras() else { return Ok((true, true)) };
+    let extras: serde_json::Value = serde_json::from_str(extras.get())
+        .map_err(|e| wrong(node, format!("has extras that cannot be read: {e}")))?;
+    match extras.get("role") {
+        None => Ok((true, true)),
+        Some(role) => match role.as_str() {
+            Some("both") => Ok((true, true)),
+            Some("occluder") => Ok((true, false)),
+            Some("occludee") => Ok((false, true)),
+            _ => Err(wrong(node, format!("has the role {role}; there are occluder, occludee and both"))),
+        },
+    }
+}
+
+/// Refuses meshes that are drawn in another form than their positions give.
+pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
+    if node.skin().is_some() {
+        return Err(wrong(node, "has a skin; deformed meshes are not read"));
+    }
+    let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
+    let has_targets = mesh.primitives().any(|p| p.morph_targets().len() > 0);
+    if has_targets && (morphs || weights.iter().any(|&w| w != 0.0)) {
+        return Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read"));
+    }
+    Ok(())
+}

@@ -1,0 +1,189 @@
+//! Key-framed properties of nodes.
+
+use glam::{Quat, Vec3};
+use gltf::animation::{Interpolation, Property};
+
+use super::Trouble;
+use super::accessors::{Buffers, Components, unfit};
+use super::nodes::{Nodes, unit, wrong};
+
+/// A key-framed property of a node.
+#[derive(Debug, Clone)]
+pub(super) struct Track<T> {
+    pub(super) times: Vec<f32>,
+    pub(super) values: Vec<T>,
+    pub(super) interpolation: Interpolation,
+}
+
+pub(super) trait Mix: Copy {
+    fn mix(a: Self, b: Self, t: f32) -> Self;
+    /// The cubic Hermite spline of glTF: values, and tangents times the interval.
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self;
+}
+
+impl Mix for Vec3 {
+    fn mix(a: Self, b: Self, t: f32) -> Self {
+        a.lerp(b, t)
+    }
+
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
+        let [p, m, q, n] = hermite(t, dt);
+        a * p + out * m + b * q + into * n
+    }
+}
+
+impl Mix for Quat {
+    fn mix(a: Self, b: Self, t: f32) -> Self {
+        a.slerp(b, t)
+    }
+
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
+        let [p, m, q, n] = hermite(t, dt);
+        (a * p + out * m + b * q + into * n).normalize()
+    }
+}
+
+pub(super) fn hermite(t: f32, dt: f32) -> [f32; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [2.0 * t3 - 3.0 * t2 + 1.0, dt * (t3 - 2.0 * t2 + t), 3.0 * t2 - 2.0 * t3, dt * (t3 - t2)]
+}
+
+impl<T: Mix> Track<T> {
+    pub(super) fn at(&self, time: f32) -> Option<T> {
+        let last = self.times.len().checked_sub(1)?;
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        let value = |i: usize| self.values.get(if cubic { 3 * i + 1 } else { i }).copied();
+        let next = self.times.partition_point(|&t| t <= time);
+        if next == 0 || next > last {
+            return value(next.min(last));
+        }
+        let (i, j) = (next - 1, next);
+        let dt = self.times[j] - self.times[i];
+        let t = if dt > 0.0 { ((time - self.times[i]) / dt).clamp(0.0, 1.0) } else { 0.0 };
+        let (a, b) = (value(i)?, value(j)?);
+        Some(match self.interpolation {
+            Interpolation::Step => a,
+            Interpolation::Linear => T::mix(a, b, t),
+            Interpolation::CubicSpline => {
+                T::spline(a, *self.values.get(3 * i + 2)?, *self.values.get(3 * j)?, b, t, dt)
+            }
+        })
+    }
+}
+
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tracks {
+    pub(super) translation: Option<Track<Vec3>>,
+    pub(super) rotation: Option<Track<Quat>>,
+    pub(super) scale: Option<Track<Vec3>>,
+}
+
+/// Reads all animations onto their nodes; gives the length of the longest that is used. All play at once;
+/// what two of them animate follows the first.
+pub(super) fn animate(
+    document: &gltf::Document,
+    buffers: &Buffers,
+    nodes: &mut Nodes,
+) -> Result<f32, Trouble> {
+    let mut places = vec![None; document.nodes().len()];
+    for (place, node) in nodes.0.iter().enumerate() {
+        places[node.index] = Some(place);
+    }
+    let mut clip = 0f32;
+    for animation in document.animations() {
+        for channel in animation.channels() {
+            let (target, sampler) = (channel.target(), channel.sampler());
+            let Some(place) = places[target.node().index()] else { continue };
+            let node = &mut nodes.0[place];
+            if target.property() == Property::MorphTargetWeights {
+                node.morphs = true;
+                continue;
+            }
+            if node.matrix.is_some() {
+                return Err(wrong(&target.node(), "is animated, but given as a matrix"));
+            }
+            let (input, output) = (sampler.input(), sampler.output());
+            let interpolation = sampler.interpolation();
+            let times = times_of(buffers, &input)?;
+            let end = times.last().copied().unwrap_or(0.0);
+            let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+            if times.len().checked_mul(per_key) != Some(output.count()) {
+                return Err(unfit(&output, VALUES, "not as long as its times"));
+            }
+            let tracks = &mut node.tracks;
+            let new = match target.property() {
+                Property::Rotation => {
+                    let values = rotations_of(buffers, &output, interpolation)?;
+                    put(&mut tracks.rotation, Track { times, values, interpolation })
+                }
+                Property::Translation => {
+                    let values = vectors_of(buffers, &output)?;
+                    put(&mut tracks.translation, Track { times, values, interpolation })
+                }
+                _ => {
+                    let values = vectors_of(buffers, &output)?;
+                    put(&mut tracks.scale, Track { times, values, interpolation })
+                }
+            };
+            if new {
+                clip = clip.max(end);
+            }
+            node.moves = true;
+        }
+    }
+    Ok(clip)
+}
+
+const VALUES: &str = "animation values";
+
+/// Sets what is not yet set; says whether it was not.
+fn put<T>(place: &mut Option<T>, value: T) -> bool {
+    let new = place.is_none();
+    place.get_or_insert(value);
+    new
+}
+
+fn times_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<f32>, Trouble> {
+    let what = "animation times";
+    let times = buffers.floats::<1>(accessor, what, Components::Floats)?;
+    let times: Vec<f32> = times.into_iter().map(|[t]| t).collect();
+    if times.iter().any(|t| !t.is_finite()) || !times.is_sorted() {
+        return Err(unfit(accessor, what, "not finite, or not in ascending order"));
+    }
+    Ok(times)
+}
+
+fn vectors_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<Vec3>, Trouble> {
+    let values = buffers.floats(accessor, VALUES, Components::Floats)?;
+    let values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
+    if values.iter().any(|v| !v.is_finite()) {
+        return Err(unfit(accessor, VALUES, "not finite"));
+    }
+    Ok(values)
+}
+
+fn rotations_of(
+    buffers: &Buffers,
+    accessor: &gltf::Accessor,
+    interpolation: Interpolation,
+) -> Result<Vec<Quat>, Trouble> {
+    let values = buffers.floats(accessor, VALUES, Components::Normalized)?;
+    let mut values: Vec<Quat> = values.into_iter().map(Quat::from_array).collect();
+    if values.iter().any(|q| !q.is_finite()) {
+        return Err(unfit(accessor, VALUES, "not finite"));
+    }
+    let cubic = interpolation == Interpolation::CubicSpline;
+    for (i, value) in values.iter_mut().enumerate() {
+        // Between the tangents of splines, which are no rotations.
+        if cubic && i % 3 != 1 {
+            continue;
+        }
+        let one =
+            unit(*value).ok_or_else(|| unfit(accessor, VALUES, "with a rotation of no or great length"))?;
+        // A spline is normalised where it has been evaluated.
+        if !cubic {
+            *value = one;
+        }
+    }
+    Ok(values)
+}
