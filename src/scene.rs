@@ -867,12 +867,8 @@ impl Scene {
 
     fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
         let grid = self.grid;
-        let drawn = !matches!(occluder, Occluder::Mesh(_));
         occluder.opaque(&grid, &mut |r| {
             self.opacity_static.set_run(r.x0, r.x1, r.y, r.z);
-            if !drawn {
-                r.cells().for_each(|c| self.fused.add(c));
-            }
         });
         if placement(&grid, &occluder.block()).1 {
             let mut joint = Vec::new();

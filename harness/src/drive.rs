@@ -1,59 +1,86 @@
 //! Puts a test scene into the library and keeps it up to date.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Error, GridSpec, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere, TriMesh, View,
+    Aabb, Bounds, Error, GridSpec, Instance, ObjectDesc, ObjectId, Occluder, Preparation, Pvs, Scene, Sphere,
+    TriMesh, View,
 };
 use glam::{UVec3, Vec3};
 
-use crate::world::{Camera, GridHint, Motion, Object, Shape, World};
+use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// A scene of the library that follows a [`World`].
 pub struct Driver {
     /// The scene.
     pub scene: Scene,
     ids: Vec<ObjectId>,
+    shaper: Shaper,
 }
 
-/// The shapes of an object as the library takes them. Moving meshes are tested by
-/// their box and hide nothing.
-fn shapes(object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
-    let (bounds, occluder): (Bounds, Option<Occluder>) = match &object.shape {
-        Shape::Sphere { center, radius } => {
-            let s = Sphere::new(*center, *radius);
-            (s.into(), Some(s.into()))
-        }
-        Shape::Box { min, max } => {
-            let b = Aabb::new(*min, *max);
-            (b.into(), Some(b.into()))
-        }
-        Shape::Mesh { mesh, transform } => {
-            let positions: Vec<Vec3> =
-                mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-            if object.motion == Motion::Static {
-                let mesh = Arc::new(TriMesh::new(positions, mesh.triangles.clone())?);
-                let occluder = Some(mesh.clone().into());
-                (mesh.into(), occluder)
-            } else {
-                let corners = mesh.triangles.iter().flatten().map(|&v| positions[v as usize]);
-                (Aabb::from_points(corners).ok_or(Error::EmptyMesh)?.into(), None)
+/// Outlines of patches may leave those of static triangles by this share of a cell.
+const TOLERANCE: f32 = 1.0 / 60.0;
+
+/// Makes shapes of the library.
+struct Shaper {
+    /// Meshes that move are prepared once; they are kept so that none takes the place of another.
+    moving: HashMap<*const Mesh, (Arc<Mesh>, Arc<TriMesh>)>,
+    how: Preparation,
+}
+
+impl Shaper {
+    fn new(grid: &GridSpec) -> Self {
+        let mut how = Preparation::default();
+        how.tolerance = Some(grid.cell * TOLERANCE);
+        Self { moving: HashMap::new(), how }
+    }
+
+    /// The shapes of an object as the library takes them.
+    fn shapes(&mut self, object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
+        let (bounds, occluder): (Bounds, Occluder) = match &object.shape {
+            Shape::Sphere { center, radius } => {
+                let s = Sphere::new(*center, *radius);
+                (s.into(), s.into())
             }
-        }
-    };
-    Ok((bounds, occluder.filter(|_| object.occludes)))
-}
+            Shape::Box { min, max } => {
+                let b = Aabb::new(*min, *max);
+                (b.into(), b.into())
+            }
+            Shape::Mesh { mesh, transform } if object.motion == Motion::Static => {
+                let positions: Vec<Vec3> =
+                    mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
+                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &self.how, &mut |_| ())?;
+                let mesh = Arc::new(mesh);
+                (mesh.clone().into(), mesh.into())
+            }
+            Shape::Mesh { mesh, transform } => {
+                let prepared = match self.moving.get(&Arc::as_ptr(mesh)) {
+                    Some((_, prepared)) => prepared.clone(),
+                    None => {
+                        let new = Arc::new(TriMesh::new(mesh.positions.clone(), mesh.triangles.clone())?);
+                        self.moving.insert(Arc::as_ptr(mesh), (mesh.clone(), new.clone()));
+                        new
+                    }
+                };
+                let instance = Instance::new(prepared, *transform)?;
+                (instance.clone().into(), instance.into())
+            }
+        };
+        Ok((bounds, Some(occluder).filter(|_| object.occludes)))
+    }
 
-fn describe(object: &Object) -> Result<ObjectDesc, Error> {
-    let (bounds, occluder) = shapes(object)?;
-    let desc = match object.motion {
-        Motion::Static => ObjectDesc::fixed(bounds),
-        Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
-    };
-    Ok(match occluder {
-        Some(occluder) => desc.occluder(occluder),
-        None => desc,
-    })
+    fn describe(&mut self, object: &Object) -> Result<ObjectDesc, Error> {
+        let (bounds, occluder) = self.shapes(object)?;
+        let desc = match object.motion {
+            Motion::Static => ObjectDesc::fixed(bounds),
+            Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
+        };
+        Ok(match occluder {
+            Some(occluder) => desc.occluder(occluder),
+            None => desc,
+        })
+    }
 }
 
 /// The grid for a scene: as it asks, or with `dims` cells whose size fits all axes.
@@ -86,12 +113,13 @@ impl Driver {
     /// As [`Scene::new`] and [`Scene::insert`].
     pub fn new(world: &World, grid: &GridSpec, mut progress: impl FnMut(usize)) -> Result<Self, Error> {
         let mut scene = Scene::new(grid)?;
+        let mut shaper = Shaper::new(grid);
         let mut ids = Vec::with_capacity(world.objects.len());
         for object in &world.objects {
-            ids.push(scene.insert(describe(object)?)?);
+            ids.push(scene.insert(shaper.describe(object)?)?);
             progress(ids.len());
         }
-        Ok(Self { scene, ids })
+        Ok(Self { scene, ids, shaper })
     }
 
     /// Reports the objects that moved.
@@ -100,7 +128,7 @@ impl Driver {
     /// As [`Scene::update`].
     pub fn update(&mut self, objects: &[Object], moved: &[usize]) -> Result<(), Error> {
         for &i in moved {
-            let (bounds, occluder) = shapes(&objects[i])?;
+            let (bounds, occluder) = self.shaper.shapes(&objects[i])?;
             self.scene.update(self.ids[i], bounds, occluder)?;
         }
         Ok(())

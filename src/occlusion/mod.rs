@@ -265,6 +265,12 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
+    /// Whether a point of a target lies in an open pixel inside the view where no convex occluder is known:
+    /// then testing the target finds that pixel.
+    pub(crate) fn shows(&self, point: DVec3) -> bool {
+        self.faces.iter().filter(|b| b.active).any(|b| b.shows(b.face.local(point)))
+    }
+
     /// Whether a box reaches so close to the eye that directions to it are not told apart.
     fn is_close(&self, block: &Block) -> bool {
         let distance = block.min.max(-block.max).max_element();
@@ -557,6 +563,26 @@ impl FaceBuffer {
         }
     }
 
+    /// Whether a point, in coordinates of the face, lies in an open pixel with no occluder listed.
+    fn shows(&self, p: DVec3) -> bool {
+        if !self.face.parallel && p.z <= 0.0 {
+            return false;
+        }
+        let (u, v) = if self.face.parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
+        let at = |c: f64, (lo, hi): (i64, i64)| {
+            let pixel = floor(((c + 1.0) * self.per_unit).clamp(-1.0, hi as f64));
+            (lo <= pixel && pixel < hi).then_some(pixel)
+        };
+        let (Some(x), Some(y)) = (at(u, self.px), at(v, self.py)) else { return false };
+        let t = ((y / TILE - self.ty) * self.nx + x / TILE - self.tx) as usize;
+        let bit = 1u64 << (y % TILE * TILE + x % TILE);
+        let near = self.face.nearness_of(p.z);
+        let shaded = |s: &Shade| s.mask & bit != 0 && s.near.at(u, v) >= near;
+        self.bins[self.bin(x, y)].is_empty()
+            && self.tiles[t].hidden(below(near)) & bit == 0
+            && !self.planes[t].iter().any(shaded)
+    }
+
     /// A square of pixels as directions.
     #[inline]
     fn square(&self, x: i64, y: i64, size: i64) -> Rect {
@@ -565,8 +591,11 @@ impl FaceBuffer {
 
     /// Whether every pixel of a rectangle is covered for what is nowhere nearer than `near`.
     fn hides(&self, rect: &Rect, near: f32) -> bool {
-        let (x0, x1) = self.pixels(rect.u0, rect.u1, self.px);
-        let (y0, y1) = self.pixels(rect.v0, rect.v1, self.py);
+        self.covers(self.pixels(rect.u0, rect.u1, self.px), self.pixels(rect.v0, rect.v1, self.py), near)
+    }
+
+    /// Whether all pixels of two ranges are covered for what is nowhere nearer than `near`.
+    fn covers(&self, (x0, x1): (i64, i64), (y0, y1): (i64, i64), near: f32) -> bool {
         if x0 >= x1 || y0 >= y1 {
             return true;
         }

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 use super::face::{Face, Linear, Rect};
 use super::target::{above, below};
 use super::tiles::{TILE, span};
-use super::{FaceBuffer, OcclusionBuffers, SHADES, Shade};
+use super::{FaceBuffer, OcclusionBuffers, SHADES, Shade, floor};
 use crate::geometry::Block;
 use crate::shape::Placement;
 use crate::surface::{NONE, Side, Surface};
@@ -82,12 +82,21 @@ struct Seen {
     /// The pixels that it may touch, upper ends excluded.
     px: (i64, i64),
     py: (i64, i64),
-    /// No point of it is nearer.
+    /// No point of it is nearer; of a component's first one, no point of the component.
     near: f32,
-    /// Its edges in the list of the drawing.
-    edges: (u32, u32),
+    nearest: f32,
+    /// Its sides in the list of the drawing.
+    sides: (u32, u32),
     /// The pixels of neighbours that are drawn for the first time.
     around: ((i64, i64), (i64, i64)),
+}
+
+/// A side of a patch as one face sees it.
+struct SeenSide {
+    from: Spot,
+    to: Spot,
+    slack: f64,
+    seam: bool,
 }
 
 /// An empty range.
@@ -107,8 +116,8 @@ pub(super) struct SurfaceScratch {
     /// For each patch of the scene, the number of the drawing and its place in `seen`.
     places: Vec<(u32, u32)>,
     drawing: u32,
-    /// For each side of the patches seen, whether it is a seam.
-    edges: Vec<bool>,
+    /// The sides of the patches seen.
+    sides: Vec<SeenSide>,
     order: Vec<u32>,
     canvas: Canvas,
     joint: Joint,
@@ -357,7 +366,7 @@ impl FaceBuffer {
         }
         let drawing = scratch.drawing;
         scratch.seen.clear();
-        scratch.edges.clear();
+        scratch.sides.clear();
         for (i, d) in batch.iter().enumerate() {
             let Some((rect, depth)) = self.face.block(&d.block) else { continue };
             let near = above(self.face.nearness_of(depth));
@@ -365,6 +374,11 @@ impl FaceBuffer {
             if px.0 >= px.1 || py.0 >= py.1 || self.hides(&rect, near) {
                 continue;
             }
+            let first = scratch.sides.len();
+            let Some((px, py)) = self.project(d, origin, clip, (px, py), &mut scratch.sides) else {
+                scratch.sides.truncate(first);
+                continue;
+            };
             let place = scratch.seen.len() as u32;
             scratch.places[d.number as usize] = (drawing, place);
             scratch.seen.push(Seen {
@@ -373,24 +387,26 @@ impl FaceBuffer {
                 px,
                 py,
                 near,
-                edges: (0, 0),
+                nearest: near,
+                sides: (first as u32, scratch.sides.len() as u32),
                 around: (NOWHERE, NOWHERE),
             });
         }
         for i in 0..scratch.seen.len() as u32 {
             let d = &batch[scratch.seen[i as usize].drawable as usize];
-            let first = scratch.edges.len() as u32;
-            for (_, twin) in d.sides() {
-                let mut seam = false;
+            let first = scratch.seen[i as usize].sides.0 as usize;
+            for (k, (_, twin)) in d.sides().enumerate() {
                 if let Some((number, opposite)) = twin
                     && let (drawn, place) = scratch.places[number as usize]
                     && drawn == drawing
                 {
                     let other = &batch[scratch.seen[place as usize].drawable as usize];
-                    if opposite == (d.sign() == other.sign()) {
+                    // Of what was drawn before only a part is drawn again: two such patches are
+                    // not known together.
+                    if opposite == (d.sign() == other.sign()) && !(d.again && other.again) {
                         let (a, b) = (root(&mut scratch.seen, i), root(&mut scratch.seen, place));
                         scratch.seen[a.max(b) as usize].parent = a.min(b);
-                        seam = true;
+                        scratch.sides[first + k].seam = true;
                         if !d.again && other.again {
                             let (px, py) = (scratch.seen[i as usize].px, scratch.seen[i as usize].py);
                             let join = |a: (i64, i64), b: (i64, i64)| (a.0.min(b.0), a.1.max(b.1));
@@ -399,9 +415,7 @@ impl FaceBuffer {
                         }
                     }
                 }
-                scratch.edges.push(seam);
             }
-            scratch.seen[i as usize].edges = (first, scratch.edges.len() as u32);
         }
         scratch.order.clear();
         scratch.order.extend(0..scratch.seen.len() as u32);
@@ -415,16 +429,31 @@ impl FaceBuffer {
             s.px.0 < s.px.1 && s.py.0 < s.py.1
         });
         for i in 0..scratch.seen.len() as u32 {
-            scratch.seen[i as usize].parent = root(&mut scratch.seen, i);
+            let parent = root(&mut scratch.seen, i);
+            let near = scratch.seen[i as usize].near;
+            let nearest = &mut scratch.seen[parent as usize].nearest;
+            *nearest = nearest.max(near);
+            scratch.seen[i as usize].parent = parent;
         }
-        scratch.order.sort_by_key(|&i| scratch.seen[i as usize].parent);
+        // What is nearest is drawn first, and may hide the rest.
+        scratch.order.sort_unstable_by(|&a, &b| {
+            let key = |i: u32| scratch.seen[i as usize].parent;
+            let near = |i: u32| scratch.seen[key(i) as usize].nearest;
+            near(b).total_cmp(&near(a)).then(key(a).cmp(&key(b))).then(a.cmp(&b))
+        });
         let mut news = false;
         let mut first = 0;
         while first < scratch.order.len() {
             let parent = |at: usize| scratch.seen[scratch.order[at] as usize].parent;
             let last = (first..scratch.order.len()).find(|&at| parent(at) != parent(first));
             let last = last.unwrap_or(scratch.order.len());
-            news |= self.draw_component(batch, first..last, origin, clip, scratch);
+            let hidden = |&i: &u32| {
+                let s = &scratch.seen[i as usize];
+                self.covers(s.px, s.py, s.near)
+            };
+            if first == 0 || !scratch.order[first..last].iter().all(hidden) {
+                news |= self.draw_component(batch, first..last, clip, scratch);
+            }
             first = last;
         }
         news
@@ -435,7 +464,6 @@ impl FaceBuffer {
         &mut self,
         batch: &[Drawable],
         range: std::ops::Range<usize>,
-        origin: DVec3,
         clip: f64,
         scratch: &mut SurfaceScratch,
     ) -> bool {
@@ -458,7 +486,7 @@ impl FaceBuffer {
             let s = &scratch.seen[i as usize];
             let d = &batch[s.drawable as usize];
             canvas.clear(Area::new(s.px, s.py));
-            self.outline(canvas, d, &scratch.edges[s.edges.0 as usize..s.edges.1 as usize], origin, clip);
+            self.outline(canvas, d, &scratch.sides[s.sides.0 as usize..s.sides.1 as usize], clip);
             canvas.fill();
             let back = Back::new(&self.face, d);
             let area = canvas.area;
@@ -530,31 +558,68 @@ impl FaceBuffer {
         news
     }
 
+    /// Puts the sides of a patch on the face. Returns the pixels that it may touch, of those given.
+    fn project(
+        &self,
+        d: &Drawable,
+        origin: DVec3,
+        clip: f64,
+        within: ((i64, i64), (i64, i64)),
+        sides: &mut Vec<SeenSide>,
+    ) -> Option<((i64, i64), (i64, i64))> {
+        let pen = Pen { face: &self.face, per_unit: self.per_unit, corner: (0.0, 0.0), clip };
+        let growth = d.placement.map_or(1.0, |p| p.growth);
+        let world = |v: DVec3| d.placement.map_or(v, |p| p.affine.transform_point3(v));
+        let spot = |v: Vec3| pen.spot(self.face.local(world(v.as_dvec3()) - origin));
+        // Outlines run on: a side often starts where the last one ended.
+        let mut known = (Vec3::NAN, Spot::default());
+        let (mut least, mut most) = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+        let (mut near, mut slack) = (f64::INFINITY, 0.0f64);
+        let smaller = |a: f64, b: f64| if a < b { a } else { b };
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        for side in d.surface.outline(&d.surface.patches[d.patch as usize]) {
+            let from = if known.0 == side.from { known.1 } else { spot(side.from) };
+            let to = spot(side.to);
+            known = (side.to, to);
+            for s in [from, to] {
+                least = (smaller(s.pixel.0, least.0), smaller(s.pixel.1, least.1));
+                most = (larger(s.pixel.0, most.0), larger(s.pixel.1, most.1));
+                near = smaller(s.at.z, near);
+            }
+            let own = f64::from(side.slack) * growth + d.error;
+            slack = larger(own, slack);
+            sides.push(SeenSide { from, to, slack: own, seam: false });
+        }
+        let deep = self.face.parallel || near >= 2.0 * clip + 2.0 * slack;
+        if !deep {
+            return Some(within);
+        }
+        let wide = if self.face.parallel { slack * self.face.right.length() } else { 2.0 * slack / near };
+        let wide = TOUCH + wide * self.per_unit;
+        let meet = |(lo, hi): (i64, i64), least: f64, most: f64| {
+            let lo = lo.max(floor((least - wide).clamp(-1.0, hi as f64)));
+            (lo, hi.min(floor((most + wide).clamp(-1.0, hi as f64)) + 1))
+        };
+        let (px, py) = (meet(within.0, least.0, most.0), meet(within.1, least.1, most.1));
+        (px.0 < px.1 && py.0 < py.1).then_some((px, py))
+    }
+
     /// Draws the outline of a patch.
-    fn outline(&self, canvas: &mut Canvas, d: &Drawable, seams: &[bool], origin: DVec3, clip: f64) {
+    fn outline(&self, canvas: &mut Canvas, d: &Drawable, sides: &[SeenSide], clip: f64) {
         let corner = (canvas.area.x as f64, canvas.area.y as f64);
         let pen = Pen { face: &self.face, per_unit: self.per_unit, corner, clip };
-        let sign = d.sign() as i16;
+        let by = d.sign() as i16;
         let cut = !self.face.parallel && pen.cuts(&d.block);
         let mut base = None;
-        // Outlines run on: an edge often starts where the last one ended.
-        let mut known = (Vec3::NAN, Spot::default());
-        let patch = &d.surface.patches[d.patch as usize];
-        let growth = d.placement.map_or(1.0, |p| p.growth);
-        for (side, &seam) in d.surface.outline(patch).iter().zip(seams) {
-            let world = |v: DVec3| d.placement.map_or(v, |p| p.affine.transform_point3(v));
-            let spot = |v: Vec3| pen.spot(self.face.local(world(v.as_dvec3()) - origin));
-            let start = if known.0 == side.from { known.1 } else { spot(side.from) };
-            let end = spot(side.to);
-            known = (side.to, end);
-            let by = sign;
-            let ends = [start.at, end.at];
-            let slack = f64::from(side.slack) * growth + d.error;
-            if slack == 0.0 && (self.face.parallel || start.at.z >= clip && end.at.z >= clip) {
-                canvas.edge(start.pixel, end.pixel, by, TOUCH, seam);
+        for side in sides {
+            let (from, to) = (&side.from, &side.to);
+            if side.slack == 0.0 && (self.face.parallel || from.at.z >= clip && to.at.z >= clip) {
+                let own = |p: (f64, f64)| (p.0 - corner.0, p.1 - corner.1);
+                canvas.edge(own(from.pixel), own(to.pixel), by, TOUCH, side.seam);
                 continue;
             }
-            pen.edge(canvas, ends, by, slack, seam);
+            let ends = [from.at, to.at];
+            pen.edge(canvas, ends, by, side.slack, side.seam);
             // Cut by the near limit: the cut runs along it, far outside the face.
             if cut && let Some((at, leaves)) = pen.cut(ends) {
                 let base = *base.get_or_insert(at);

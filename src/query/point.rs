@@ -709,6 +709,17 @@ impl Walk<'_> {
         if meshes && self.hides(&bounds.block()) {
             return true;
         }
+        // The quick way to see what is plainly in sight.
+        let shown = match bounds {
+            Bounds::Mesh(mesh) => buffers.shows(mesh.middle() - origin),
+            Bounds::Instance(i) => {
+                buffers.shows(i.placement().affine.transform_point3(i.mesh().middle()) - origin)
+            }
+            _ => false,
+        };
+        if shown {
+            return false;
+        }
         let mut part_is_hidden = |polytope: Polytope| {
             let block = polytope.bounds();
             hidden(&Target::polytope(polytope, block, direction))

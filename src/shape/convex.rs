@@ -220,6 +220,11 @@ impl Convex {
         self.faces.len()
     }
 
+    /// A point inside.
+    pub(crate) fn middle(&self) -> DVec3 {
+        self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64
+    }
+
     /// The solid relative to an origin.
     pub(crate) fn seen_from(&self, origin: DVec3) -> Polytope {
         Polytope {

@@ -96,6 +96,7 @@ pub struct TriMesh {
     closed: bool,
     surface: Surface,
     parts: Vec<Convex>,
+    middle: DVec3,
 }
 
 impl TriMesh {
@@ -135,7 +136,8 @@ impl TriMesh {
         progress(0.7);
         let parts = parts::parts(&positions, &triangles);
         progress(1.0);
-        Ok(Self { positions, triangles, bounds, closed, surface, parts })
+        let middle = parts.first().map_or(DVec3::ZERO, Convex::middle);
+        Ok(Self { positions, triangles, bounds, closed, surface, parts, middle })
     }
 
     /// The positions given.
@@ -162,6 +164,11 @@ impl TriMesh {
     /// Convex solids that together hold the mesh.
     pub(crate) fn parts(&self) -> &[Convex] {
         &self.parts
+    }
+
+    /// A point of the largest of those.
+    pub(crate) fn middle(&self) -> DVec3 {
+        self.middle
     }
 
     pub(crate) fn surface(&self) -> &Surface {
