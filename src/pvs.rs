@@ -51,6 +51,8 @@ pub struct Stats {
     pub refined_hidden: u32,
     /// [`Method::Point`]: squares of directions examined for that.
     pub refine_squares: u64,
+    /// [`Method::Point`]: patches of triangles drawn again for that.
+    pub refine_patches: u32,
     /// Temporal bounding volumes revealed.
     pub tbvs_revealed: u32,
     /// Whether the eye was inside an occluder, or the near plane cut into one, so

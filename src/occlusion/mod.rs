@@ -12,6 +12,7 @@
 
 mod face;
 mod image;
+mod magnify;
 mod outline;
 mod refine;
 mod silhouette;
@@ -24,6 +25,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 pub use image::OcclusionImage;
+pub(crate) use magnify::Magnifier;
 pub(crate) use outline::Polytope;
 pub(crate) use refine::Effort;
 pub(crate) use solid::Solid;
@@ -72,6 +74,18 @@ struct Listed {
     near: f32,
 }
 
+/// A patch in the list of a square of tiles.
+#[derive(Debug, Clone, Copy)]
+struct ListedPatch {
+    /// When it was drawn.
+    id: u32,
+    /// No point of it is nearer.
+    near: f32,
+    /// The pixels that it may touch.
+    px: (i64, i64),
+    py: (i64, i64),
+}
+
 /// Planes kept for a tile.
 const SHADES: usize = 2;
 
@@ -112,6 +126,8 @@ struct FaceBuffer {
     /// For each tile, planes behind which some of its pixels are hidden.
     planes: Vec<[Shade; SHADES]>,
     bins: Vec<Vec<Listed>>,
+    /// The patches drawn, by the same squares.
+    patches: Vec<Vec<ListedPatch>>,
     drawn: Vec<Drawn>,
 }
 
@@ -317,6 +333,7 @@ impl FaceBuffer {
             closed: Vec::new(),
             planes: Vec::new(),
             bins: Vec::new(),
+            patches: Vec::new(),
             drawn: Vec::new(),
         }
     }
@@ -386,8 +403,10 @@ impl FaceBuffer {
         self.planes.resize(count, [Shade::NONE; SHADES]);
         let bins = (((self.nx - 1) / BIN + 1) * ((self.ny - 1) / BIN + 1)) as usize;
         self.bins.iter_mut().for_each(Vec::clear);
+        self.patches.iter_mut().for_each(Vec::clear);
         if self.bins.len() < bins {
             self.bins.resize_with(bins, Vec::new);
+            self.patches.resize_with(bins, Vec::new);
         }
         // Pixels outside the frustum count as covered by something at the eye.
         for ty in 0..self.ny {

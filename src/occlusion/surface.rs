@@ -15,8 +15,8 @@ use smallvec::SmallVec;
 
 use super::face::{Face, Linear, Rect};
 use super::target::{above, below};
-use super::tiles::{TILE, span};
-use super::{FaceBuffer, OcclusionBuffers, SHADES, Shade, floor};
+use super::tiles::TILE;
+use super::{BIN, FaceBuffer, ListedPatch, OcclusionBuffers, SHADES, Shade, floor};
 use crate::geometry::Block;
 use crate::shape::Placement;
 use crate::surface::{NONE, Side, Surface};
@@ -34,6 +34,8 @@ pub(crate) struct Drawable<'a> {
     /// Where the surface is, if that is not where its sides say.
     pub(crate) placement: Option<&'a Placement>,
     pub(crate) patch: u32,
+    /// The number of patches drawn before.
+    pub(crate) id: u32,
     /// Tells it from all others of the scene, and so its neighbours in the surface.
     pub(crate) number: u32,
     /// Patches of other surfaces at the open sides of its own: (side, number of the patch, whether the
@@ -103,10 +105,20 @@ struct SeenSide {
 const NOWHERE: (i64, i64) = (i64::MAX, i64::MIN);
 
 /// Where a winding number changes in a row: for all pixels from a column on.
-#[derive(Clone, Copy)]
+#[derive(Debug, Default, Clone, Copy)]
 struct Step {
     column: i16,
     by: i16,
+}
+
+/// Steps of a row that are kept in place.
+const STEPS: usize = 7;
+
+/// The steps of a row; what does not fit spills.
+#[derive(Debug, Default, Clone, Copy)]
+struct Row {
+    steps: [Step; STEPS],
+    count: u32,
 }
 
 /// What drawing keeps to spare allocations.
@@ -150,22 +162,23 @@ impl Area {
     }
 }
 
-/// What is known of the pixels of a tile.
-#[derive(Debug, Default, Clone, Copy)]
-struct Marks {
-    /// Touched by open edges, and by seams.
-    touched: [u64; 2],
-    /// The winding number of the middle is positive, or negative.
-    plus: u64,
-    minus: u64,
-}
+/// What is known of the pixels of a tile: touched by open sides; touched by seams; the winding number
+/// of the middle is positive; it is negative.
+type Marks = [u64; 4];
+const OPEN: usize = 0;
+const SEAM: usize = 1;
+const PLUS: usize = 2;
+const MINUS: usize = 3;
 
 /// Pixels around a patch.
 #[derive(Default)]
 struct Canvas {
     area: Area,
     tiles: Vec<Marks>,
-    rows: Vec<Vec<Step>>,
+    rows: Vec<Row>,
+    /// Steps that their rows had no room for.
+    spilled: Vec<(i32, Step)>,
+    all: Vec<Step>,
 }
 
 /// Pixels around patches that hang together.
@@ -184,34 +197,35 @@ impl Canvas {
         self.tiles.resize(area.tiles(), Marks::default());
         let rows = (area.ny * TILE) as usize;
         if self.rows.len() < rows {
-            self.rows.resize_with(rows, Vec::new);
+            self.rows.resize(rows, Row::default());
         }
-        self.rows[..rows].iter_mut().for_each(Vec::clear);
+        self.rows[..rows].iter_mut().for_each(|r| r.count = 0);
+        self.spilled.clear();
     }
 
     /// Marks pixels of a row, both ends included and inside the canvas.
     #[inline]
-    fn touch(&mut self, row: i32, first: i32, last: i32, seam: bool) {
+    fn mark(&mut self, row: i32, first: i32, last: i32, layer: usize) {
         let at = (row >> 3) * self.area.nx as i32;
         let shift = (row & 7) << 3;
         let (a, b) = (first >> 3, last >> 3);
         let (low, high) = (0xffu64 << (first & 7) & 0xff, 0xffu64 >> (7 - (last & 7)));
-        let layer = usize::from(seam);
         if a == b {
-            self.tiles[(at + a) as usize].touched[layer] |= (low & high) << shift;
+            self.tiles[(at + a) as usize][layer] |= (low & high) << shift;
             return;
         }
-        self.tiles[(at + a) as usize].touched[layer] |= low << shift;
+        self.tiles[(at + a) as usize][layer] |= low << shift;
         for tx in a + 1..b {
-            self.tiles[(at + tx) as usize].touched[layer] |= 0xff << shift;
+            self.tiles[(at + tx) as usize][layer] |= 0xff << shift;
         }
-        self.tiles[(at + b) as usize].touched[layer] |= high << shift;
+        self.tiles[(at + b) as usize][layer] |= high << shift;
     }
 
     /// Draws an edge, in pixels from the corner of the canvas; `wide` is what it is widened by.
     #[inline]
     fn edge(&mut self, a: (f64, f64), b: (f64, f64), by: i16, wide: f64, seam: bool) {
         let (width, height) = ((self.area.nx * TILE) as i32, (self.area.ny * TILE) as i32);
+        let layer = if seam { SEAM } else { OPEN };
         // From top to bottom.
         let (a, b, by) = if a.1 <= b.1 { (a, b, by) } else { (b, a, -by) };
         let (x0, x1) = if a.0 <= b.0 { (a.0, b.0) } else { (b.0, a.0) };
@@ -226,7 +240,7 @@ impl Canvas {
         let (from, to) = (nearest(within(a.1, bottom)).max(0), nearest(within(b.1, bottom)).min(height));
         if x1 < 0.0 {
             for row in from..to {
-                self.rows[row as usize].push(Step { column: 0, by });
+                self.step(row, 0, by);
             }
             return;
         }
@@ -238,12 +252,12 @@ impl Canvas {
             let hi = nearest(within(x1, right) - 0.5).min(width - 1);
             for row in first..=last {
                 if lo <= hi {
-                    self.touch(row, lo, hi, seam);
+                    self.mark(row, lo, hi, layer);
                 }
             }
             for row in from..to {
                 if lo < width {
-                    self.rows[row as usize].push(Step { column: lo as i16, by });
+                    self.step(row, lo, by);
                 }
             }
             return;
@@ -257,47 +271,68 @@ impl Canvas {
             let lo = nearest(within(if lo > left { lo } else { left }, right) - 0.5).max(0);
             let hi = nearest(within(if hi < x1 { hi } else { x1 }, right) - 0.5).min(width - 1);
             if lo <= hi {
-                self.touch(row, lo, hi, seam);
+                self.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
                 let column = nearest(within(x + 0.5 * slope, right)).max(0);
                 if column < width {
-                    self.rows[row as usize].push(Step { column: column as i16, by });
+                    self.step(row, column, by);
                 }
             }
             x = next;
         }
     }
 
+    #[inline]
+    fn step(&mut self, row: i32, column: i32, by: i16) {
+        let step = Step { column: column as i16, by };
+        let own = &mut self.rows[row as usize];
+        match own.steps.get_mut(own.count as usize) {
+            Some(free) => *free = step,
+            None => self.spilled.push((row, step)),
+        }
+        own.count += 1;
+    }
+
     /// Turns steps into winding numbers.
     fn fill(&mut self) {
-        for row in 0..self.area.ny * TILE {
-            let steps = &mut self.rows[row as usize];
-            if steps.is_empty() {
+        let width = (self.area.nx * TILE) as i32;
+        for row in 0..(self.area.ny * TILE) as i32 {
+            let own = self.rows[row as usize];
+            let count = own.count as usize;
+            if count == 0 {
                 continue;
             }
-            if steps.len() > 1 {
-                steps.sort_unstable_by_key(|s| s.column);
+            if count == 2 {
+                let [a, b, ..] = own.steps;
+                let (a, b) = if a.column <= b.column { (a, b) } else { (b, a) };
+                self.wind(row, a.column.into(), b.column.into(), a.by.into());
+                self.wind(row, b.column.into(), width, i32::from(a.by) + i32::from(b.by));
+                continue;
             }
-            let (at, shift) = ((row / TILE) * self.area.nx, 8 * (row % TILE));
-            let (mut winding, mut from) = (0i32, 0i64);
-            let tiles = &mut self.tiles;
-            let mut fill = |winding: i32, from: i64, to: i64| {
-                if winding != 0 && from < to {
-                    for tx in from / TILE..=(to - 1) / TILE {
-                        let x = tx * TILE;
-                        let bits = span(from - x, to - x) << shift;
-                        let marks = &mut tiles[(at + tx) as usize];
-                        if winding > 0 { marks.plus |= bits } else { marks.minus |= bits }
-                    }
-                }
-            };
-            for step in steps.iter() {
-                let column = i64::from(step.column);
-                fill(winding, from, column);
+            let mut all = std::mem::take(&mut self.all);
+            all.clear();
+            all.extend(&own.steps[..count.min(STEPS)]);
+            if count > STEPS {
+                all.extend(self.spilled.iter().filter(|s| s.0 == row).map(|s| s.1));
+            }
+            all.sort_unstable_by_key(|s| s.column);
+            let (mut winding, mut from) = (0i32, 0i32);
+            for step in &all {
+                let column = i32::from(step.column);
+                self.wind(row, from, column, winding);
                 (winding, from) = (winding + i32::from(step.by), column);
             }
-            fill(winding, from, self.area.nx * TILE);
+            self.wind(row, from, width, winding);
+            self.all = all;
+        }
+    }
+
+    /// Marks pixels of a row by the sign of their winding number; the upper end is excluded.
+    #[inline]
+    fn wind(&mut self, row: i32, from: i32, to: i32, winding: i32) {
+        if winding != 0 && from < to {
+            self.mark(row, from, to - 1, if winding > 0 { PLUS } else { MINUS });
         }
     }
 }
@@ -331,13 +366,11 @@ impl OcclusionBuffers {
     /// whether they hide anything new.
     pub(crate) fn draw_surfaces(&mut self, batch: &[Drawable], patches: usize) -> bool {
         let mut scratch = std::mem::take(&mut self.surfaces);
-        if scratch.places.len() < patches {
-            scratch.places.resize(patches, (0, 0));
-        }
         let clip = self.nearest * 0.5;
         let mut news = false;
         for buffer in self.faces.iter_mut().filter(|b| b.active) {
-            news |= buffer.draw_surfaces(batch, self.origin, clip, &mut scratch);
+            news |= buffer.draw_surfaces(batch, self.origin, clip, patches, &mut scratch);
+            buffer.list(batch, &scratch.seen);
         }
         self.surfaces = scratch;
         news
@@ -352,13 +385,18 @@ impl OcclusionBuffers {
 }
 
 impl FaceBuffer {
-    fn draw_surfaces(
+    /// Draws patches together; `patches` is greater than all their numbers.
+    pub(super) fn draw_surfaces(
         &mut self,
         batch: &[Drawable],
         origin: DVec3,
         clip: f64,
+        patches: usize,
         scratch: &mut SurfaceScratch,
     ) -> bool {
+        if scratch.places.len() < patches {
+            scratch.places.resize(patches, (0, 0));
+        }
         scratch.drawing += 1;
         if scratch.drawing == u32::MAX {
             scratch.places.fill((0, 0));
@@ -459,6 +497,20 @@ impl FaceBuffer {
         news
     }
 
+    /// Lists patches that were seen for the first time.
+    fn list(&mut self, batch: &[Drawable], seen: &[Seen]) {
+        let bins = (self.nx - 1) / BIN + 1;
+        let bin = |p: i64, first: i64| (p / TILE - first) / BIN;
+        for s in seen.iter().filter(|s| !batch[s.drawable as usize].again) {
+            let patch = ListedPatch { id: batch[s.drawable as usize].id, near: s.near, px: s.px, py: s.py };
+            for by in bin(s.py.0, self.ty)..=bin(s.py.1 - 1, self.ty) {
+                for bx in bin(s.px.0, self.tx)..=bin(s.px.1 - 1, self.tx) {
+                    self.patches[(by * bins + bx) as usize].push(patch);
+                }
+            }
+        }
+    }
+
     /// Draws patches that hang together.
     fn draw_component(
         &mut self,
@@ -497,8 +549,8 @@ impl FaceBuffer {
                 for tx in 0..area.nx {
                     let marks = canvas.tiles[(ty * area.nx + tx) as usize];
                     let own = (row + tx) as usize;
-                    let [open, seam] = marks.touched;
-                    if open | seam | marks.plus | marks.minus == 0 {
+                    let [open, seam, plus, minus] = marks;
+                    if open | seam | plus | minus == 0 {
                         continue;
                     }
                     if self.closed[own] >= s.near {
@@ -508,7 +560,7 @@ impl FaceBuffer {
                         }
                         continue;
                     }
-                    let mask = (marks.plus | marks.minus) & !(open | seam);
+                    let mask = (plus | minus) & !(open | seam);
                     let rect = self.square(area.x + tx * TILE, area.y + ty * TILE, TILE);
                     let (near, plane) = back.behind(&rect);
                     let near = below(near);
@@ -518,10 +570,9 @@ impl FaceBuffer {
                     if members.len() > 1 {
                         let at = (joint_row + tx) as usize;
                         let all = &mut joint.tiles[at];
-                        all.touched[0] |= open;
-                        all.touched[1] |= seam;
-                        all.plus |= marks.plus;
-                        all.minus |= marks.minus;
+                        for (all, own) in all.iter_mut().zip(marks) {
+                            *all |= own;
+                        }
                         joint.nears[at] = joint.nears[at].min(near);
                     }
                 }
@@ -535,7 +586,7 @@ impl FaceBuffer {
                     let at = (ty * area.nx + tx) as usize;
                     let marks = joint.tiles[at];
                     // Without numbers of both signs the sum is not zero.
-                    let mask = marks.touched[1] & (marks.plus ^ marks.minus) & !marks.touched[0];
+                    let mask = marks[SEAM] & (marks[PLUS] ^ marks[MINUS]) & !marks[OPEN];
                     let own = (row + tx) as usize;
                     if mask != 0 && self.closed[own] < joint.nears[at] {
                         news |= self.hide(own, mask, joint.nears[at], None);

@@ -64,6 +64,9 @@ pub struct Settings {
     pub refine_depth: u32,
     /// [`Method::Point`]: squares examined again in a whole query, at most.
     pub refine_budget: u32,
+    /// [`Method::Point`]: patches of triangles drawn again, eight times as fine, in pixels that leave
+    /// objects undecided, at most in one query. 0 leaves it out.
+    pub refine_patches: u32,
     /// [`Method::Cell`]: keeps which cells were visited and which were hidden, for pictures and tests.
     pub record_cells: bool,
 }
@@ -80,6 +83,7 @@ impl Default for Settings {
             refine_squares: 256,
             refine_depth: 6,
             refine_budget: 1 << 20,
+            refine_patches: 1000,
             record_cells: false,
         }
     }

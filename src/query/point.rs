@@ -13,7 +13,9 @@ use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::mask::Side;
 use crate::matrix::CellBox;
-use crate::occlusion::{Drawable, Effort, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict};
+use crate::occlusion::{
+    Drawable, Effort, Magnifier, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict,
+};
 use crate::pvs::{Pvs, Stats};
 use crate::scene::{Object, Scene};
 use crate::shape::{Bounds, Occluder, Placement, Shape};
@@ -57,6 +59,9 @@ pub(super) struct PointScratch {
     /// For each patch of the scene, the last query that drew it, and in which batch.
     drawn: Vec<(u32, u32)>,
     batches: u32,
+    /// The patches drawn: object and patch.
+    patches: Vec<(u32, u32)>,
+    magnifier: Magnifier,
 }
 
 /// One run of the point method.
@@ -106,6 +111,7 @@ impl<'a> Walk<'a> {
         self.stats.pixels = self.scratch.point.buffers.pixels();
         self.scratch.point.candidates.clear();
         self.scratch.point.clusters.iter_mut().for_each(Vec::clear);
+        self.scratch.point.patches.clear();
         let patches = self.scene.seams.patches();
         let drawn = &mut self.scratch.point.drawn;
         drawn.resize(patches.max(drawn.len()), (0, 0));
@@ -544,7 +550,9 @@ impl<'a> Walk<'a> {
                     if small(own.radius, distance) {
                         continue;
                     }
-                    if let Some(drawable) = self.drawable(slot, patch) {
+                    if let Some(mut drawable) = self.drawable(slot, patch) {
+                        drawable.id = self.scratch.point.patches.len() as u32;
+                        self.scratch.point.patches.push((slot, patch));
                         self.scratch.point.drawn[drawable.number as usize] = (epoch, number);
                         batch.push(drawable);
                     }
@@ -650,6 +658,7 @@ impl<'a> Walk<'a> {
             surface,
             placement,
             patch,
+            id: 0,
             number: place.base + patch,
             links: &place.links,
             block,
@@ -671,38 +680,61 @@ impl<'a> Walk<'a> {
     /// Tests all candidates again, with every occluder drawn, and refines what stays open.
     fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.point.candidates);
-        let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
-        let mut budget = u64::from(self.settings.refine_budget);
+        let mut magnifier = std::mem::take(&mut self.scratch.point.magnifier);
+        let mut left =
+            Left { squares: u64::from(self.settings.refine_budget), patches: self.settings.refine_patches };
         for slot in candidates.drain(..) {
             let object = self.scene.object(slot);
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
                 self.stats.occlusion_tests += 1;
-                let before = budget;
-                let hidden = self.is_hidden(&object.bounds, slot, &effort, &mut budget);
-                self.stats.refined += u32::from(budget < before);
+                let before = left;
+                let hidden = self.is_hidden(&object.bounds, slot, &mut magnifier, &mut left);
+                self.stats.refined += u32::from(left != before);
                 if hidden {
-                    self.stats.refined_hidden += u32::from(budget < before);
+                    self.stats.refined_hidden += u32::from(left != before);
                     continue;
                 }
             }
             self.pvs.push(self.scene.id(slot));
         }
-        self.stats.refine_squares = u64::from(self.settings.refine_budget) - budget;
+        self.stats.refine_squares = u64::from(self.settings.refine_budget) - left.squares;
+        self.stats.refine_patches = self.settings.refine_patches - left.patches;
         self.scratch.point.candidates = candidates;
+        self.scratch.point.magnifier = magnifier;
     }
+}
+
+/// What refinement may still use in a query.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Left {
+    squares: u64,
+    patches: u32,
 }
 
 impl Walk<'_> {
     /// Whether nothing of what is tested can be seen, all occluders being drawn.
-    fn is_hidden(&self, bounds: &Bounds, slot: u32, effort: &Effort, budget: &mut u64) -> bool {
+    fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, left: &mut Left) -> bool {
         let buffers = &self.scratch.point.buffers;
+        let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
+        let drawable = |id: u32| {
+            let (slot, patch) = self.scratch.point.patches[id as usize];
+            self.drawable(slot, patch)
+        };
         let mut hidden = |target: &Target| {
             let verdict = if effort.squares > 0 {
-                buffers.refine(target, slot, effort, budget)
+                buffers.refine(target, slot, &effort, &mut left.squares)
             } else {
                 buffers.test(target)
             };
             verdict == Verdict::Hidden
+                || left.patches > 0
+                    && magnifier.hides(
+                        buffers,
+                        target,
+                        self.scene.seams.patches(),
+                        &mut left.patches,
+                        &drawable,
+                    )
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
         let meshes = matches!(bounds, Bounds::Mesh(_) | Bounds::Instance(_));
