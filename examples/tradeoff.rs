@@ -75,11 +75,20 @@ fn entries(world: &World) -> Result<Vec<Entry>, Box<dyn Error>> {
         change(&mut settings);
         Ok(Contender::Casca(Box::new(Query::with_settings(settings)?)))
     };
-    for (pixels, squares) in
-        [(80.0, 0), (160.0, 0), (160.0, 64), (360.0, 64), (360.0, 256), (640.0, 256), (1280.0, 4096)]
-    {
-        let setting = format!("{pixels} pixels a side, {squares} squares");
-        add("point", setting, query(&|s| (s.pixel_degrees, s.refine_squares) = (90.0 / pixels, squares))?);
+    for (pixels, squares, patches) in [
+        (80.0, 0, 0),
+        (160.0, 0, 0),
+        (160.0, 64, 0),
+        (360.0, 64, 0),
+        (360.0, 256, 1000),
+        (640.0, 256, 4000),
+        (1280.0, 4096, 16_000),
+    ] {
+        let setting = format!("{pixels} px a side, refined {squares}/{patches}");
+        let change = |s: &mut Settings| {
+            (s.pixel_degrees, s.refine_squares, s.refine_patches) = (90.0 / pixels, squares, patches);
+        };
+        add("point", setting, query(&change)?);
     }
     for mask in [64, 256, 1024] {
         let contender = query(&|s| (s.method, s.mask_resolution) = (Method::Cell, mask))?;

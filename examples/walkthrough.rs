@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use casca::{Method, Query, Settings};
+use casca::{Aabb, GridSpec, Method, Query, Settings};
 use casca_harness::baselines::{Hzb, RayBuffer};
 use casca_harness::drive::{Driver, grid_for, view_of};
 use casca_harness::oracle::{ItemBuffer, Oracle, OracleOptions};
@@ -52,9 +52,10 @@ struct Options {
     /// How visibility is decided
     #[arg(long, value_enum, default_value = "point")]
     method: MethodName,
-    /// Cells along x, y and z, such as 100x60x100 [default: as the scene asks]
+    /// Cells along x, y and z, such as 100x60x100, or fit: as many as suit the number of objects
+    /// [default: as the scene asks]
     #[arg(long, value_parser = parse_grid)]
-    grid: Option<UVec3>,
+    grid: Option<GridChoice>,
     /// Frames to walk [default: the scene's path, 150 for procedural scenes]
     #[arg(long)]
     frames: Option<usize>,
@@ -70,6 +71,9 @@ struct Options {
     /// Squares examined again for one undecided object, at most
     #[arg(long, default_value_t = Settings::default().refine_squares)]
     refine: u32,
+    /// Patches of triangles drawn again in undecided pixels, in one query, at most
+    #[arg(long, default_value_t = Settings::default().refine_patches)]
+    patches: u32,
     /// Rays to each object that the PVS leaves out, in every frame
     #[arg(long, default_value_t = 16)]
     samples: usize,
@@ -90,11 +94,20 @@ struct Options {
     quiet: bool,
 }
 
-fn parse_grid(text: &str) -> Result<UVec3, String> {
+#[derive(Debug, Clone, Copy)]
+enum GridChoice {
+    Dims(UVec3),
+    Fit,
+}
+
+fn parse_grid(text: &str) -> Result<GridChoice, String> {
+    if text == "fit" {
+        return Ok(GridChoice::Fit);
+    }
     let parts: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
     match parts.as_deref() {
-        Ok(&[x, y, z]) => Ok(UVec3::new(x, y, z)),
-        _ => Err("expected three numbers such as 100x60x100".to_owned()),
+        Ok(&[x, y, z]) => Ok(GridChoice::Dims(UVec3::new(x, y, z))),
+        _ => Err("expected three numbers such as 100x60x100, or fit".to_owned()),
     }
 }
 
@@ -143,13 +156,25 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let mut world = build(options)?;
     world.set_frame(0);
     let start = Instant::now();
-    let mut driver = Driver::new(&world, &grid_for(&world.grid, options.grid)?, |_| ())?;
+    let grid = match options.grid {
+        Some(GridChoice::Fit) => {
+            GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?
+        }
+        Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
+        None => grid_for(&world.grid, None)?,
+    };
+    let bar =
+        if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(world.objects.len() as u64) };
+    bar.set_style(ProgressStyle::with_template("preparing {bar:40} object {pos} of {len}, {eta} left")?);
+    let mut driver = Driver::new(&world, &grid, |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
     let setup_ms = start.elapsed().as_secs_f64() * 1e3;
 
     let mut settings = Settings::default();
     settings.mask_resolution = options.mask;
     settings.pixel_degrees = options.pixel;
     settings.refine_squares = options.refine;
+    settings.refine_patches = options.patches;
     let mut recording = settings;
     recording.record_cells = true;
     recording.method = Method::Cell;
@@ -312,7 +337,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         row("query time per visited cell", format!("{ns_per_cell:.2} ns"));
     }
     row("scene update, median", format!("{median_update:.0} us"));
-    row("setup", format!("{setup_ms:.0} ms"));
+    row("preparation and setup", format!("{setup_ms:.0} ms"));
     row("grid memory", format!("{:.2} MiB", memory.grid() as f64 / (1 << 20) as f64));
     println!("\npictures: walk.png, frame.png, buffers.png and top_view.png in {}", options.out.display());
 

@@ -11,10 +11,10 @@ use super::{BIN, Drawable, FaceBuffer, OcclusionBuffers};
 use crate::occlusion::face::Rect;
 
 /// A target with this many uncovered pixels on one face is taken to be visible.
-const PIXELS: usize = 32;
+const PIXELS: usize = 16;
 
 /// So is one whose uncovered pixels lie farther apart than this.
-const ACROSS: i64 = 12;
+const ACROSS: i64 = 8;
 
 /// How many times finer.
 const FINER: i64 = TILE;
