@@ -90,12 +90,12 @@ impl Preparation {
 /// A triangle mesh in world space, checked and prepared once.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    bounds: Aabb,
-    closed: bool,
-    surface: Surface,
-    parts: Vec<Convex>,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) bounds: Aabb,
+    pub(super) closed: bool,
+    pub(super) surface: Surface,
+    pub(super) parts: Vec<Convex>,
 }
 
 impl TriMesh {
@@ -215,7 +215,7 @@ impl TriMesh {
 
 /// Whether each edge, by position, has two triangles. Triangles with two equal
 /// corners are passed over.
-fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+pub(super) fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     let key = |v: u32| positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
     let mut edges = Vec::with_capacity(triangles.len() * 3);
     for t in triangles {
