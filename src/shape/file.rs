@@ -499,9 +499,7 @@ mod tests {
     }
 
     fn meshes() -> Vec<TriMesh> {
-        let mut front = Preparation::default();
-        front.facing = Facing::Front;
-        front.tolerance = Some(0.1);
+        let front = Preparation { facing: Facing::Front, tolerance: Some(0.1), ..Preparation::default() };
         let scaled = |s: f32| {
             let positions = corner().positions.iter().map(|&p| (p - 3.5) * s).collect();
             TriMesh::new(positions, corner().triangles).unwrap()
