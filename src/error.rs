@@ -1,4 +1,4 @@
-//! The one error type: every refusal says which argument and why.
+//! What calls are refused with: every refusal says which argument and why. Files have reasons of their own.
 
 use glam::{DVec3, Quat, UVec3, Vec3};
 
@@ -118,6 +118,68 @@ pub enum Error {
         /// The greatest value.
         max: f64,
     },
+}
+
+/// Why a prepared mesh was not read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The stream failed.
+    #[error("the mesh cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+    /// What is read is something else.
+    #[error("this is no prepared mesh: it starts with the bytes {found:02x?}")]
+    Magic {
+        /// The first bytes, zeros where there are none.
+        found: [u8; 8],
+    },
+    /// The file was written by another version of the library.
+    #[error("the mesh is of version {found}, but only version {known} is read: prepare it again")]
+    Version {
+        /// The version of the file.
+        found: u32,
+        /// The version that is read.
+        known: u32,
+    },
+    /// The stream ends too early.
+    #[error("the mesh ends after {held} of {needed} bytes")]
+    Truncated {
+        /// How many there are.
+        held: u64,
+        /// How many there should be.
+        needed: u64,
+    },
+    /// The contents are damaged.
+    #[error("the mesh is damaged: its checksum is {computed:016x}, but should be {stored:016x}")]
+    Checksum {
+        /// The checksum in the file.
+        stored: u64,
+        /// That of the contents.
+        computed: u64,
+    },
+    /// A section is longer than what is left of the contents.
+    #[error("the {section} of the mesh need {needed} bytes, but {held} are left")]
+    Section {
+        /// The section.
+        section: &'static str,
+        /// How many bytes it needs.
+        needed: u64,
+        /// How many are left.
+        held: u64,
+    },
+    /// An entry is not what a prepared mesh can hold.
+    #[error("entry {entry} of the {section} of the mesh {why}")]
+    Entry {
+        /// The section.
+        section: &'static str,
+        /// Index of the entry in it.
+        entry: usize,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+    /// The contents are longer than their sections.
+    #[error("{0} bytes follow the last section of the mesh")]
+    Trailing(u64),
 }
 
 /// Refuses a vector with a component that is not finite.

@@ -32,7 +32,7 @@ mod tbv;
 mod view;
 mod walk;
 
-pub use error::Error;
+pub use error::{Error, FileError};
 pub use geometry::{Aabb, Obb, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use object::{Motion, ObjectDesc, ObjectId, Reports};

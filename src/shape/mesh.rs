@@ -90,13 +90,13 @@ impl Preparation {
 /// A triangle mesh in world space, checked and prepared once.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    bounds: Aabb,
-    closed: bool,
-    surface: Surface,
-    parts: Vec<Convex>,
-    middle: DVec3,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) bounds: Aabb,
+    pub(super) closed: bool,
+    pub(super) surface: Surface,
+    pub(super) parts: Vec<Convex>,
+    pub(super) middle: DVec3,
 }
 
 impl TriMesh {
@@ -136,7 +136,7 @@ impl TriMesh {
         progress(0.7);
         let parts = parts::parts(&positions, &triangles);
         progress(1.0);
-        let middle = parts.first().map_or(DVec3::ZERO, Convex::middle);
+        let middle = middle_of(&parts);
         Ok(Self { positions, triangles, bounds, closed, surface, parts, middle })
     }
 
@@ -220,9 +220,14 @@ impl TriMesh {
     }
 }
 
+/// A point of the first, which is the largest.
+pub(super) fn middle_of(parts: &[Convex]) -> DVec3 {
+    parts.first().map_or(DVec3::ZERO, Convex::middle)
+}
+
 /// Whether each edge, by position, has two triangles. Triangles with two equal
 /// corners are passed over.
-fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+pub(super) fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     let key = |v: u32| positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
     let mut edges = Vec::with_capacity(triangles.len() * 3);
     for t in triangles {

@@ -6,6 +6,7 @@
 
 mod aabb;
 mod convex;
+mod file;
 mod instance;
 mod mesh;
 mod parts;

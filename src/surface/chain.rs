@@ -222,7 +222,7 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             }
         }
     }
-    let radius = |p: usize| f64::from((boxes[p].1 - boxes[p].0).length()) * 0.5;
+    let radius = |p: usize| super::radius(boxes[p].0, boxes[p].1);
     let mut order: Vec<u32> = (0..count as u32)
         .filter(|&p| radius(p as usize) >= rules.least && !outlines[p as usize].is_empty())
         .collect();
@@ -277,18 +277,11 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             min: boxes[old].0,
             max: boxes[old].1,
             radius: radius(old) as f32,
-            slack: surface.sides[first as usize..].iter().map(|s| s.slack).fold(0.0, f32::max),
+            slack: super::slack(&surface.sides[first as usize..]),
         });
     }
     for (first, last) in ranges {
-        let own = &surface.patches[first as usize..last as usize];
-        surface.clusters.push(Cluster {
-            first,
-            last,
-            min: own.iter().fold(Vec3::INFINITY, |m, p| m.min(p.min)),
-            max: own.iter().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max)),
-            radius: own.iter().map(|p| p.radius).fold(0.0, f32::max),
-        });
+        surface.clusters.push(Cluster::new(first, last, &surface.patches));
     }
     surface
 }

@@ -108,6 +108,16 @@ impl Surface {
     }
 }
 
+/// About half the width of a box.
+pub(crate) fn radius(min: Vec3, max: Vec3) -> f64 {
+    f64::from((max - min).length()) * 0.5
+}
+
+/// The greatest slack of sides.
+pub(crate) fn slack(sides: &[Side]) -> f32 {
+    sides.iter().map(|s| s.slack).fold(0.0, f32::max)
+}
+
 impl Patch {
     pub(crate) fn block(&self) -> Block {
         Block { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
@@ -115,6 +125,18 @@ impl Patch {
 }
 
 impl Cluster {
+    /// The cluster of a range of patches.
+    pub(crate) fn new(first: u32, last: u32, patches: &[Patch]) -> Self {
+        let own = &patches[first as usize..last as usize];
+        Self {
+            first,
+            last,
+            min: own.iter().fold(Vec3::INFINITY, |m, p| m.min(p.min)),
+            max: own.iter().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max)),
+            radius: own.iter().map(|p| p.radius).fold(0.0, f32::max),
+        }
+    }
+
     pub(crate) fn block(&self) -> Block {
         Block { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
     }

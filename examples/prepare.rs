@@ -1,0 +1,154 @@
+//! Prepares meshes once and keeps them in a file, so that the next start only reads them.
+//!
+//! `cargo run --release --example prepare` needs no arguments and makes a mesh of its own; name a glTF 2.0
+//! file to prepare the meshes in that. `--help` lists the rest.
+
+use std::collections::HashSet;
+use std::error::Error;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use casca::{FileError, Preparation, TriMesh};
+use casca_harness::import;
+use casca_harness::world::{Mesh, Shape};
+use clap::Parser;
+use glam::{EulerRot, Quat, Vec3};
+use indicatif::{ProgressBar, ProgressStyle};
+
+#[derive(Debug, Parser)]
+#[command(about = "Prepares meshes, saves them, and reads them back")]
+struct Options {
+    /// A glTF 2.0 file (.glb or .gltf) [default: a mesh made here]
+    input: Option<PathBuf>,
+    /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's diagonal]
+    #[arg(long)]
+    tolerance: Option<f32>,
+    /// Where the prepared meshes go
+    #[arg(long, default_value = "target/prepare/meshes.casca")]
+    out: PathBuf,
+    /// No progress bar
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Rocks: a ball with bumps, some times over.
+fn rocks() -> Vec<(String, Arc<Mesh>)> {
+    const RINGS: u32 = 96;
+    const AROUND: u32 = 192;
+    let rock = |number: u32| {
+        let mut mesh = Mesh::default();
+        let turn = Quat::from_euler(EulerRot::XYZ, number as f32, 2.0 * number as f32, 0.0);
+        for ring in 0..=RINGS {
+            for step in 0..AROUND {
+                let tilt = std::f32::consts::PI * ring as f32 / RINGS as f32;
+                let angle = std::f32::consts::TAU * step as f32 / AROUND as f32;
+                // At the poles all steps are one point.
+                let flat = if ring % RINGS == 0 { 0.0 } else { tilt.sin() };
+                let n = Vec3::new(flat * angle.cos(), tilt.cos(), flat * angle.sin());
+                let wave = (turn * n * 3.0).to_array().map(f32::sin);
+                mesh.positions.push(n * (1.0 + 0.1 * wave.iter().sum::<f32>()));
+            }
+        }
+        for ring in 0..RINGS {
+            for step in 0..AROUND {
+                let corner = |down: u32, on: u32| (ring + down) * AROUND + (step + on) % AROUND;
+                let (a, b, c, d) = (corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        (format!("rock {number}"), Arc::new(mesh))
+    };
+    (1..=4).map(rock).collect()
+}
+
+/// The meshes of a file, each once, with the name of the first object that has it.
+fn meshes_of(path: &std::path::Path) -> Result<Vec<(String, Arc<Mesh>)>, import::ImportError> {
+    let mut known = HashSet::new();
+    let mut meshes = Vec::new();
+    for object in import::load(path)?.objects {
+        if let Shape::Mesh { mesh, .. } = object.shape
+            && known.insert(Arc::as_ptr(&mesh))
+        {
+            meshes.push((object.name, mesh));
+        }
+    }
+    Ok(meshes)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse();
+    let meshes = match &options.input {
+        Some(path) => meshes_of(path)?,
+        None => rocks(),
+    };
+    let mut how = Preparation::default();
+    how.tolerance = options.tolerance;
+
+    let total: usize = meshes.iter().map(|(_, m)| m.triangles.len()).sum();
+    let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(total as u64) };
+    bar.set_style(ProgressStyle::with_template("{msg} {bar:40} triangle {pos} of {len}, {eta} left")?);
+    let start = Instant::now();
+    let mut prepared = Vec::with_capacity(meshes.len());
+    let mut done = 0;
+    for (name, mesh) in &meshes {
+        bar.set_message(name.clone());
+        let count = mesh.triangles.len();
+        let mut progress = |share: f32| bar.set_position(done + (share * count as f32) as u64);
+        prepared.push(TriMesh::prepare(mesh.positions.clone(), mesh.triangles.clone(), &how, &mut progress)?);
+        done += count as u64;
+    }
+    bar.finish_and_clear();
+    let preparing = start.elapsed().as_secs_f64();
+
+    if let Some(folder) = options.out.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let start = Instant::now();
+    let mut file = BufWriter::new(File::create(&options.out)?);
+    for mesh in &prepared {
+        mesh.write(&mut file)?;
+    }
+    file.flush()?;
+    drop(file);
+    let saving = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let mut file = BufReader::new(File::open(&options.out)?);
+    let mut loaded = Vec::with_capacity(prepared.len());
+    loop {
+        match TriMesh::read(&mut file) {
+            Ok(mesh) => loaded.push(mesh),
+            Err(FileError::Truncated { held: 0, .. }) => break,
+            Err(e) => return Err(e.into()),
+        }
+    }
+    let loading = start.elapsed().as_secs_f64();
+
+    // What is the same has the same bytes.
+    let bytes = |mesh: &TriMesh| {
+        let mut bytes = Vec::new();
+        mesh.write(&mut bytes).map(|()| bytes)
+    };
+    if loaded.len() != prepared.len() {
+        return Err(format!("{} meshes were saved, but {} loaded", prepared.len(), loaded.len()).into());
+    }
+    for ((name, _), (a, b)) in meshes.iter().zip(prepared.iter().zip(&loaded)) {
+        if bytes(a)? != bytes(b)? {
+            return Err(format!("{name} is not the same after loading").into());
+        }
+    }
+
+    let row = |name: &str, value: String| println!("{name:<20}{value:>16}");
+    row("meshes", prepared.len().to_string());
+    row("closed", prepared.iter().filter(|m| m.is_closed()).count().to_string());
+    row("triangles", total.to_string());
+    row("bytes", std::fs::metadata(&options.out)?.len().to_string());
+    row("preparing", format!("{preparing:.3} s"));
+    row("saving", format!("{saving:.3} s"));
+    row("loading", format!("{loading:.3} s"));
+    println!("\nall meshes are the same after loading: {}", options.out.display());
+    Ok(())
+}
