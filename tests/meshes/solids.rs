@@ -111,3 +111,24 @@ fn sound_solids_are_found_inside() {
     mesh.opaque(&grid, &mut |run| count += run.cells().count());
     assert!(count > 5000, "{count}");
 }
+
+#[test]
+fn solids_that_hide_from_their_front_are_wound_outwards() {
+    let (points, faces) = crate::forms::cuboid();
+    let positions: Vec<Vec3> = points.iter().map(|p| (p * 6.0 + 8.0).as_vec3()).collect();
+    let mut how = casca::Preparation::default();
+    how.facing = casca::Facing::Front;
+    let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+    let cells = |triangles: Vec<[u32; 3]>| {
+        let mesh = TriMesh::prepare(positions.clone(), triangles, &how, &mut |_| ()).unwrap();
+        assert!(mesh.is_closed());
+        let mut count = 0;
+        mesh.opaque(&grid, &mut |run| count += run.cells().count());
+        count
+    };
+    assert!(cells(faces.clone()) > 500);
+    let mut mixed = faces.clone();
+    mixed[3].swap(0, 1);
+    assert_eq!(cells(mixed), 0);
+    assert_eq!(cells(faces.iter().map(|&[a, b, c]| [a, c, b]).collect()), 0);
+}
