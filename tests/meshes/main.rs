@@ -366,9 +366,10 @@ struct World {
     made: Vec<Made>,
 }
 
-fn world(solids: &[Solid], frame: Frame) -> World {
+fn world(solids: &[Solid], frame: Frame, cells: u32) -> World {
     let corner = frame.place(DVec3::ZERO).as_vec3();
-    let spec = GridSpec { min: corner, cell: frame.scale as f32, dims: UVec3::splat(SIZE as u32) };
+    let cell = (frame.scale * SIZE / f64::from(cells)) as f32;
+    let spec = GridSpec { min: corner, cell, dims: UVec3::splat(cells) };
     let mut scene = Scene::new(&spec).unwrap();
     let made: Vec<Made> = solids.iter().map(|s| s.recipe.make(&|p| frame.place(p))).collect();
     let meshes: Vec<Arc<TriMesh>> = solids.iter().zip(&made).map(|(s, m)| prepared(m, &s.how)).collect();
@@ -388,17 +389,18 @@ fn world(solids: &[Solid], frame: Frame) -> World {
 }
 
 proptest! {
-    #![proptest_config(cases(40))]
+    #![proptest_config(cases(160))]
 
     #[test]
     fn meshes_lose_nothing(
         solids in prop::collection::vec(solid(), 1..7),
         looks in prop::collection::vec(look(), 1..4),
         frame in frame(),
+        cells in prop_oneof![Just(16u32), Just(64)],
         settings in settings(),
         seed in any::<u64>(),
     ) {
-        let World { mut scene, mut things, meshes, made } = world(&solids, frame);
+        let World { mut scene, mut things, meshes, made } = world(&solids, frame, cells);
         let eye = eye_at(&looks[0].stand, &things, solids.len(), frame);
         for (min, max) in targets(eye, &things, &made, frame, 60, seed) {
             let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
@@ -447,7 +449,7 @@ proptest! {
             occludes: true,
             moves: None,
         }).collect();
-        let World { mut scene, mut things, meshes, made } = world(&solids, frame);
+        let World { mut scene, mut things, meshes, made } = world(&solids, frame, 16);
         let mut other = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
         let mut ids = Vec::new();
         for mesh in &meshes {
@@ -475,6 +477,6 @@ proptest! {
         let lost = lost(&places, &eye, |id| !two.contains(id), 40, seed);
         prop_assert!(lost.is_none(), "{lost:?} from {eye:?}");
         let differ = things.iter().zip(&ids).filter(|(t, id)| one.contains(t.id) != two.contains(**id)).count();
-        prop_assert!(differ <= 4, "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
+        prop_assert!(differ * 5 <= things.len().max(20), "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
     }
 }
