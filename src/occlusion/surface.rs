@@ -90,6 +90,22 @@ struct Seen {
     around: ((i64, i64), (i64, i64)),
 }
 
+/// The common part of two ranges.
+fn meet(a: (i64, i64), b: (i64, i64)) -> (i64, i64) {
+    (a.0.max(b.0), a.1.min(b.1))
+}
+
+/// A range with all pixels of its tiles.
+fn in_tiles(a: (i64, i64)) -> (i64, i64) {
+    if a.0 < a.1 { (a.0 / TILE * TILE, (a.1 + TILE - 1) / TILE * TILE) } else { a }
+}
+
+/// Whether the tiles of `b` hold all of `a`.
+fn within_tiles(a: (i64, i64), b: (i64, i64)) -> bool {
+    let b = in_tiles(b);
+    a.0 >= a.1 || b.0 <= a.0 && a.1 <= b.1
+}
+
 /// An empty range.
 const NOWHERE: (i64, i64) = (i64::MAX, i64::MIN);
 
@@ -109,6 +125,8 @@ pub(super) struct SurfaceScratch {
     drawing: u32,
     /// For each side of the patches seen, whether it is a seam.
     edges: Vec<bool>,
+    /// For each patch seen, all pixels that it may touch.
+    full: Vec<((i64, i64), (i64, i64))>,
     order: Vec<u32>,
     canvas: Canvas,
     joint: Joint,
@@ -403,13 +421,24 @@ impl FaceBuffer {
             }
             scratch.seen[i as usize].edges = (first, scratch.edges.len() as u32);
         }
-        scratch.order.clear();
-        scratch.order.extend(0..scratch.seen.len() as u32);
         // What was drawn before is new only around its seams with what was not.
+        scratch.full.clear();
+        scratch.full.extend(scratch.seen.iter().map(|s| (s.px, s.py)));
         for s in scratch.seen.iter_mut().filter(|s| batch[s.drawable as usize].again) {
-            let meet = |a: (i64, i64), b: (i64, i64)| (a.0.max(b.0), a.1.min(b.1));
             (s.px, s.py) = (meet(s.px, s.around.0), meet(s.py, s.around.1));
         }
+        // There a seam of two such patches needs both.
+        for s in scratch.seen.iter().filter(|s| batch[s.drawable as usize].again) {
+            for ((_, twin), at) in batch[s.drawable as usize].sides().zip(s.edges.0 as usize..) {
+                let Some((number, _)) = twin.filter(|_| scratch.edges[at]) else { continue };
+                let place = scratch.places[number as usize].1 as usize;
+                let (other, full) = (&scratch.seen[place], scratch.full[place]);
+                scratch.edges[at] = within_tiles(meet(in_tiles(s.px), full.0), other.px)
+                    && within_tiles(meet(in_tiles(s.py), full.1), other.py);
+            }
+        }
+        scratch.order.clear();
+        scratch.order.extend(0..scratch.seen.len() as u32);
         scratch.order.retain(|&i| {
             let s = &scratch.seen[i as usize];
             s.px.0 < s.px.1 && s.py.0 < s.py.1
