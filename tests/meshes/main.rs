@@ -480,3 +480,34 @@ proptest! {
         prop_assert!(differ * 5 <= things.len().max(20), "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
     }
 }
+
+proptest! {
+    #![proptest_config(cases(160))]
+
+    #[test]
+    fn surfaces_drawn_in_many_batches_lose_nothing(
+        n in 6..24u32, rough in any::<u64>(), share in 0.02..0.3f64, angle in 0.0..80.0f32,
+        size in 3.0..8.0f64, axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..6.0f64,
+        degrees in 0.5..11.0f32, eye in prop::array::uniform3(0.0..16.0f64), seed in any::<u64>(),
+        cells in prop_oneof![Just(64u32), Just(128)], least in prop_oneof![Just(0.0), Just(0.05)],
+    ) {
+        let recipe = Recipe { form: forms::Form::Terrain(n), center: [8.0; 3], size: [size; 3], axis, angle: turn,
+            damage: vec![forms::Damage::Holes(share)], seed: rough };
+        let frame = Frame { scale: 1.0, offset: 0.0 };
+        let solids = vec![Solid { recipe, how: (Some(0.0), Some(least), angle, false), boxed: false, occludes: true, moves: None }];
+        let World { mut scene, mut things, made, .. } = world(&solids, frame, cells);
+        let at = Vec3::from_array(eye.map(|v| v as f32));
+        for (min, max) in targets(at, &things, &made, frame, 300, seed) {
+            let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
+            things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
+        }
+        let mut settings = Settings::default();
+        settings.pixel_degrees = degrees;
+        settings.min_pixels = 0;
+        let mut query = Query::with_settings(settings).unwrap();
+        let view = View::around(at).unwrap();
+        let pvs = query.run(&scene, &view);
+        let lost = lost(&things, &Eye::Around(at), |id| !pvs.contains(id), 6, seed);
+        prop_assert!(lost.is_none(), "{lost:?}");
+    }
+}
