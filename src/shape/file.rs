@@ -31,7 +31,7 @@ use std::io::{self, Read, Write};
 
 use glam::{DVec3, Vec3};
 
-use super::mesh::{is_closed, middle_of};
+use super::mesh::{is_closed, is_wound_alike, middle_of};
 use super::{Convex, TriMesh};
 use crate::Aabb;
 use crate::error::FileError;
@@ -325,7 +325,8 @@ impl Contents<'_> {
         let surface = self.surface(bounds, front)?;
         let parts = self.parts(bounds)?;
         let middle = middle_of(&parts);
-        Ok(TriMesh { positions, triangles, bounds, closed, surface, parts, middle })
+        let solid = closed && (front.is_none() || is_wound_alike(&positions, &triangles));
+        Ok(TriMesh { positions, triangles, bounds, closed, solid, surface, parts, middle })
     }
 
     fn surface(&mut self, bounds: Aabb, front: Option<f64>) -> Result<Surface, FileError> {

@@ -6,6 +6,9 @@
 //! a component is opaque if the lines along x through the middles of *all*
 //! its rows count an odd number of crossings: a wrong count on one line can
 //! only make it transparent.
+//!
+//! Where triangles hide from their front only, the triangles must be wound alike, and the component must have
+//! a positive winding number: then a ray from where it is zero passes a front.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -94,6 +97,8 @@ pub struct TriMesh {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) bounds: Aabb,
     pub(super) closed: bool,
+    /// Whether it can have opaque cells.
+    pub(super) solid: bool,
     pub(super) surface: Surface,
     pub(super) parts: Vec<Convex>,
     pub(super) middle: DVec3,
@@ -131,13 +136,14 @@ impl TriMesh {
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
         let closed = is_closed(&positions, &triangles);
+        let solid = closed && (how.facing == Facing::Both || is_wound_alike(&positions, &triangles));
         progress(0.2);
         let surface = Surface::new(&positions, &triangles, &rules);
         progress(0.7);
         let parts = parts::parts(&positions, &triangles);
         progress(1.0);
         let middle = middle_of(&parts);
-        Ok(Self { positions, triangles, bounds, closed, surface, parts, middle })
+        Ok(Self { positions, triangles, bounds, closed, solid, surface, parts, middle })
     }
 
     /// The positions given.
@@ -214,9 +220,16 @@ impl TriMesh {
     }
 
     /// Where the line along `axis` through `point` crosses the mesh.
-    fn crossings(&self, axis: usize, point: DVec3, out: &mut Vec<f64>) {
+    fn crossings(&self, axis: usize, point: DVec3, out: &mut Vec<(f64, i32)>) {
         out.clear();
         out.extend(self.corners().filter_map(|t| crossing(&t, axis, point)));
+    }
+
+    /// Whether what lies beyond crossings of a line is behind the mesh's triangles as seen
+    /// from outside.
+    fn is_behind(&self, crossed: impl Iterator<Item = (f64, i32)>) -> bool {
+        let (count, winding) = crossed.fold((0u32, 0), |(n, sum), c| (n + 1, sum + c.1));
+        count % 2 == 1 && (winding > 0 || self.surface.front.is_none())
     }
 }
 
@@ -239,6 +252,20 @@ pub(super) fn is_closed(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     }
     edges.sort_unstable();
     !edges.is_empty() && edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
+}
+
+/// Whether the two triangles at each edge of a closed mesh run along it in opposite directions.
+pub(super) fn is_wound_alike(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+    let key = |v: u32| positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
+    let mut edges = Vec::with_capacity(triangles.len() * 3);
+    for t in triangles {
+        let [a, b, c] = t.map(key);
+        if a != b && b != c && c != a {
+            edges.extend([(a, b), (b, c), (c, a)]);
+        }
+    }
+    edges.sort_unstable();
+    edges.windows(2).all(|w| w[0] != w[1])
 }
 
 /// How much a triangle is widened: roundings of the separating-axis test stay
@@ -269,32 +296,35 @@ fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -
     })
 }
 
-/// Where the line along `axis` through `point` crosses the triangle. Each edge
+/// Where the line along `axis` through `point` crosses the triangle, and by how much that
+/// changes the winding number. Each edge
 /// is judged from its two ends in a fixed order, so that triangles which share
 /// it agree, and crossings of a closed mesh come in pairs whatever is rounded.
-fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<f64> {
+fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<(f64, i32)> {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (pu, pv) = (point[u], point[v]);
     let above = t.map(|p| p[v] > pv);
     if above[0] == above[1] && above[1] == above[2] {
         return None;
     }
-    let mut inside = false;
+    let mut winding = 0;
     for i in 0..3 {
         let j = (i + 1) % 3;
         if above[i] != above[j] {
             let (a, b) = if above[i] { (t[j], t[i]) } else { (t[i], t[j]) };
             let at = a[u] + (pv - a[v]) / (b[v] - a[v]) * (b[u] - a[u]);
-            inside ^= at > pu;
+            if at > pu {
+                winding += if above[i] { 1 } else { -1 };
+            }
         }
     }
-    if !inside {
+    if winding == 0 {
         return None;
     }
     let normal = (t[1] - t[0]).cross(t[2] - t[0]);
     let along = (normal[u] * (t[0][u] - pu) + normal[v] * (t[0][v] - pv)) / normal[axis] + t[0][axis];
     let (lo, hi) = (t[0].min(t[1]).min(t[2])[axis], t[0].max(t[1]).max(t[2])[axis]);
-    Some(if along.is_nan() { lo } else { along.clamp(lo, hi) })
+    Some((if along.is_nan() { lo } else { along.clamp(lo, hi) }, winding))
 }
 
 /// A run of cells without surface in one row of the block.
@@ -339,13 +369,13 @@ impl Shape for TriMesh {
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        if !self.closed {
+        if !self.solid {
             return;
         }
         let Some((lo, surface)) = self.surface_cells(grid) else { return };
         let dims = surface.dims();
         let mut gaps: Vec<Gap> = Vec::new();
-        let mut odd: Vec<bool> = Vec::new();
+        let mut behind: Vec<bool> = Vec::new();
         let mut rows = Vec::with_capacity((dims.y * dims.z) as usize + 1);
         let mut crossed = Vec::new();
         let mut by_row: Vec<Vec<u32>> = vec![Vec::new(); (dims.y * dims.z) as usize];
@@ -380,7 +410,7 @@ impl Shape for TriMesh {
                         x += 1;
                     }
                     let start = grid.plane(0, lo.x + x0);
-                    odd.push(crossed.iter().filter(|&&c| c < start).count() % 2 == 1);
+                    behind.push(self.is_behind(crossed.iter().copied().filter(|c| c.0 < start)));
                     let parent = gaps.len() as u32;
                     gaps.push(Gap { x0, x1: x - 1, parent });
                 }
@@ -395,7 +425,7 @@ impl Shape for TriMesh {
             }
         }
         rows.push(gaps.len());
-        let mut solid = odd;
+        let mut solid = behind;
         for i in 0..gaps.len() {
             let r = root(&mut gaps, i as u32) as usize;
             solid[r] &= solid[i];
@@ -412,7 +442,7 @@ impl Shape for TriMesh {
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-        if !self.closed || !Block::from(self.bounds).contains(&Block { min, max }) {
+        if !self.solid || !Block::from(self.bounds).contains(&Block { min, max }) {
             return false;
         }
         if self.corners().any(|t| triangle_meets_box(&t, (min, max), margin(&t))) {
@@ -422,7 +452,7 @@ impl Shape for TriMesh {
         let mut crossed = Vec::new();
         (0..3).all(|axis| {
             self.crossings(axis, middle, &mut crossed);
-            crossed.iter().filter(|&&c| c < middle[axis]).count() % 2 == 1
+            self.is_behind(crossed.iter().copied().filter(|c| c.0 < middle[axis]))
         })
     }
 
@@ -433,7 +463,9 @@ impl Shape for TriMesh {
         let mut crossed = Vec::new();
         (0..3).any(|axis| {
             self.crossings(axis, point, &mut crossed);
-            crossed.iter().filter(|&&c| c < point[axis]).count() % 2 == 1
+            let before = crossed.iter().filter(|c| c.0 < point[axis]);
+            let (count, winding) = before.fold((0u32, 0), |(n, sum), c| (n + 1, sum + c.1));
+            count % 2 == 1 || winding != 0 && self.surface.front.is_some()
         })
     }
 }

@@ -1,0 +1,95 @@
+//! Walls of panels that are objects of their own.
+
+use std::sync::Arc;
+
+use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene, Settings, TriMesh, View};
+use glam::{UVec3, Vec3};
+
+use crate::rays::Random;
+
+/// A panel of a wall across z: a few triangles, with the corners it shares with its neighbours.
+fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
+    let corner = |i: usize, j: usize| {
+        let inset = |k: usize| [gap, 0.0, -gap][k];
+        Vec3::new(x + size * i as f32 * 0.5 + inset(i), y + size * j as f32 * 0.5 + inset(j), z)
+    };
+    let positions: Vec<Vec3> = (0..9).map(|k| corner(k % 3, k / 3)).collect();
+    let squares = [0u32, 1, 3, 4];
+    let triangles = squares.iter().flat_map(|&a| [[a, a + 1, a + 4], [a, a + 4, a + 3]]).collect();
+    Arc::new(TriMesh::new(positions, triangles).unwrap())
+}
+
+fn empty() -> Scene {
+    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(48, 24, 32) }).unwrap()
+}
+
+/// The objects seen behind a wall of panels with gaps.
+fn seen_behind(gap: f32) -> usize {
+    let mut scene = empty();
+    for i in 0..24 {
+        for j in 0..12 {
+            let mesh = panel(2.0 * i as f32, 2.0 * j as f32, 16.0, 2.0, gap);
+            scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+        }
+    }
+    let mut row = Vec::new();
+    for i in 0..60 {
+        let low = Vec3::new(9.0 + 0.5 * i as f32, 12.0 - 0.1, 20.0);
+        row.push(scene.insert(ObjectDesc::fixed(Aabb::new(low, low + Vec3::new(0.2, 0.2, 0.2)))).unwrap());
+    }
+    let mut settings = Settings::default();
+    settings.pixel_degrees = 1.0;
+    settings.min_pixels = 0;
+    let mut query = Query::with_settings(settings).unwrap();
+    let pvs = query.run(&scene, &View::around(Vec3::new(24.1, 12.2, 6.0)).unwrap());
+    row.iter().filter(|&&id| pvs.contains(id)).count()
+}
+
+#[test]
+fn panels_that_meet_leave_no_seams() {
+    assert_eq!(seen_behind(0.0), 0);
+    let apart = seen_behind(0.01);
+    assert!(apart > 10, "{apart}");
+}
+
+#[test]
+fn panels_streamed_in_and_out_hide_as_if_new() {
+    let mut random = Random(5);
+    let places: Vec<(f32, f32, f32)> = (0..2000)
+        .map(|i| (2.0 * (i % 24) as f32, 2.0 * (i / 24 % 12) as f32, 4.0 + 4.0 * (i / 288) as f32))
+        .collect();
+    let meshes: Vec<Arc<TriMesh>> = places.iter().map(|&(x, y, z)| panel(x, y, z, 2.0, 0.0)).collect();
+    let insert = |scene: &mut Scene, i: usize| {
+        scene.insert(ObjectDesc::fixed(meshes[i].clone()).occluder(meshes[i].clone())).unwrap()
+    };
+    let mut scene = empty();
+    let mut ids: Vec<Option<ObjectId>> = vec![None; meshes.len()];
+    let mut query = Query::new();
+    for frame in 0..12 {
+        scene.begin_frame(f64::from(frame)).unwrap();
+        for _ in 0..1500 {
+            let i = random.below(meshes.len());
+            match ids[i].take() {
+                Some(id) if random.below(3) == 0 => scene.remove(id).unwrap(),
+                Some(id) => ids[i] = Some(id),
+                None => ids[i] = Some(insert(&mut scene, i)),
+            }
+        }
+        let mut fresh = empty();
+        let new: Vec<Option<ObjectId>> =
+            (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
+        for _ in 0..2 {
+            let eye = random.vector(0.0, 24.0).as_vec3();
+            let view = View::around(eye).unwrap();
+            let seen: Vec<bool> = {
+                let pvs = query.run(&scene, &view);
+                ids.iter().map(|id| id.is_some_and(|id| pvs.contains(id))).collect()
+            };
+            let pvs = query.run(&fresh, &view);
+            let differ: Vec<usize> =
+                (0..new.len()).filter(|&i| seen[i] != new[i].is_some_and(|id| pvs.contains(id))).collect();
+            assert!(differ.is_empty(), "frame {frame}, from {eye}: {differ:?} of {}", pvs.len());
+            assert!(pvs.len() < fresh.len());
+        }
+    }
+}
