@@ -1,8 +1,7 @@
 //! Fused occluders: boxes of opaque cells where no single solid says why they are opaque.
 //!
-//! Solids that abut leave a seam when each is drawn for itself, and the insides of closed meshes
-//! are known as cells only. The grid knows that such cells are solid: boxes of opaque
-//! cells are grown around them, also over cells that single solids make opaque, so that they bridge the seams
+//! Solids that abut leave a seam when each is drawn for itself. The grid knows that the cells there are
+//! solid: boxes of opaque cells are grown around them, also over cells that single solids make opaque, so that they bridge the seams
 //! (thesis, section 3.3.4: occluder fusion by extension).
 
 use std::collections::BTreeSet;

@@ -723,6 +723,14 @@ impl Scene {
         let motion = object.motion;
         // Only what lies where its triangles are shares positions with others.
         let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
+        let drawn = |o: &Option<Occluder>| {
+            o.as_ref().and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))))
+        };
+        if drawn(&object.occluder) == drawn(&occluder) {
+            // What moves keeps its numbers.
+            object.occluder = occluder;
+            return;
+        }
         if let Some(old) = &object.occluder
             && let Some(surface) = old.surface()
         {
@@ -803,9 +811,9 @@ impl Scene {
             self.list(slot);
             return;
         }
-        let object = self.object_mut(slot);
-        let old_bounds = std::mem::replace(&mut object.bounds, bounds.clone());
-        let old_occluder = std::mem::replace(&mut object.occluder, occluder.clone());
+        let old_bounds = std::mem::replace(&mut self.object_mut(slot).bounds, bounds.clone());
+        let old_occluder = self.object(slot).occluder.clone();
+        self.set_occluder(slot, occluder.clone());
         let (mut old, mut new) = (std::mem::take(&mut self.old_runs), std::mem::take(&mut self.new_runs));
         old.clear();
         new.clear();

@@ -16,6 +16,9 @@ const PIXELS: usize = 16;
 /// So is one whose uncovered pixels lie farther apart than this.
 const ACROSS: i64 = 8;
 
+/// A patch with this many sides counts as two.
+const SIDES: u64 = 32;
+
 /// How many times finer.
 const FINER: i64 = TILE;
 
@@ -61,11 +64,16 @@ impl Magnifier {
                 return false;
             }
             b.patches_in(px, py, on_face.near, &mut self.found);
-            if self.found.is_empty() || self.found.len() as u64 > u64::from(*budget) {
+            let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(|&id| drawable(id)).collect();
+            // Long outlines count as several patches.
+            let cost = batch
+                .iter()
+                .map(|d| 1 + d.surface.outline(&d.surface.patches[d.patch as usize]).len() as u64 / SIDES);
+            let cost = cost.sum::<u64>();
+            if cost == 0 || cost > u64::from(*budget) {
                 return false;
             }
-            *budget -= self.found.len() as u32;
-            let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(|&id| drawable(id)).collect();
+            *budget -= cost as u32;
             let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(b.face));
             fine.face = b.face;
             fine.halves.clone_from(&b.halves);

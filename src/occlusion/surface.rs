@@ -7,8 +7,8 @@
 //! sum to zero at their middles, at the depth of the farthest patch there. Which way a patch counts
 //! is free: turning patches to the eye keeps folds from cancelling.
 //!
-//! Margins: edges are widened by [`TOUCH`] pixels, a hundred times the rounding of projected
-//! points, and by their own slack.
+//! Margins: edges are widened by [`TOUCH`] pixels, by [`ROUNDING`] times the coordinates of their ends, and
+//! by their own slack.
 
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
@@ -24,6 +24,9 @@ use crate::surface::{NONE, Side, Surface};
 /// Pixels by which edges are widened on each side.
 const TOUCH: f64 = 1e-5;
 
+/// Coordinates of pixels along an edge err by less than this share of those of its ends.
+const ROUNDING: f64 = 4e-15;
+
 /// Edges flatter than this, in pixels of width for one of height, touch all their pixels in each of their rows.
 const FLAT: f64 = 1e4;
 
@@ -34,7 +37,7 @@ pub(crate) struct Drawable<'a> {
     /// Where the surface is, if that is not where its sides say.
     pub(crate) placement: Option<&'a Placement>,
     pub(crate) patch: u32,
-    /// The number of patches drawn before.
+    /// Counts patches when they are drawn first; else of no meaning.
     pub(crate) id: u32,
     /// Tells it from all others of the scene, and so its neighbours in the surface.
     pub(crate) number: u32,
@@ -226,6 +229,7 @@ impl Canvas {
     fn edge(&mut self, a: (f64, f64), b: (f64, f64), by: i16, wide: f64, seam: bool) {
         let (width, height) = ((self.area.nx * TILE) as i32, (self.area.ny * TILE) as i32);
         let layer = if seam { SEAM } else { OPEN };
+        let wide = wide + ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
         // From top to bottom.
         let (a, b, by) = if a.1 <= b.1 { (a, b, by) } else { (b, a, -by) };
         let (x0, x1) = if a.0 <= b.0 { (a.0, b.0) } else { (b.0, a.0) };
@@ -245,9 +249,10 @@ impl Canvas {
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
-        if first == last || slope.is_nan() || slope.abs() >= FLAT {
-            // All of the edge is in one row, or its rows are not told apart. Where it passes
-            // the middle does not matter: all of its pixels there are touched.
+        if slope.is_nan() || slope.abs() >= FLAT {
+            // Its rows are not told apart, nor where it passes their middles: all of its pixels
+            // are touched, and no two patches agree about them.
+            let layer = if from < to { OPEN } else { layer };
             let lo = nearest(within(left, right) - 0.5).max(0);
             let hi = nearest(within(x1, right) - 0.5).min(width - 1);
             for row in first..=last {
@@ -274,9 +279,17 @@ impl Canvas {
                 self.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
-                let column = nearest(within(x + 0.5 * slope, right)).max(0);
+                let at = within(x + 0.5 * slope, right);
+                let column = nearest(at);
+                // Where a seam passes the very middle of a pixel, its two patches may not agree who has it.
+                if seam && (at - f64::from(column)).abs() > 0.5 - TOUCH {
+                    let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
+                    if lo <= hi {
+                        self.mark(row, lo, hi, OPEN);
+                    }
+                }
                 if column < width {
-                    self.step(row, column, by);
+                    self.step(row, column.max(0), by);
                 }
             }
             x = next;
@@ -296,6 +309,7 @@ impl Canvas {
 
     /// Turns steps into winding numbers.
     fn fill(&mut self) {
+        self.spilled.sort_by_key(|s| s.0);
         let width = (self.area.nx * TILE) as i32;
         for row in 0..(self.area.ny * TILE) as i32 {
             let own = self.rows[row as usize];
@@ -314,7 +328,8 @@ impl Canvas {
             all.clear();
             all.extend(&own.steps[..count.min(STEPS)]);
             if count > STEPS {
-                all.extend(self.spilled.iter().filter(|s| s.0 == row).map(|s| s.1));
+                let first = self.spilled.partition_point(|s| s.0 < row);
+                all.extend(self.spilled[first..].iter().take_while(|s| s.0 == row).map(|s| s.1));
             }
             all.sort_unstable_by_key(|s| s.column);
             let (mut winding, mut from) = (0i32, 0i32);
@@ -489,7 +504,7 @@ impl FaceBuffer {
                 let s = &scratch.seen[i as usize];
                 self.covers(s.px, s.py, s.near)
             };
-            if first == 0 || !scratch.order[first..last].iter().all(hidden) {
+            if !scratch.order[first..last].iter().all(hidden) {
                 news |= self.draw_component(batch, first..last, clip, scratch);
             }
             first = last;
@@ -746,9 +761,6 @@ impl Pen<'_> {
                 if leaves { q = cut } else { p = cut }
             }
         }
-        if slack == 0.0 {
-            return canvas.edge(self.place(p), self.place(q), by, TOUCH, seam);
-        }
         if self.face.parallel {
             let wide = TOUCH + slack * self.face.right.length() * self.per_unit;
             return canvas.edge(self.place(p), self.place(q), by, wide, seam);
@@ -761,7 +773,10 @@ impl Pen<'_> {
             let end = 2.0 * from.z.max(slack);
             let to =
                 if end < far.z { near + (far - near) * ((end - near.z) / (far.z - near.z)) } else { far };
-            let wide = if to.z <= 2.0 * slack { TOUCH } else { TOUCH + 2.0 * slack / from.z * self.per_unit };
+            // What the cut at the near limit rounds, seen from there.
+            let rounding = ROUNDING * (p.abs().max_element() + q.abs().max_element());
+            let slack = if to.z <= 2.0 * slack { 0.0 } else { slack };
+            let wide = TOUCH + (2.0 * slack + rounding) / from.z * self.per_unit;
             canvas.edge(self.place(from), self.place(to), by, wide, seam);
             if end >= far.z {
                 break;

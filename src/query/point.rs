@@ -34,8 +34,10 @@ const WORTH_TESTING_BAND: i64 = 32;
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
 
-/// Patches are drawn from this radius on, in pixels.
-const SMALLEST_PATCH: f64 = 3.0;
+/// Patches are drawn from this radius on, in pixels, and clusters of them from this one: small patches hide
+/// nothing alone, but a surface may be made of them.
+const SMALLEST_PATCH: f64 = 2.0;
+const SMALLEST_CLUSTER: f64 = 5.0;
 
 /// In whose name boxes of cells are drawn.
 const NOBODY: u32 = u32::MAX;
@@ -518,7 +520,12 @@ impl<'a> Walk<'a> {
         let epoch = self.scratch.epoch;
         let eye = self.scratch.point.buffers.origin();
         let direction = self.scratch.point.buffers.direction();
-        let smallest = f64::from(self.settings.pixel_degrees).to_radians() * SMALLEST_PATCH;
+        let pixel = f64::from(self.settings.pixel_degrees).to_radians();
+        // Whether a box is smaller than some pixels.
+        let small = |b: &Block, pixels: f64| {
+            let distance = (b.min - eye).max(eye - b.max).max(DVec3::ZERO).length();
+            direction.is_none() && (b.max - b.min).length() * 0.5 < pixel * pixels * distance
+        };
         let mut batch: Vec<Drawable> = Vec::new();
         self.scratch.point.batches += 1;
         let number = self.scratch.point.batches;
@@ -529,25 +536,17 @@ impl<'a> Walk<'a> {
                 let Some(occluder) = &scene.object(slot).occluder else { continue };
                 let Some(surface) = occluder.surface() else { continue };
                 let placement = occluder.placement();
-                let growth = placement.map_or(1.0, |p| p.growth);
                 let cluster = &surface.clusters[index as usize];
                 let around = placed_block(&cluster.block(), placement);
-                let distance = (around.min - eye).max(eye - around.max).max(DVec3::ZERO).length();
-                let small = |radius: f32, distance: f64| {
-                    direction.is_none() && f64::from(radius) * growth < smallest * distance
-                };
-                if small(cluster.radius, distance) || !self.view.may_see_block(&around) || self.hides(&around)
+                if small(&around, SMALLEST_CLUSTER)
+                    || !self.view.may_see_block(&around)
+                    || self.hides(&around)
                 {
                     continue;
                 }
                 for patch in cluster.first..cluster.last {
-                    let own = &surface.patches[patch as usize];
-                    if small(own.radius, distance) {
-                        break;
-                    }
-                    let block = placed_block(&own.block(), placement);
-                    let distance = (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length();
-                    if small(own.radius, distance) {
+                    let block = placed_block(&surface.patches[patch as usize].block(), placement);
+                    if small(&block, SMALLEST_PATCH) {
                         continue;
                     }
                     if let Some(mut drawable) = self.drawable(slot, patch) {

@@ -24,7 +24,7 @@
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces (f64 x 4), edges (u16 x 4) |
 //!
 //! Sides lie in the order of their patches, patches in that of their clusters. What follows from the
-//! rest is computed when read: the bounds, and radius, slack and boxes of patches and clusters.
+//! rest is computed when read: the bounds, and slack and boxes of patches and clusters.
 //! What is read and written again gives the same bytes.
 
 use std::io::{self, Read, Write};
@@ -35,7 +35,7 @@ use super::mesh::{is_closed, is_wound_alike, middle_of};
 use super::{Convex, TriMesh};
 use crate::Aabb;
 use crate::error::FileError;
-use crate::surface::{Cluster, NONE, Patch, Side, Surface, radius, slack};
+use crate::surface::{Cluster, NONE, Patch, Side, Surface, slack};
 
 const MAGIC: [u8; 8] = *b"cascamsh";
 const VERSION: u32 = 1;
@@ -372,17 +372,7 @@ impl Contents<'_> {
                 }
                 c.check(i, side.twin != i as u32, "has a side with itself beyond")?;
             }
-            let patch = Patch {
-                first,
-                last,
-                normal,
-                lo,
-                hi,
-                min,
-                max,
-                radius: radius(min, max) as f32,
-                slack: slack(own),
-            };
+            let patch = Patch { first, last, normal, lo, hi, min, max, slack: slack(own) };
             first = last;
             Ok(patch)
         })?;

@@ -1,5 +1,7 @@
 //! Chains: the outlines of patches, simplified.
 
+use std::collections::HashMap;
+
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
@@ -157,7 +159,7 @@ fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &m
 }
 
 /// A number that tells the points between a chain's ends from others, whichever end it starts at
-/// (FNV-1a on the positions, Fowler, Noll and Vo 1991).
+/// (after FNV-1a, Fowler, Noll and Vo 1991, by words).
 fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
     let at = |i: usize| key(mesh.positions[chain[i] as usize]);
     let last = chain.len() - 1;
@@ -188,6 +190,28 @@ fn cluster(order: &mut [u32], middles: &[DVec3], first: u32, out: &mut Vec<(u32,
     cluster(high, middles, first + half as u32, out);
 }
 
+/// Puts each directed edge after one that ends where it starts, as far as that goes.
+fn in_rings(outline: &mut Vec<u32>, straight: &[Straight]) {
+    let ends = |d: u32| {
+        let [a, b] = straight[(d >> 1) as usize].ends;
+        if d & 1 == 0 { (a, b) } else { (b, a) }
+    };
+    // By their starts, backwards, so that the last of each start is free.
+    let mut rest: HashMap<u32, Vec<u32>> = HashMap::with_capacity(outline.len());
+    for &d in outline.iter().rev() {
+        rest.entry(ends(d).0).or_default().push(d);
+    }
+    let starts: Vec<u32> = outline.iter().map(|&d| ends(d).0).collect();
+    outline.clear();
+    for start in starts {
+        let mut at = start;
+        while let Some(next) = rest.get_mut(&at).and_then(Vec::pop) {
+            outline.push(next);
+            at = ends(next).1;
+        }
+    }
+}
+
 /// Patches with their slabs, boxes and outlines, in clusters.
 fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
     let count = grown.normals.len();
@@ -209,19 +233,7 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             outlines[patch as usize].extend((0..steps.abs()).map(|_| directed));
         }
     }
-    // Each edge after one that ends where it starts, as far as that goes.
-    for outline in &mut outlines {
-        let ends = |d: u32| {
-            let [a, b] = straight[(d >> 1) as usize].ends;
-            if d & 1 == 0 { (a, b) } else { (b, a) }
-        };
-        for i in 1..outline.len() {
-            let end = ends(outline[i - 1]).1;
-            if let Some(next) = (i..outline.len()).find(|&j| ends(outline[j]).0 == end) {
-                outline.swap(i, next);
-            }
-        }
-    }
+    outlines.iter_mut().for_each(|outline| in_rings(outline, straight));
     let radius = |p: usize| super::radius(boxes[p].0, boxes[p].1);
     let mut order: Vec<u32> = (0..count as u32)
         .filter(|&p| radius(p as usize) >= rules.least && !outlines[p as usize].is_empty())
@@ -230,11 +242,6 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
     let mut ranges = Vec::new();
     if !order.is_empty() {
         cluster(&mut order, &middles, 0, &mut ranges);
-    }
-    // Largest first, so that small ones can be passed over together.
-    for &(a, b) in &ranges {
-        order[a as usize..b as usize]
-            .sort_by(|&p, &q| radius(q as usize).total_cmp(&radius(p as usize)).then(p.cmp(&q)));
     }
     let mut number = vec![NONE; count];
     for (new, &old) in order.iter().enumerate() {
@@ -267,7 +274,7 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             surface.sides.push(Side { from, to, slack, twin, opposite });
         }
         let (lo, hi) = spans[old];
-        let room = 1e-12 * lo.abs().max(hi.abs());
+        let room = 1e-12 * f64::from(boxes[old].0.abs().max(boxes[old].1.abs()).max_element());
         surface.patches.push(Patch {
             first,
             last: surface.sides.len() as u32,
@@ -276,7 +283,6 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             hi: hi + room,
             min: boxes[old].0,
             max: boxes[old].1,
-            radius: radius(old) as f32,
             slack: super::slack(&surface.sides[first as usize..]),
         });
     }

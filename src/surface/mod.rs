@@ -52,8 +52,6 @@ pub(crate) struct Patch {
     /// A box around it.
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
-    /// About half its width.
-    pub(crate) radius: f32,
     /// The greatest slack of its sides.
     pub(crate) slack: f32,
 }
@@ -65,8 +63,6 @@ pub(crate) struct Cluster {
     pub(crate) last: u32,
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
-    /// The largest radius of its patches.
-    pub(crate) radius: f32,
 }
 
 /// What is kept of triangles to hide with.
@@ -133,7 +129,6 @@ impl Cluster {
             last,
             min: own.iter().fold(Vec3::INFINITY, |m, p| m.min(p.min)),
             max: own.iter().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max)),
-            radius: own.iter().map(|p| p.radius).fold(0.0, f32::max),
         }
     }
 

@@ -59,7 +59,7 @@ impl Seams {
         count.next_power_of_two().trailing_zeros() as usize
     }
 
-    /// The number of the first patch of a surface, for as long as the object is there.
+    /// Numbers the patches of an object's surface, for as long as it has it.
     pub(crate) fn insert(&mut self, slot: u32, surface: &Surface, fixed: bool) {
         if self.places.len() <= slot as usize {
             self.places.resize_with(slot as usize + 1, Place::default);
@@ -133,7 +133,11 @@ fn link(places: &mut [Place], a: Open, b: Open) {
 }
 
 fn unlink(places: &mut [Place], open: Open) {
-    places[open.slot as usize].links.retain(|l| l.0 != open.side);
+    let links = &mut places[open.slot as usize].links;
+    let at = links.partition_point(|l| l.0 < open.side);
+    if links.get(at).is_some_and(|l| l.0 == open.side) {
+        links.remove(at);
+    }
 }
 
 /// The open sides of a surface.
@@ -148,6 +152,6 @@ fn opens(slot: u32, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain
         let ends = [key(side.from), key(side.to)];
         let upwards = ends[0] <= ends[1];
         let ends = if upwards { ends } else { [ends[1], ends[0]] };
-        (((ends), chain), Open { slot, side: index, number: base + patch, upwards })
+        ((ends, chain), Open { slot, side: index, number: base + patch, upwards })
     })
 }

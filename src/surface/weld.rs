@@ -71,11 +71,12 @@ impl Welded {
         self.triangles[triangle].map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// The triangles at the edge that starts at a place in the list, with their directions.
+    /// The triangles at the edge that starts at a place in the list, with their directions: three
+    /// of them, if there are more.
     pub(super) fn at_edge(&self, start: u32) -> &[(u32, u32, u32, bool)] {
         let start = start as usize;
         let (a, b, ..) = self.edges[start];
-        let count = self.edges[start..].iter().take_while(|e| (e.0, e.1) == (a, b)).count();
+        let count = self.edges[start..].iter().take(3).take_while(|e| (e.0, e.1) == (a, b)).count();
         &self.edges[start..start + count]
     }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene, Settings, TriMesh, View};
-use glam::{UVec3, Vec3};
+use casca::{Aabb, GridSpec, Instance, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, TriMesh, View};
+use glam::{Affine3A, UVec3, Vec3};
 
 use crate::rays::Random;
 
@@ -92,4 +92,63 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
             assert!(pvs.len() < fresh.len());
         }
     }
+}
+
+/// A crumpled sheet of `2 n^2` triangles, across the z axis at `z`.
+fn crumpled(n: u32, z: f32) -> Arc<TriMesh> {
+    let at = |i: u32, j: u32| {
+        let bump = if (i + j) % 2 == 0 { 0.4 } else { -0.4 };
+        Vec3::new(4.0 + 8.0 * i as f32 / n as f32, 4.0 + 8.0 * j as f32 / n as f32, z + bump)
+    };
+    let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect();
+    let quad = |i: u32, j: u32| {
+        let a = j * (n + 1) + i;
+        [[a, a + 1, a + n + 1], [a + 1, a + n + 2, a + n + 1]]
+    };
+    let triangles = (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect();
+    Arc::new(TriMesh::new(positions, triangles).unwrap())
+}
+
+#[test]
+fn what_moves_may_change_its_mesh() {
+    let (small, large, wall) = (crumpled(2, 6.0), crumpled(9, 6.0), crumpled(6, 10.0));
+    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) };
+    let fixed = |scene: &mut Scene| {
+        scene.insert(ObjectDesc::fixed(wall.clone()).occluder(wall.clone())).unwrap();
+        for i in 0..60u8 {
+            let at = Vec3::new(4.5 + f32::from(i % 8), 4.5 + f32::from(i / 8), 13.0);
+            scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.1))).unwrap();
+        }
+    };
+    let instance = |mesh: &Arc<TriMesh>, x: f32| {
+        Instance::new(mesh.clone(), Affine3A::from_translation(Vec3::X * x)).unwrap()
+    };
+    let view = View::around(Vec3::new(8.3, 8.2, 1.1)).unwrap();
+    let mut scene = Scene::new(&spec).unwrap();
+    fixed(&mut scene);
+    let ball = Sphere::new(Vec3::splat(8.0), 0.5);
+    let id = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
+    let mut query = Query::new();
+    let shapes = [None, Some(&small), Some(&large), None, Some(&large), Some(&small)];
+    for (round, mesh) in shapes.into_iter().cycle().take(24).enumerate() {
+        let x = round as f32 * 0.05;
+        let mut fresh = Scene::new(&spec).unwrap();
+        fixed(&mut fresh);
+        match mesh {
+            Some(mesh) => {
+                scene.update(id, instance(mesh, x), Some(instance(mesh, x).into())).unwrap();
+                fresh.insert(ObjectDesc::dynamic(instance(mesh, x)).occluder(instance(mesh, x))).unwrap();
+            }
+            None => {
+                scene.update(id, ball, None).unwrap();
+                fresh.insert(ObjectDesc::dynamic(ball)).unwrap();
+            }
+        }
+        let count = query.run(&scene, &view).len();
+        assert_eq!(count, Query::new().run(&fresh, &view).len(), "round {round}");
+    }
+    scene.remove(id).unwrap();
+    let mut fresh = Scene::new(&spec).unwrap();
+    fixed(&mut fresh);
+    assert_eq!(query.run(&scene, &view).len(), Query::new().run(&fresh, &view).len());
 }
