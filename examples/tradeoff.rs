@@ -80,8 +80,8 @@ fn entries(world: &World) -> Result<Vec<Entry>, Box<dyn Error>> {
         (160.0, 0, 0),
         (160.0, 64, 0),
         (360.0, 64, 0),
-        (360.0, 256, 1000),
-        (640.0, 256, 4000),
+        (360.0, 256, 3000),
+        (640.0, 256, 6000),
         (1280.0, 4096, 16_000),
     ] {
         let setting = format!("{pixels} px a side, refined {squares}/{patches}");

@@ -83,7 +83,7 @@ impl Default for Settings {
             refine_squares: 256,
             refine_depth: 6,
             refine_budget: 1 << 20,
-            refine_patches: 1000,
+            refine_patches: 3000,
             record_cells: false,
         }
     }
