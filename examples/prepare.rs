@@ -141,10 +141,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
 
-    let row = |name: &str, value: String| println!("{name:<20}{value:>16}");
+    let row = |name: &str, value: String| println!("{name:<26}{value:>12}");
     row("meshes", prepared.len().to_string());
     row("closed", prepared.iter().filter(|m| m.is_closed()).count().to_string());
     row("triangles", total.to_string());
+    row("patches kept of them", prepared.iter().map(|m| m.patches()).sum::<usize>().to_string());
+    row("sides of their outlines", prepared.iter().map(|m| m.sides()).sum::<usize>().to_string());
     row("bytes", std::fs::metadata(&options.out)?.len().to_string());
     row("preparing", format!("{preparing:.3} s"));
     row("saving", format!("{saving:.3} s"));

@@ -167,6 +167,17 @@ impl TriMesh {
         self.closed
     }
 
+    /// How many patches of triangles are kept for hiding.
+    pub fn patches(&self) -> usize {
+        self.surface.patches.len()
+    }
+
+    /// How many sides the outlines of all patches have: what drawing them costs, where triangles cost
+    /// others.
+    pub fn sides(&self) -> usize {
+        self.surface.sides.len()
+    }
+
     /// Convex solids that together hold the mesh.
     pub(crate) fn parts(&self) -> &[Convex] {
         &self.parts
