@@ -37,7 +37,7 @@ const NEAREST: f64 = 0.02;
 /// Patches are drawn from this radius on, in pixels, and clusters of them from this one: small patches hide
 /// nothing alone, but a surface may be made of them.
 const SMALLEST_PATCH: f64 = 2.0;
-const SMALLEST_CLUSTER: f64 = 8.0;
+const SMALLEST_CLUSTER: f64 = 4.0;
 
 /// In whose name boxes of cells are drawn.
 const NOBODY: u32 = u32::MAX;
