@@ -97,7 +97,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
 /// A crumpled sheet of `2 n^2` triangles, across the z axis at `z`.
 fn crumpled(n: u32, z: f32) -> Arc<TriMesh> {
     let at = |i: u32, j: u32| {
-        let bump = if (i + j) % 2 == 0 { 0.4 } else { -0.4 };
+        let bump = if (i + j).is_multiple_of(2) { 0.4 } else { -0.4 };
         Vec3::new(4.0 + 8.0 * i as f32 / n as f32, 4.0 + 8.0 * j as f32 / n as f32, z + bump)
     };
     let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect();
