@@ -61,9 +61,8 @@ impl GridSpec {
     /// along the longest axis, 32 to 512.
     ///
     /// The thesis' "solution point" (section 4.2): coarser cells list more objects each, finer ones take longer to
-    /// walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the valley wide: on the test
-    /// scenes this lies within 20% of the best of 12 to 768 cells. Where most objects move and are
-    /// hidden, finer is faster.
+    /// walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the valley wide. Where most objects move and are
+    /// hidden, finer may be faster.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec};

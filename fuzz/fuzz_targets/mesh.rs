@@ -11,32 +11,8 @@ use casca::{
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
-/// A coordinate: mostly near the grid, sometimes anything at all.
-#[derive(Debug, Clone, Copy, Arbitrary)]
-enum Coordinate {
-    Near(u16),
-    OnFace(u8),
-    Any(f32),
-}
-
-impl Coordinate {
-    fn value(self) -> f32 {
-        match self {
-            Self::Near(v) => f32::from(v) / 2048.0 - 4.0,
-            Self::OnFace(v) => f32::from(v % 25),
-            Self::Any(v) => v,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, Arbitrary)]
-struct Point(Coordinate, Coordinate, Coordinate);
-
-impl Point {
-    fn value(self) -> Vec3 {
-        Vec3::new(self.0.value(), self.1.value(), self.2.value())
-    }
-}
+mod coordinates;
+use coordinates::{Coordinate, Point};
 
 #[derive(Debug, Arbitrary)]
 struct Mesh {
