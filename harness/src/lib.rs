@@ -7,6 +7,7 @@
 //! - [`oracle`]: exact visibility, which shares no code with the library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
+//! - [`lab`]: the experiments of the report.
 //! - [`measure`]: what benches share.
 //! - [`pictures`]: charts and views from above.
 #![deny(missing_docs)]
@@ -15,6 +16,7 @@
 pub mod baselines;
 pub mod drive;
 pub mod import;
+pub mod lab;
 pub mod measure;
 pub mod oracle;
 pub mod pictures;

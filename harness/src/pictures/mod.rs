@@ -1,8 +1,9 @@
-//! Pictures: the chart of a walk, the grid from above, what a frame shows and hides, and
-//! speed against accuracy.
+//! Pictures: the chart of a walk, the grid from above, what a frame shows and hides,
+//! speed against accuracy, and lines of any quantities.
 
 mod chart;
 mod frame;
+mod lines;
 mod top_view;
 mod tradeoff;
 
@@ -12,6 +13,7 @@ use plotters::style::{FontStyle, register_font};
 
 pub use chart::{FrameCounts, chart};
 pub use frame::{FramePicture, buffers, frame};
+pub use lines::{Axis, Line, lines};
 pub use top_view::{TopView, top_view};
 pub use tradeoff::{TradeoffPoint, tradeoff};
 

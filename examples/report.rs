@@ -1,0 +1,95 @@
+//! The laboratory: runs all experiments and writes the report with its charts and tables.
+//!
+//! `cargo run --release --example report` writes `docs/report.md`; `--quick` makes a smoke run
+//! of it in `target/report`. `--help` lists the experiments and options.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use casca_harness::lab::{Lab, LabError, Section, write};
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+
+#[derive(Debug, Parser)]
+#[command(about = "Runs the experiments and writes the report")]
+struct Options {
+    /// A smoke run, whose figures mean nothing
+    #[arg(long)]
+    quick: bool,
+    /// Experiments to run, by their names [default: all]
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<String>,
+    /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they are]
+    #[arg(long, value_delimiter = ',')]
+    files: Option<Vec<PathBuf>>,
+    /// Seed of all that is random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where report.md and its folder go [default: docs, or target/report for a quick or partial run]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// No progress line
+    #[arg(long)]
+    quiet: bool,
+}
+
+type Experiment = fn(&Lab) -> Result<Section, LabError>;
+
+/// All experiments by name, in the order of the report.
+const EXPERIMENTS: &[(&str, Experiment)] = &[];
+
+/// The glTF files of a folder, in order of their names.
+fn files_in(folder: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> =
+        entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "glb")).collect();
+    files.sort();
+    files
+}
+
+fn main() -> Result<(), LabError> {
+    let options = Options::parse();
+    for name in &options.only {
+        if !EXPERIMENTS.iter().any(|(n, _)| n == name) {
+            let names: Vec<&str> = EXPERIMENTS.iter().map(|(n, _)| *n).collect();
+            return Err(format!("--only {name}: there are {}", names.join(", ")).into());
+        }
+    }
+    let whole = !options.quick && options.only.is_empty();
+    let out = options.out.clone();
+    let out = out.unwrap_or_else(|| PathBuf::from(if whole { "docs" } else { "target/report" }));
+    let folder = out.join("report");
+    std::fs::create_dir_all(&folder)?;
+    let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    bar.set_style(ProgressStyle::with_template("{spinner} {elapsed} {prefix}: {wide_msg}")?);
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    let progress = |what: &str| bar.set_message(what.to_owned());
+    let files = options.files.clone().unwrap_or_else(|| files_in("../shared/scenes"));
+    let lab = Lab { quick: options.quick, seed: options.seed, files, folder, progress: &progress };
+    let start = Instant::now();
+    let mut sections = Vec::new();
+    for (name, experiment) in EXPERIMENTS {
+        if !options.only.is_empty() && !options.only.iter().any(|o| o == name) {
+            continue;
+        }
+        bar.set_prefix(*name);
+        let began = Instant::now();
+        sections.push(experiment(&lab)?);
+        bar.suspend(|| println!("{name}: {:.0} s", began.elapsed().as_secs_f64()));
+    }
+    let names = |f: &PathBuf| f.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let files: Vec<String> = lab.files.iter().map(names).collect();
+    let settings = format!(
+        "Seed {}; files: {}. It took {:.0} minutes.",
+        options.seed,
+        if files.is_empty() { "none".to_owned() } else { files.join(", ") },
+        start.elapsed().as_secs_f64() / 60.0
+    );
+    let quick = if options.quick { " -- --quick" } else { "" };
+    let command = format!("cargo run --release --example report{quick}");
+    let path = out.join("report.md");
+    write(&path, &lab, &sections, &command, &settings)?;
+    bar.finish_and_clear();
+    println!("{}", path.display());
+    Ok(())
+}

@@ -1,0 +1,46 @@
+//! The laboratory: experiments whose results make up the report, `docs/report.md`.
+//!
+//! Each experiment is a function from a [`Lab`] to a [`Section`]: text, tables and charts.
+//! [`write()`] puts sections together. What is compared goes through a [`Contender`], so that
+//! the library and the methods of today's engines are measured by the same code.
+
+mod contender;
+mod machine;
+mod report;
+mod section;
+
+use std::path::PathBuf;
+
+pub use contender::{Contender, FrameInput};
+pub use report::{ReportError, write};
+pub use section::{Block, Section, Table};
+
+/// Why an experiment failed.
+pub type LabError = Box<dyn std::error::Error + Send + Sync>;
+
+/// What experiments are told.
+pub struct Lab<'a> {
+    /// Takes less of everything, for a smoke run; the figures are of no use then.
+    pub quick: bool,
+    /// Seed of all that is random.
+    pub seed: u64,
+    /// glTF files that join the procedural scenes.
+    pub files: Vec<PathBuf>,
+    /// The folder that charts and tables are written into.
+    pub folder: PathBuf,
+    /// Is told what is being done.
+    pub progress: &'a dyn Fn(&str),
+}
+
+impl Lab<'_> {
+    /// The first value in a full run, the second in a quick one.
+    pub fn pick<T>(&self, full: T, quick: T) -> T {
+        if self.quick { quick } else { full }
+    }
+}
+
+/// The median of some values, which are sorted; 0 of none.
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
