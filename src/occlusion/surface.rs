@@ -98,10 +98,26 @@ struct Seen {
 
 /// A side of a patch as one face sees it.
 struct SeenSide {
-    from: Spot,
-    to: Spot,
-    slack: f64,
+    /// Its ends in pixels of the face.
+    from: (f64, f64),
+    to: (f64, f64),
+    kind: SideKind,
     seam: bool,
+}
+
+/// How a side is drawn.
+#[derive(Debug, Clone, Copy)]
+enum SideKind {
+    /// As one edge, widened by so many pixels.
+    Plain(f64),
+    /// In pieces, or cut by the near limit: the place of its ends in space.
+    Deep(u32),
+}
+
+/// A side that is drawn in pieces.
+struct DeepSide {
+    ends: [DVec3; 2],
+    slack: f64,
 }
 
 /// An empty range.
@@ -124,6 +140,20 @@ struct Row {
     count: u32,
 }
 
+/// The sides of patches.
+#[derive(Default)]
+struct SeenSides {
+    all: Vec<SeenSide>,
+    deep: Vec<DeepSide>,
+}
+
+impl SeenSides {
+    fn truncate(&mut self, (all, deep): (usize, usize)) {
+        self.all.truncate(all);
+        self.deep.truncate(deep);
+    }
+}
+
 /// What drawing keeps to spare allocations.
 #[derive(Default)]
 pub(super) struct SurfaceScratch {
@@ -132,8 +162,9 @@ pub(super) struct SurfaceScratch {
     places: Vec<(u32, u32)>,
     drawing: u32,
     /// The sides of the patches seen.
-    sides: Vec<SeenSide>,
-    order: Vec<u32>,
+    sides: SeenSides,
+    /// The patches seen in the order of drawing: how far they are, the farthest last; component; place.
+    order: Vec<(u32, u32, u32)>,
     canvas: Canvas,
     joint: Joint,
 }
@@ -238,6 +269,12 @@ impl Canvas {
         if b.1 + wide < 0.0 || a.1 - wide >= bottom || left >= right {
             return;
         }
+        let slope = (b.0 - a.0) / (b.1 - a.1);
+        // What lies well inside the canvas needs no clipping.
+        let inside = left >= 0.0 && x1 < right - 0.01 && a.1 - wide >= 0.0 && b.1 + wide < bottom - 0.01;
+        if inside && slope.abs() < FLAT {
+            return self.edge_inside(a, b, slope, (left, x1), by, wide, seam);
+        }
         let first = nearest(within(a.1 - wide, bottom) - 0.5).max(0);
         let last = nearest(within(b.1 + wide, bottom) - 0.5).min(height - 1);
         // Rows whose middles it passes: neighbours share their ends, and so agree.
@@ -248,7 +285,6 @@ impl Canvas {
             }
             return;
         }
-        let slope = (b.0 - a.0) / (b.1 - a.1);
         if slope.is_nan() || slope.abs() >= FLAT {
             // Its rows are not told apart, nor where it passes their middles: all of its pixels
             // are touched, and no two patches agree about them.
@@ -293,6 +329,49 @@ impl Canvas {
                 }
             }
             x = next;
+        }
+    }
+
+    /// Draws an edge from top to bottom that lies inside the canvas with its width, and is not flat.
+    #[inline]
+    #[allow(clippy::too_many_arguments)]
+    fn edge_inside(
+        &mut self,
+        a: (f64, f64),
+        b: (f64, f64),
+        slope: f64,
+        (left, right): (f64, f64),
+        by: i16,
+        wide: f64,
+        seam: bool,
+    ) {
+        let layer = if seam { SEAM } else { OPEN };
+        let (first, last) = (nearest(a.1 - wide - 0.5), nearest(b.1 + wide - 0.5));
+        let (from, to) = (nearest(a.1), nearest(b.1));
+        let reach = wide * slope.abs() + wide;
+        // Where it passes a row's middle, and how far to both sides it touches the row.
+        let mut x = a.0 + (f64::from(first) - a.1) * slope + 0.5 * slope;
+        let half = 0.5 * slope.abs() + reach;
+        for row in first..=last {
+            let (lo, hi) = (x - half, x + half);
+            let lo = nearest(if lo > left { lo } else { left } - 0.5);
+            let hi = nearest(if hi < right { hi } else { right } - 0.5);
+            if lo <= hi {
+                self.mark(row, lo, hi, layer);
+            }
+            if from <= row && row < to {
+                let column = nearest(x);
+                // As for all other edges.
+                if seam && (x - f64::from(column)).abs() > 0.5 - TOUCH {
+                    let width = (self.area.nx * TILE) as i32;
+                    let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
+                    if lo <= hi {
+                        self.mark(row, lo, hi, OPEN);
+                    }
+                }
+                self.step(row, column.max(0), by);
+            }
+            x += slope;
         }
     }
 
@@ -419,7 +498,7 @@ impl FaceBuffer {
         }
         let drawing = scratch.drawing;
         scratch.seen.clear();
-        scratch.sides.clear();
+        scratch.sides.truncate((0, 0));
         for (i, d) in batch.iter().enumerate() {
             let Some((rect, depth)) = self.face.block(&d.block) else { continue };
             let near = above(self.face.nearness_of(depth));
@@ -427,7 +506,7 @@ impl FaceBuffer {
             if px.0 >= px.1 || py.0 >= py.1 || self.hides(&rect, near) {
                 continue;
             }
-            let first = scratch.sides.len();
+            let first = (scratch.sides.all.len(), scratch.sides.deep.len());
             let Some((px, py)) = self.project(d, origin, clip, (px, py), &mut scratch.sides) else {
                 scratch.sides.truncate(first);
                 continue;
@@ -441,7 +520,7 @@ impl FaceBuffer {
                 py,
                 near,
                 nearest: near,
-                sides: (first as u32, scratch.sides.len() as u32),
+                sides: (first.0 as u32, scratch.sides.all.len() as u32),
                 around: (NOWHERE, NOWHERE),
             });
         }
@@ -459,7 +538,7 @@ impl FaceBuffer {
                     if opposite == (d.sign() == other.sign()) && !(d.again && other.again) {
                         let (a, b) = (root(&mut scratch.seen, i), root(&mut scratch.seen, place));
                         scratch.seen[a.max(b) as usize].parent = a.min(b);
-                        scratch.sides[first + k].seam = true;
+                        scratch.sides.all[first + k].seam = true;
                         if !d.again && other.again {
                             let (px, py) = (scratch.seen[i as usize].px, scratch.seen[i as usize].py);
                             let join = |a: (i64, i64), b: (i64, i64)| (a.0.min(b.0), a.1.max(b.1));
@@ -470,17 +549,11 @@ impl FaceBuffer {
                 }
             }
         }
-        scratch.order.clear();
-        scratch.order.extend(0..scratch.seen.len() as u32);
         // What was drawn before is new only around its seams with what was not.
         for s in scratch.seen.iter_mut().filter(|s| batch[s.drawable as usize].again) {
             let meet = |a: (i64, i64), b: (i64, i64)| (a.0.max(b.0), a.1.min(b.1));
             (s.px, s.py) = (meet(s.px, s.around.0), meet(s.py, s.around.1));
         }
-        scratch.order.retain(|&i| {
-            let s = &scratch.seen[i as usize];
-            s.px.0 < s.px.1 && s.py.0 < s.py.1
-        });
         for i in 0..scratch.seen.len() as u32 {
             let parent = root(&mut scratch.seen, i);
             let near = scratch.seen[i as usize].near;
@@ -489,18 +562,18 @@ impl FaceBuffer {
             scratch.seen[i as usize].parent = parent;
         }
         // What is nearest is drawn first, and may hide the rest.
-        scratch.order.sort_unstable_by(|&a, &b| {
-            let key = |i: u32| scratch.seen[i as usize].parent;
-            let near = |i: u32| scratch.seen[key(i) as usize].nearest;
-            near(b).total_cmp(&near(a)).then(key(a).cmp(&key(b))).then(a.cmp(&b))
-        });
+        scratch.order.clear();
+        for (i, s) in scratch.seen.iter().enumerate().filter(|(_, s)| s.px.0 < s.px.1 && s.py.0 < s.py.1) {
+            let nearest = scratch.seen[s.parent as usize].nearest;
+            scratch.order.push((farness(nearest), s.parent, i as u32));
+        }
+        scratch.order.sort_unstable();
         let mut news = false;
         let mut first = 0;
         while first < scratch.order.len() {
-            let parent = |at: usize| scratch.seen[scratch.order[at] as usize].parent;
-            let last = (first..scratch.order.len()).find(|&at| parent(at) != parent(first));
-            let last = last.unwrap_or(scratch.order.len());
-            let hidden = |&i: &u32| {
+            let parent = scratch.order[first].1;
+            let last = first + scratch.order[first..].iter().take_while(|o| o.1 == parent).count();
+            let hidden = |&(_, _, i): &(u32, u32, u32)| {
                 let s = &scratch.seen[i as usize];
                 self.covers(s.px, s.py, s.near)
             };
@@ -538,7 +611,7 @@ impl FaceBuffer {
         let (canvas, joint) = (&mut scratch.canvas, &mut scratch.joint);
         if members.len() > 1 {
             let (mut px, mut py) = ((i64::MAX, i64::MIN), (i64::MAX, i64::MIN));
-            for &i in members {
+            for &(_, _, i) in members {
                 let s = &scratch.seen[i as usize];
                 (px, py) = ((px.0.min(s.px.0), px.1.max(s.px.1)), (py.0.min(s.py.0), py.1.max(s.py.1)));
             }
@@ -549,11 +622,11 @@ impl FaceBuffer {
             joint.nears.resize(joint.area.tiles(), f32::INFINITY);
         }
         let mut news = false;
-        for &i in members {
+        for &(_, _, i) in members {
             let s = &scratch.seen[i as usize];
             let d = &batch[s.drawable as usize];
             canvas.clear(Area::new(s.px, s.py));
-            self.outline(canvas, d, &scratch.sides[s.sides.0 as usize..s.sides.1 as usize], clip);
+            self.outline(canvas, d, &scratch.sides, s.sides.0 as usize..s.sides.1 as usize, clip);
             canvas.fill();
             let back = Back::new(&self.face, d);
             let area = canvas.area;
@@ -631,7 +704,7 @@ impl FaceBuffer {
         origin: DVec3,
         clip: f64,
         within: ((i64, i64), (i64, i64)),
-        sides: &mut Vec<SeenSide>,
+        sides: &mut SeenSides,
     ) -> Option<((i64, i64), (i64, i64))> {
         let pen = Pen { face: &self.face, per_unit: self.per_unit, corner: (0.0, 0.0), clip };
         let growth = d.placement.map_or(1.0, |p| p.growth);
@@ -654,7 +727,14 @@ impl FaceBuffer {
             }
             let own = f64::from(side.slack) * growth + d.error;
             slack = larger(own, slack);
-            sides.push(SeenSide { from, to, slack: own, seam: false });
+            let kind = match pen.plain(from.at, to.at, own) {
+                Some(wide) => SideKind::Plain(wide),
+                None => {
+                    sides.deep.push(DeepSide { ends: [from.at, to.at], slack: own });
+                    SideKind::Deep(sides.deep.len() as u32 - 1)
+                }
+            };
+            sides.all.push(SeenSide { from: from.pixel, to: to.pixel, kind, seam: false });
         }
         let deep = self.face.parallel || near >= 2.0 * clip + 2.0 * slack;
         if !deep {
@@ -670,24 +750,32 @@ impl FaceBuffer {
         (px.0 < px.1 && py.0 < py.1).then_some((px, py))
     }
 
-    /// Draws the outline of a patch.
-    fn outline(&self, canvas: &mut Canvas, d: &Drawable, sides: &[SeenSide], clip: f64) {
+    /// Draws the outline of a patch, of which these are the sides.
+    fn outline(
+        &self,
+        canvas: &mut Canvas,
+        d: &Drawable,
+        sides: &SeenSides,
+        own: std::ops::Range<usize>,
+        clip: f64,
+    ) {
         let corner = (canvas.area.x as f64, canvas.area.y as f64);
         let pen = Pen { face: &self.face, per_unit: self.per_unit, corner, clip };
         let by = d.sign() as i16;
         let cut = !self.face.parallel && pen.cuts(&d.block);
         let mut base = None;
-        for side in sides {
-            let (from, to) = (&side.from, &side.to);
-            if side.slack == 0.0 && (self.face.parallel || from.at.z >= clip && to.at.z >= clip) {
-                let own = |p: (f64, f64)| (p.0 - corner.0, p.1 - corner.1);
-                canvas.edge(own(from.pixel), own(to.pixel), by, TOUCH, side.seam);
-                continue;
-            }
-            let ends = [from.at, to.at];
-            pen.edge(canvas, ends, by, side.slack, side.seam);
+        for side in &sides.all[own] {
+            let deep = match side.kind {
+                SideKind::Plain(wide) => {
+                    let own = |p: (f64, f64)| (p.0 - corner.0, p.1 - corner.1);
+                    canvas.edge(own(side.from), own(side.to), by, wide, side.seam);
+                    continue;
+                }
+                SideKind::Deep(place) => &sides.deep[place as usize],
+            };
+            pen.edge(canvas, deep.ends, by, deep.slack, side.seam);
             // Cut by the near limit: the cut runs along it, far outside the face.
-            if cut && let Some((at, leaves)) = pen.cut(ends) {
+            if cut && let Some((at, leaves)) = pen.cut(deep.ends) {
                 let base = *base.get_or_insert(at);
                 // From where the outline leaves to where it comes back.
                 let (a, b) = if leaves { (at, base) } else { (base, at) };
@@ -695,6 +783,12 @@ impl FaceBuffer {
             }
         }
     }
+}
+
+/// Orders nearnesses: the greater one, the less.
+fn farness(near: f32) -> u32 {
+    let bits = near.to_bits();
+    if bits >> 31 == 0 { !bits & 0x7fff_ffff } else { bits }
 }
 
 /// Keeps a plane of a tile if it covers more than another one does.
@@ -751,6 +845,30 @@ impl Pen<'_> {
         p.z.min(q.z) < self.clip && p.z.max(q.z) >= self.clip
     }
 
+    /// How far an edge is widened whose points may lie `slack` away, if that is one width along all of it.
+    #[inline]
+    fn plain(&self, p: DVec3, q: DVec3, slack: f64) -> Option<f64> {
+        if self.face.parallel {
+            return Some(TOUCH + slack * self.face.right.length() * self.per_unit);
+        }
+        let (near, far) = if p.z <= q.z { (p.z, q.z) } else { (q.z, p.z) };
+        if near < self.clip || near.is_nan() {
+            return None;
+        }
+        if slack == 0.0 {
+            return Some(TOUCH);
+        }
+        (far <= 2.0 * near && far > 2.0 * slack).then(|| self.wide(p, q, near, slack))
+    }
+
+    /// How far a piece of an edge is widened: where it is at depth z, points of the face move by at most
+    /// slack (1 + |u|) / z, with |u| <= 1; `ends` round where it was cut.
+    #[inline]
+    fn wide(&self, p: DVec3, q: DVec3, near: f64, slack: f64) -> f64 {
+        let rounding = ROUNDING * (p.abs().max_element() + q.abs().max_element());
+        TOUCH + (2.0 * slack + rounding) / near * self.per_unit
+    }
+
     fn edge(&self, canvas: &mut Canvas, ends: [DVec3; 2], by: i16, slack: f64, seam: bool) {
         let [mut p, mut q] = ends;
         if !self.face.parallel {
@@ -765,18 +883,15 @@ impl Pen<'_> {
             let wide = TOUCH + slack * self.face.right.length() * self.per_unit;
             return canvas.edge(self.place(p), self.place(q), by, wide, seam);
         }
-        // In pieces whose depth doubles at most: where the edge is at depth z, points of the
-        // face move by at most slack (1 + |u|) / z, with |u| <= 1.
+        // In pieces whose depth doubles at most.
         let (near, far, by) = if p.z <= q.z { (p, q, by) } else { (q, p, -by) };
         let mut from = near;
         loop {
             let end = 2.0 * from.z.max(slack);
             let to =
                 if end < far.z { near + (far - near) * ((end - near.z) / (far.z - near.z)) } else { far };
-            // What the cut at the near limit rounds, seen from there.
-            let rounding = ROUNDING * (p.abs().max_element() + q.abs().max_element());
             let slack = if to.z <= 2.0 * slack { 0.0 } else { slack };
-            let wide = TOUCH + (2.0 * slack + rounding) / from.z * self.per_unit;
+            let wide = self.wide(p, q, from.z, slack);
             canvas.edge(self.place(from), self.place(to), by, wide, seam);
             if end >= far.z {
                 break;
