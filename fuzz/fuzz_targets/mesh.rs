@@ -20,7 +20,7 @@ struct Mesh {
     triangles: Vec<[u8; 3]>,
     tolerance: Option<Coordinate>,
     least: Option<Coordinate>,
-    angle: Coordinate,
+    angle: Option<Coordinate>,
     front: bool,
     transform: Option<[Coordinate; 12]>,
     dynamic: bool,
@@ -80,14 +80,15 @@ fuzz_target!(|play: Play| {
         let mut how = Preparation::default();
         how.tolerance = mesh.tolerance.map(Coordinate::value);
         how.least_radius = mesh.least.map(Coordinate::value);
-        how.max_angle = mesh.angle.value();
+        how.max_angle = mesh.angle.map(Coordinate::value);
         how.facing = if mesh.front { Facing::Front } else { Facing::Both };
         let broken = positions.iter().any(|p| !p.is_finite())
             || triangles.is_empty()
             || triangles.iter().flatten().any(|&v| v >= n);
         let length = |v: Option<f32>| v.is_none_or(|v| v >= 0.0 && v.is_finite());
-        let badly =
-            !(0.0..=80.0).contains(&how.max_angle) || !length(how.tolerance) || !length(how.least_radius);
+        let badly = how.max_angle.is_some_and(|a| !(0.0..=80.0).contains(&a))
+            || !length(how.tolerance)
+            || !length(how.least_radius);
         let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ());
         assert_eq!(made.is_err(), broken || badly, "{made:?}");
         let Ok(made) = made else { continue };

@@ -46,8 +46,10 @@ pub struct Preparation {
     /// Patches of a smaller radius hide nothing, in world units. Without a number, a 1000th of the
     /// mesh's diagonal.
     pub least_radius: Option<f32>,
-    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80.
-    pub max_angle: f32,
+    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. Without a
+    /// number, 80, or 40 for triangles that hide from their front only: a patch of those hides only where
+    /// all of it is seen from the front.
+    pub max_angle: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,
 }
@@ -65,7 +67,7 @@ pub enum Facing {
 
 impl Default for Preparation {
     fn default() -> Self {
-        Self { tolerance: None, least_radius: None, max_angle: 40.0, facing: Facing::Both }
+        Self { tolerance: None, least_radius: None, max_angle: None, facing: Facing::Both }
     }
 }
 
@@ -76,7 +78,10 @@ impl Preparation {
             Some(v) => not_negative(what, f64::from(v)).map(|()| f64::from(v)),
             None => Ok(diagonal * share),
         };
-        let degrees = f64::from(self.max_angle);
+        let degrees = f64::from(self.max_angle.unwrap_or(match self.facing {
+            Facing::Both => 80.0,
+            Facing::Front => 40.0,
+        }));
         if !(0.0..=80.0).contains(&degrees) {
             let what = "the greatest angle of a patch in degrees";
             return Err(Error::Setting { what, value: degrees, min: 0.0, max: 80.0 });

@@ -6,7 +6,7 @@ use super::weld::Welded;
 use super::{NONE, Rules};
 
 /// What a patch may rise above its first triangle, for each unit of distance from its middle.
-const SLOPE: f64 = 0.25;
+const SLOPE: f64 = 0.35;
 
 /// The patch of each triangle, and whether the triangle is turned over in it.
 pub(super) struct Patches {

@@ -46,7 +46,7 @@ fn frame() -> impl Strategy<Value = Frame> {
 struct Solid {
     recipe: Recipe,
     /// Tolerance and least radius as shares of the size, angle, front only.
-    how: (Option<f64>, Option<f64>, f32, bool),
+    how: (Option<f64>, Option<f64>, Option<f32>, bool),
     /// What it is tested by: its box, or its triangles.
     boxed: bool,
     occludes: bool,
@@ -92,7 +92,7 @@ fn turn() -> impl Strategy<Value = Turn> {
 fn solid() -> impl Strategy<Value = Solid> {
     let tolerance = prop_oneof![3 => Just(None), 1 => Just(Some(0.0)), 2 => (0.0..0.1f64).prop_map(Some)];
     let least = prop_oneof![3 => Just(None), 2 => Just(Some(0.0)), 1 => (0.0..0.1f64).prop_map(Some)];
-    let angle = prop_oneof![2 => Just(40.0f32), 1 => Just(0.0f32), 1 => Just(80.0f32), 2 => 0.0..80.0f32];
+    let angle = prop_oneof![3 => Just(None), 1 => Just(Some(0.0f32)), 2 => (0.0..80.0f32).prop_map(Some)];
     let how = (tolerance, least, angle, prop::bool::weighted(0.25));
     let moves = prop::option::weighted(0.4, (any::<bool>(), prop::collection::vec(turn(), 3)));
     (recipe(), how, any::<bool>(), prop::bool::weighted(0.9), moves)
@@ -163,7 +163,7 @@ struct Thing {
     blocker: Option<Blocker>,
 }
 
-fn prepared(made: &Made, how: &(Option<f64>, Option<f64>, f32, bool)) -> Arc<TriMesh> {
+fn prepared(made: &Made, how: &(Option<f64>, Option<f64>, Option<f32>, bool)) -> Arc<TriMesh> {
     let points =
         made.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |b, &p| (b.0.min(p), b.1.max(p)));
     let size = f64::from((points.1 - points.0).length());
@@ -444,7 +444,7 @@ proptest! {
         let frame = Frame { scale: 1.0, offset: 0.0 };
         let solids: Vec<Solid> = recipes.into_iter().map(|(recipe, front)| Solid {
             recipe,
-            how: (None, None, 40.0, front),
+            how: (None, None, None, front),
             boxed: false,
             occludes: true,
             moves: None,
@@ -494,7 +494,7 @@ proptest! {
         let recipe = Recipe { form: forms::Form::Terrain(n), center: [8.0; 3], size: [size; 3], axis, angle: turn,
             damage: vec![forms::Damage::Holes(share)], seed: rough };
         let frame = Frame { scale: 1.0, offset: 0.0 };
-        let solids = vec![Solid { recipe, how: (Some(0.0), Some(least), angle, false), boxed: false, occludes: true, moves: None }];
+        let solids = vec![Solid { recipe, how: (Some(0.0), Some(least), Some(angle), false), boxed: false, occludes: true, moves: None }];
         let World { mut scene, mut things, made, .. } = world(&solids, frame, cells);
         let at = Vec3::from_array(eye.map(|v| v as f32));
         for (min, max) in targets(at, &things, &made, frame, 300, seed) {
