@@ -106,6 +106,12 @@ pub enum Error {
     /// The result belongs to another scene.
     #[error("the PVS was computed on another scene")]
     ForeignPvs,
+    /// The aggressive opacity belongs to another scene.
+    #[error("the aggressive opacity was computed on another scene")]
+    ForeignOpacity,
+    /// Only [`crate::Method::Cell`] has an aggressive form.
+    #[error("aggressive queries need Method::Cell")]
+    AggressiveMethod,
     /// A setting is out of its range.
     #[error("{what} must lie between {min} and {max}, but is {value}")]
     Setting {

@@ -13,6 +13,7 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+mod aggressive;
 mod bricks;
 mod error;
 mod fused;
@@ -32,6 +33,7 @@ mod tbv;
 mod view;
 mod walk;
 
+pub use aggressive::AggressiveOpacity;
 pub use error::{Error, FileError};
 pub use geometry::{Aabb, Obb, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};

@@ -70,6 +70,7 @@ pub struct Pvs {
     pub(crate) scene: u32,
     pub(crate) revision: u64,
     pub(crate) method: Method,
+    pub(crate) aggressive: bool,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,
     /// The eye's cell.
@@ -87,6 +88,7 @@ impl Pvs {
             scene: 0,
             revision: 0,
             method: Method::Cell,
+            aggressive: false,
             view: None,
             cell: None,
             viewer: None,
@@ -150,6 +152,11 @@ impl Pvs {
         self.method
     }
 
+    /// Whether it is of [`crate::Query::run_aggressive`], and may lack visible objects.
+    pub fn is_aggressive(&self) -> bool {
+        self.aggressive
+    }
+
     /// The cell of the grid (or beyond it) whose every point it is valid for, where
     /// there is one.
     pub fn view_cell(&self) -> Option<IVec3> {
@@ -161,12 +168,12 @@ impl Pvs {
     /// nothing outside the frustum of this result, nor into solids through its near plane.
     /// In doubt, no.
     ///
-    /// Results of [`Method::Frustum`] hold for any eye. A result for all
+    /// Aggressive results never hold. Results of [`Method::Frustum`] hold for any eye. A result for all
     /// directions ([`View::around`]) holds for every view from its cell.
     pub fn holds(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
         let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
-        if scene.tag() != self.scene || revision != self.revision {
+        if self.aggressive || scene.tag() != self.scene || revision != self.revision {
             return false;
         }
         if own == view {

@@ -853,8 +853,18 @@ impl Scene {
         }
     }
 
+    /// The cells that static occluders touch, again and again where several do. What spans too many cells
+    /// gives none.
+    pub(crate) fn static_occluder_cells(&self, out: &mut dyn FnMut(IVec3)) {
+        for object in self.slots.iter().filter_map(|s| s.object.as_ref()).filter(|o| o.is_static()) {
+            if let Some(occluder) = object.occluder.as_ref().filter(|o| placement(&self.grid, &o.block()).1) {
+                occluder.touched(&self.grid, &mut |run| run.cells().for_each(&mut *out));
+            }
+        }
+    }
+
     /// The other static occluders that touch a cell.
-    fn static_solids(&self, cell: IVec3, but: u32) -> impl Iterator<Item = &Occluder> {
+    pub(crate) fn static_solids(&self, cell: IVec3, but: u32) -> impl Iterator<Item = &Occluder> {
         let always = self.always.iter().filter(|&&s| !self.object(s).in_cells);
         self.ids.get(cell).iter().chain(always).filter(move |&&s| s != but).filter_map(|&s| {
             let object = self.object(s);

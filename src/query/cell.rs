@@ -27,6 +27,8 @@ pub(super) struct Walk<'a> {
     frustum: CellFrustum,
     /// Whether the frustum is widened to hold the eye, in the viewer's cell.
     holds_eye: bool,
+    /// Cells that count as opaque beside those that are.
+    more: Option<&'a BitMatrix>,
     stats: Stats,
 }
 
@@ -55,8 +57,14 @@ impl<'a> Walk<'a> {
             cell,
             frustum,
             holds_eye: true,
+            more: None,
             stats: Stats::default(),
         }
+    }
+
+    /// Counts more cells as opaque.
+    pub(super) fn with_more(self, more: Option<&'a BitMatrix>) -> Self {
+        Self { more, ..self }
     }
 
     pub(super) fn run(mut self) {
@@ -322,7 +330,8 @@ impl<'a> Walk<'a> {
                     let mut brick = IVec3::ZERO;
                     (brick[axes.normal], brick[axes.row], brick[axes.col]) = (at >> 3, top >> 3, b);
                     let opaque = self.scene.opacity_static.tile(brick, &axes, at)
-                        | self.scene.opacity_dynamic.tile(brick, &axes, at);
+                        | self.scene.opacity_dynamic.tile(brick, &axes, at)
+                        | self.more.map_or(0, |m| m.tile(brick, &axes, at));
                     let objects = self.scene.ids.tile(brick, &axes, at) & tile;
                     if objects != 0 {
                         hits.push((brick, objects, true));

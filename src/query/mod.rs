@@ -239,11 +239,17 @@ impl Query {
 
     /// Finds what the view can see.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
+        self.run_with(scene, view, None)
+    }
+
+    /// Finds what the view can see if more cells than the opaque ones count as such.
+    pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
         let start = Instant::now();
         let pvs = &mut self.pvs;
         pvs.reset(scene.slots.len());
         pvs.scene = scene.tag();
         pvs.method = self.settings.method;
+        pvs.aggressive = more.is_some();
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid.cell_of(e));
         match self.settings.method {
@@ -263,7 +269,8 @@ impl Query {
                 let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
-                cell::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch, record).run();
+                let walk = cell::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch, record);
+                walk.with_more(more).run();
             }
             Method::Point => {
                 pvs.revision = scene.revision();
