@@ -4,16 +4,24 @@
 //! [`write()`] puts sections together. What is compared goes through a [`Contender`], so that
 //! the library and the methods of today's engines are measured by the same code.
 
+mod aggressive;
 mod contender;
+mod front;
 mod machine;
 mod report;
 mod section;
+pub mod tradeoff;
+mod walker;
+mod worlds;
 
 use std::path::PathBuf;
 
+pub use aggressive::aggressive;
 pub use contender::{Contender, FrameInput};
+pub use front::{Cost, distance, front};
 pub use report::{ReportError, write};
 pub use section::{Block, Section, Table};
+pub use tradeoff::tradeoff;
 
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;

@@ -21,6 +21,8 @@ pub struct TradeoffPoint {
     pub ratio: f64,
     /// Visible objects lost in a frame, on average.
     pub lost: f64,
+    /// Whether it is on the Pareto front of those that lose nothing.
+    pub front: bool,
 }
 
 const METHOD_COLORS: [RGBColor; 6] = [
@@ -33,14 +35,15 @@ const METHOD_COLORS: [RGBColor; 6] = [
 ];
 
 /// Draws speed against accuracy: a panel for each scene, a line for each method, a disc for each setting
-/// that lost nothing and a cross for each that did. PNG, or SVG by the file's ending.
+/// that lost nothing, with a ring on the Pareto front, and a cross for each that did. PNG, or SVG by the file's ending.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn tradeoff(path: &Path, title: &str, points: &[TradeoffPoint]) -> Result<(), PictureError> {
     let fail = error(path);
     with_font();
-    let size = (1500, 1000);
+    let rows = (distinct(points, |p| &p.scene).len() + 1).div_ceil(3).max(1);
+    let size = (1500, 60 + 470 * rows as u32);
     let drawn = if path.extension().is_some_and(|e| e == "svg") {
         draw_tradeoff(&SVGBackend::new(path, size).into_drawing_area(), title, points)
     } else {
@@ -102,13 +105,16 @@ where
         chart.draw_series(LineSeries::new([(left, 1.0), (right, 1.0)], BLACK.mix(0.5)))?;
         for (i, method) in methods.iter().enumerate() {
             let color = METHOD_COLORS[i % METHOD_COLORS.len()];
-            let at: Vec<(f64, f64, f64)> = own
+            let at: Vec<(f64, f64, f64, bool)> = own
                 .iter()
                 .filter(|p| p.method == *method)
-                .map(|p| (p.ms, p.ratio.min(top), p.lost))
+                .map(|p| (p.ms, p.ratio.min(top), p.lost, p.front))
                 .collect();
             chart.draw_series(LineSeries::new(at.iter().map(|p| (p.0, p.1)), color.stroke_width(2)))?;
-            for &(x, y, lost) in &at {
+            for &(x, y, lost, front) in &at {
+                if front {
+                    chart.draw_series([Circle::new((x, y), 9, BLACK.stroke_width(2))])?;
+                }
                 if lost > 0.0 {
                     chart.draw_series([Cross::new((x, y), 6, color.stroke_width(2))])?;
                     let label = format!("{lost:.2}");
@@ -137,7 +143,9 @@ where
     text((92, y - 10), "nothing visible was lost", BLACK)?;
     legend.draw(&Cross::new((60, y + 32), 6, BLACK.stroke_width(2)))?;
     text((92, y + 22), "visible objects lost in each frame (the number)", BLACK)?;
-    text((40, y + 64), "Down and to the left is better; 1 is exact.", BLACK)?;
+    legend.draw(&Circle::new((60, y + 64), 9, BLACK.stroke_width(2)))?;
+    text((92, y + 54), "on the Pareto front of what lost nothing", BLACK)?;
+    text((40, y + 92), "Down and to the left is better; 1 is exact.", BLACK)?;
     root.present()?;
     Ok(())
 }

@@ -1,0 +1,46 @@
+//! The worlds that experiments over all scenes walk through.
+
+use std::path::Path;
+
+use super::{Lab, LabError};
+use crate::import;
+use crate::scenes::{SceneKind, SceneOptions, build};
+use crate::world::World;
+
+/// A scene to walk through, by name or file.
+#[derive(Debug, Clone)]
+pub(super) enum Place<'a> {
+    Built(SceneKind),
+    File(&'a Path),
+}
+
+/// All procedural scenes, then the files of the lab.
+pub(super) fn places<'a>(lab: &'a Lab) -> Vec<Place<'a>> {
+    let built = SceneKind::ALL.iter().copied().map(Place::Built);
+    built.chain(lab.files.iter().map(|f| Place::File(f))).collect()
+}
+
+impl Place<'_> {
+    /// What kind of scene it is, in a few words; files are told by their names.
+    pub(super) fn kind(&self) -> String {
+        match self {
+            Self::Built(SceneKind::Spheres) => "clutter of round solids, some of it moving".to_owned(),
+            Self::Built(SceneKind::City) => "streets with many small things".to_owned(),
+            Self::Built(SceneKind::Rooms) => "indoors".to_owned(),
+            Self::Built(SceneKind::Forest) => "open, thin occluders".to_owned(),
+            Self::Built(SceneKind::Crowd) => "100,000 moving objects among walls".to_owned(),
+            Self::File(_) => "triangle meshes".to_owned(),
+        }
+    }
+
+    /// Builds or loads it.
+    ///
+    /// # Errors
+    /// As [`import::load`].
+    pub(super) fn open(&self, lab: &Lab) -> Result<World, LabError> {
+        Ok(match self {
+            Self::Built(kind) => build(*kind, &SceneOptions { seed: lab.seed, ..SceneOptions::default() }),
+            Self::File(path) => import::load(path)?,
+        })
+    }
+}
