@@ -8,12 +8,14 @@ mod contender;
 mod machine;
 mod report;
 mod section;
+mod stability;
 
 use std::path::PathBuf;
 
 pub use contender::{Contender, FrameInput};
 pub use report::{ReportError, write};
 pub use section::{Block, Section, Table};
+pub use stability::stability;
 
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;
