@@ -180,3 +180,8 @@ pub(super) fn through(camera: &Camera, projection: Mat4) -> Camera {
 pub(super) fn grid(min: Vec3, max: Vec3, cell: f32) -> Result<GridSpec, LabError> {
     Ok(GridSpec::covering(Aabb::new(min, max), cell)?)
 }
+
+/// A power of ten in few letters.
+pub(super) fn plain(v: f32) -> String {
+    if v == 0.0 { "0".to_owned() } else { format!("{v:.0e}") }
+}

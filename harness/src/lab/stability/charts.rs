@@ -9,6 +9,18 @@ use crate::pictures::{Axis, Line, lines};
 /// The methods that are drawn, in the order of their colours.
 const METHODS: [&str; 4] = ["point", "cell", "hzb", "rays"];
 
+/// Puts lines with the same points into one, so that none covers another.
+fn joined(lines: Vec<Line>) -> Vec<Line> {
+    let mut out: Vec<Line> = Vec::new();
+    for line in lines {
+        match out.iter_mut().find(|l| l.points == line.points) {
+            Some(same) => same.label += &format!(" and {}", line.label),
+            None => out.push(line),
+        }
+    }
+    out
+}
+
 /// Labels as a reader knows the settings.
 fn label(findings: &[Finding], method: &str, fixed: bool) -> String {
     let setting = findings.first().and_then(|f| f.of(method)).map(|o| o.setting.clone());
@@ -30,14 +42,15 @@ pub(super) fn of_jitter(lab: &Lab, findings: &[Finding], section: &mut Section) 
     ];
     let mut table = Table::new("stability-jitter-flips", &columns);
     let amplitudes = jitter::AMPLITUDES;
+    let length = jitter::frames(lab);
     let mut sums = vec![vec![0.0; amplitudes.len()]; METHODS.len()];
     for (i, finding) in findings.iter().enumerate() {
         let Some(&amplitude) = amplitudes.get(i % amplitudes.len()) else { continue };
         let scene = jitter::SCENES.get(i / amplitudes.len()).map_or("", |k| k.name());
-        let truth = jitter::exact_unrest(finding).flicker;
+        let truth = jitter::exact_flicker(finding, length);
         for (m, &method) in METHODS.iter().enumerate() {
             let Some(outcome) = finding.of(method) else { continue };
-            let unrest = jitter::unrest(&outcome.found, &finding.exact, finding.in_frustum);
+            let unrest = jitter::unrest(&outcome.found, &finding.exact, length, finding.in_frustum);
             sums[m][i % amplitudes.len()] += unrest.flips;
             table.row([
                 scene.to_owned(),
@@ -94,13 +107,8 @@ pub(super) fn of_gaps(lab: &Lab, findings: &[Finding], section: &mut Section) ->
     let file = "stability-gaps.png";
     let x = Axis::log(&format!("width of a pixel of the {HZB} wide buffer, divided by that of the slit"));
     let y = Axis { holds: vec![0.0, 110.0], ..Axis::linear("objects lost, % of those seen through slits") };
-    lines(
-        &lab.folder.join(file),
-        "What slits show and methods lose (narrower to the right)",
-        &x,
-        &y,
-        &drawn,
-    )?;
+    let title = "Objects lost behind slits (narrower to the right)";
+    lines(&lab.folder.join(file), title, &x, &y, &joined(drawn))?;
     section.picture(
         file,
         "Share of the objects in sight behind slits that each method leaves out, over all three kinds of wall. \

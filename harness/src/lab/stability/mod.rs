@@ -52,7 +52,7 @@ const GROUPS: &[Group] = &[
     group(
         "jitter",
         "Camera jitter",
-        "The camera trembles about one place and direction while the world stands still. A flip is an object that \
+        "The camera trembles about four places and directions while the world stands still. A flip is an object that \
          comes or goes from one frame to the next although its exact visibility does not change; flicker is an \
          object found, not found and found again in three frames on end.",
         jitter::cases,
@@ -187,7 +187,7 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
          depth, {}x{}), which get the objects in the frustum for nothing. A false negative is an object that is visible \
          beyond the doubt of rounding and left out: it shows in an item buffer of {}x{} pixels, is hit by one of {} rays \
          aimed at every object in the frustum, or by a ray to a point that the case was built to show. \"Visible\" (EVS) is \
-         the mean number of visible objects. Times are medians, against the calm case above the row. Of {tested} objects \
+         the mean number of visible objects. Times are medians, against the calm case above the row; they grow, too, where a case shows more objects. Of {tested} objects \
          in the frustum, summed over all frames, {sure} are visible for certain, {known} of them at built points.",
         run::HZB,
         run::rows(run::HZB),

@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use super::case::{Case, Dice, placed};
+use super::case::{ASPECT, Case, Dice, Shot, block, grid, placed, solid, sphere};
 use super::walks::{Walk, shifted};
 use crate::lab::{Lab, LabError};
 use crate::scenes::SceneKind;
-use crate::world::{FRAME_SECONDS, Motion, Shape};
+use crate::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
 
 /// The scene's objects move inside this box.
 const ROOM: [Vec3; 2] = [Vec3::new(6.0, 6.0, 6.0), Vec3::new(94.0, 54.0, 94.0)];
@@ -19,35 +19,74 @@ fn center(shape: &Shape) -> Vec3 {
     }
 }
 
-/// Frames a 30th of a second apart whose moving objects sway by what they promise, from any place on.
-fn swaying(walk: &Walk, seed: u64, name: &str, frames: usize, times: impl Fn(usize) -> f64) -> Case {
-    let mut case = walk
-        .still(name, (0..frames).filter_map(|i| walk.cameras.get(i % walk.cameras.len().max(1)).copied()));
-    let mut dice = Dice::new(seed, 3);
-    let mut last = 0.0;
-    let mut shapes: Vec<Shape> = case.objects.iter().map(|o| o.shape.clone()).collect();
-    for number in 0..frames {
-        let time = times(number);
-        // However far the clock jumps, objects stay in their room.
-        let passed = if number == 0 { 0.0 } else { (time - last).abs().min(60.0) as f32 };
-        last = time;
-        let mut moves = Vec::new();
-        for (i, object) in case.objects.iter().enumerate() {
-            let Motion::Dynamic { max_speed } = object.motion else { continue };
-            let step = dice.ball() * (0.9 * max_speed * passed);
-            let target = (center(&shapes[i]) + step).clamp(ROOM[0], ROOM[1]);
-            // A clamped step is shorter only if it started inside.
-            let by = target - center(&shapes[i]);
-            if by.length() <= 0.9 * max_speed * passed {
-                shapes[i] = shifted(&shapes[i], by);
-            }
-            moves.push((i, shapes[i].clone()));
+/// Of the moving crowd's box, in metres.
+const SIZE: Vec3 = Vec3::new(40.0, 16.0, 40.0);
+
+/// A crowd that moves straight ahead between walls, at 95 % of the speeds that it promised.
+struct Crowd {
+    objects: Vec<Object>,
+    /// Index, place at the start, velocity and radius.
+    movers: Vec<(usize, Vec3, Vec3, f32)>,
+    frames: usize,
+    seed: u64,
+}
+
+impl Crowd {
+    fn new(lab: &Lab) -> Self {
+        let mut dice = Dice::new(lab.seed, 3);
+        let mut objects = Vec::new();
+        for i in 0..24 {
+            let at = dice.point(Vec3::ZERO, SIZE).with_y(0.0);
+            let size = if i % 2 == 0 { Vec3::new(9.0, SIZE.y, 2.0) } else { Vec3::new(2.0, SIZE.y, 9.0) };
+            objects.push(solid("wall", block(at.min(SIZE - size), at.min(SIZE - size) + size)));
         }
-        if let Some(shot) = case.shots.get_mut(number) {
-            (shot.moves, shot.time) = (moves, time);
+        let mut movers = Vec::new();
+        for _ in 0..lab.pick(300, 150) {
+            let (radius, speed) = (dice.range(0.1, 0.4), dice.range(1.0, 10.0));
+            let way = dice.ball().normalize_or(Vec3::X) * (0.95 * speed);
+            let at = dice.point(Vec3::splat(1.0), SIZE - 1.0);
+            movers.push((objects.len(), at, way, radius));
+            let motion = Motion::Dynamic { max_speed: speed };
+            objects.push(Object { motion, ..solid("mover", sphere(at, radius)) });
         }
+        Self { objects, movers, frames: lab.pick(24, 8), seed: lab.seed }
     }
-    case
+
+    /// Frames at some times of the clock, seen from a new place every `stay` frames.
+    fn case(
+        &self,
+        name: &str,
+        near: f32,
+        stay: usize,
+        time: impl Fn(usize) -> f64,
+    ) -> Result<Case, LabError> {
+        let mut dice = Dice::new(self.seed, 4);
+        let mut way = 0.0;
+        let mut shots = Vec::new();
+        let mut camera = None;
+        for number in 0..self.frames {
+            // However far the clock goes, up or down, the crowd has moved on for a while.
+            let passed = if number == 0 { 0.0 } else { (time(number) - time(number - 1)).abs().min(2.0) };
+            way += passed as f32;
+            // Straight on, and back from the sides of the box.
+            let fold = |x: f32, room: f32| {
+                let around = (x - 1.0).rem_euclid(2.0 * (room - 2.0));
+                1.0 + around.min(2.0 * (room - 2.0) - around)
+            };
+            let place = |at: Vec3, v: Vec3| {
+                let p = at + v * way;
+                Vec3::new(fold(p.x, SIZE.x), fold(p.y, SIZE.y), fold(p.z, SIZE.z))
+            };
+            let moves = self.movers.iter().map(|&(i, at, v, r)| (i, sphere(place(at, v), r))).collect();
+            if number % stay.max(1) == 0 {
+                let (eye, at) = (dice.point(Vec3::splat(0.5), SIZE - 0.5), dice.point(Vec3::ZERO, SIZE));
+                camera = Some(Camera::look_at(eye, at, 60.0, ASPECT, near, 100.0));
+            }
+            let Some(camera) = camera else { continue };
+            shots.push(Shot { camera, moves, time: time(number) });
+        }
+        Ok(Case::new(name, self.objects.clone(), grid(Vec3::ZERO, SIZE, 0.5)?, shots))
+    }
 }
 
 /// All cases.
@@ -66,7 +105,7 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     cases.push(jumps);
 
     // Objects appear anywhere, far from where they were; nothing is promised about that.
-    let mut dice = Dice::new(lab.seed, 4);
+    let mut dice = Dice::new(lab.seed, 14);
     let mut beamed = walk.case("spheres, moving objects jump anywhere each frame");
     for shot in &mut beamed.shots {
         for (_, shape) in &mut shot.moves {
@@ -89,26 +128,27 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
         cases.push(broken);
     }
 
-    let frames = lab.pick(12, 5);
+    let crowd = Crowd::new(lab);
     let step = FRAME_SECONDS;
-    let mut add = |name: &str, calm: bool, times: &dyn Fn(usize) -> f64| {
-        let mut case = swaying(&walk, lab.seed, name, frames, times);
-        case.unreported = true;
-        cases.push(if calm { case.calm() } else { case });
+    let even = |i: usize| i as f64 * step;
+    cases.push(crowd.case("moving crowd", 0.1, 6, even)?.calm());
+    cases.push(crowd.case("moving crowd, camera jumps each frame", 0.1, 1, even)?);
+    cases.push(crowd.case("moving crowd, near plane at 4 m", 4.0, 6, even)?);
+    cases.push(crowd.case("moving crowd, reported, time runs backwards", 0.1, 6, |i| 1000.0 - even(i))?);
+    let mut add = |name: &str, near: f32, stay: usize, time: &dyn Fn(usize) -> f64| {
+        crowd.case(&format!("unreported crowd{name}"), near, stay, time).map(|case| {
+            cases.push(Case { unreported: true, ..case });
+        })
     };
-    add("spheres, unreported while hidden", true, &|i| i as f64 * step);
-    add("spheres, unreported, time runs backwards", false, &|i| 1000.0 - i as f64 * step);
-    add("spheres, unreported, time leaps to and fro by 10 s", false, &|i| {
-        if i % 2 == 0 { 100.0 } else { 90.0 }
-    });
-    add("spheres, unreported, time stands still", false, &|_| 5.0);
-    add("spheres, unreported, frames an hour apart", false, &|i| i as f64 * 3600.0);
-    add("spheres, unreported, frames 1e15 s apart", false, &|i| i as f64 * 1e15);
-    add("spheres, unreported, clock starts at -1e9 s", false, &|i| -1e9 + i as f64 * step);
-    let mut moved = swaying(&walk, lab.seed, "spheres, reported, time runs backwards", frames, |i| {
-        1000.0 - i as f64 * step
-    });
-    moved.unreported = false;
-    cases.push(moved);
+    add("", 0.1, 6, &even)?;
+    add(", camera jumps each frame", 0.1, 1, &even)?;
+    add(", near plane at 4 m", 4.0, 6, &even)?;
+    add(", near plane at 4 m, camera jumps each frame", 4.0, 1, &even)?;
+    add(", time runs backwards", 0.1, 6, &|i| 1000.0 - even(i))?;
+    add(", time leaps to and fro by 2 s", 0.1, 6, &|i| if i % 2 == 0 { 102.0 } else { 100.0 })?;
+    add(", time stands still", 0.1, 6, &|_| 5.0)?;
+    add(", frames an hour apart", 0.1, 6, &|i| i as f64 * 3600.0)?;
+    add(", frames 1e15 s apart", 0.1, 6, &|i| i as f64 * 1e15)?;
+    add(", clock from -1e9 s on", 0.1, 6, &|i| -1e9 + even(i))?;
     Ok(cases)
 }

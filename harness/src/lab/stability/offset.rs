@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::case::{Case, Shot, placed};
+use super::case::{Case, Shot, placed, plain};
 use super::walks::{Walk, shifted};
 use crate::lab::{Lab, LabError};
 use crate::scenes::SceneKind;
@@ -20,7 +20,7 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
                 continue;
             }
             let by = Vec3::splat(offset);
-            let case = walk.case(format!("{}, {offset:.0e} m from the origin", kind.name()));
+            let case = walk.case(format!("{}, {} m from the origin", kind.name(), plain(offset)));
             let shots = case.shots.into_iter().map(|s| Shot {
                 camera: placed(&s.camera, s.camera.eye + by, Quat::IDENTITY),
                 moves: s.moves.iter().map(|(i, shape)| (*i, shifted(shape, by))).collect(),

@@ -9,7 +9,7 @@ use super::case::{ASPECT, Case};
 use crate::drive::Driver;
 use crate::lab::{Contender, FrameInput, Lab, LabError, median};
 use crate::oracle::{Frustum, ItemBuffer, Oracle, OracleOptions};
-use crate::world::{Motion, Object};
+use crate::world::{Motion, Object, Shape};
 
 /// Rows of the baselines' buffers for a number of columns.
 pub(super) fn rows(columns: usize) -> usize {
@@ -137,6 +137,15 @@ impl Judge<'_> {
     }
 }
 
+/// Whether a shape may meet the frustum; meshes are taken to.
+fn may_meet(frustum: &Frustum, shape: &Shape) -> bool {
+    match shape {
+        Shape::Sphere { center, radius } => frustum.may_meet_sphere(center.as_dvec3(), f64::from(*radius)),
+        Shape::Box { min, max } => frustum.may_meet_box(min.as_dvec3(), max.as_dvec3()),
+        Shape::Mesh { .. } => true,
+    }
+}
+
 /// Brings the scene up to date.
 fn advance(
     case: &Case,
@@ -215,6 +224,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
     for number in 0..case.shots.len() {
         let camera = &case.shots[number].camera;
         let moved = advance(case, number, &mut objects, &mut driver, &seen)?;
+        let frustum = Frustum::new(camera);
         let mut in_frustum = Vec::new();
         for (k, (contender, _)) in contenders.iter_mut().enumerate() {
             let frame = FrameInput { driver: &driver, objects: &objects, in_frustum: &in_frustum, camera };
@@ -229,7 +239,10 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
             }
             times[k].push(best.as_secs_f64() * 1e3);
             if let (0, Some(query)) = (k, contender.query()) {
-                in_frustum = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
+                // Objects whose place the library does not know count as seen; the baselines know it.
+                in_frustum = (0..objects.len())
+                    .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&frustum, &objects[i].shape))
+                    .collect();
             }
             finding.outcomes[k].found.push(contender.found().to_vec());
         }
@@ -238,7 +251,6 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         let mut sure: Vec<(usize, DVec3, bool)> =
             verdict.false_negatives.iter().map(|f| (f.object, f.origin, false)).collect();
         let mut exact = verdict.exact;
-        let frustum = Frustum::new(camera);
         for known in &case.known {
             if !frustum.surely_contains(known.point) {
                 continue;

@@ -26,7 +26,8 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
         };
         add("60 degrees high", of(60.0, ASPECT, 0.1, 400.0), Quat::IDENTITY);
         for degrees in [179.0, 150.0, 5.0, 1.0, 0.1] {
-            add(&format!("{degrees} degrees high"), of(degrees, ASPECT, 0.1, 400.0), Quat::IDENTITY);
+            let unit = if degrees == 1.0 { "degree" } else { "degrees" };
+            add(&format!("{degrees} {unit} high"), of(degrees, ASPECT, 0.1, 400.0), Quat::IDENTITY);
         }
         if kind == SceneKind::Spheres {
             add("10 times as wide as high", of(20.0, 10.0, 0.1, 400.0), Quat::IDENTITY);
