@@ -89,13 +89,15 @@ const GROUPS: &[Group] = &[
         "thin",
         "Thin walls",
         "A wall of 12 x 8 m before a crowd, from 4 cells thick to a thousandth of a cell and to nothing. `cell` hides \
-         only by cells wholly inside solids, so it has no use for thin walls; `point` draws them as they are.",
+         only by cells wholly inside solids, so it has no use for thin walls; `point` draws them as they are, as long as \
+         they are solids or meshes: a box without thickness is neither, and hides nothing for it.",
         shapes::thin,
     ),
     group(
         "grazing",
         "Grazing walls",
-        "The eye looks along a wall, from 4 m off its face to exactly on its plane; small objects stick to both sides.",
+        "The eye looks along a wall that runs past it, from 4 m off its face to exactly on its plane; small objects stick \
+         to both sides. The near plane at 0.01 m cuts into the wall where it is closer than that.",
         shapes::grazing,
     ),
     group(
@@ -132,7 +134,9 @@ const GROUPS: &[Group] = &[
         "Teleports, broken promises and time",
         "The camera or the moving objects jump in each frame; objects outrun the speed that they promised, which is \
          found out when they are reported; objects go unreported while hidden (they keep their promise then) under a \
-         clock that runs backwards, leaps, stands still or takes huge steps.",
+         clock that runs backwards, leaps, stands still or takes huge steps. An unreported object counts as visible as soon as \
+         the volume that holds it comes into sight, which makes the set larger. `rays` starts at the eye and hits what the \
+         near plane cuts away.",
         motion::cases,
     ),
     group(

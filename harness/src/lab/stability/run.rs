@@ -36,7 +36,7 @@ pub(super) const CAUSES: [&str; 4] = [
     "missing from the list of objects in the frustum",
     "hidden by what lies before the near plane",
     "seen only between the samples",
-    "hidden by rounded positions or depths, although samples show them",
+    "hidden by rounded positions, directions or depths, although samples show them",
 ];
 
 /// What a method made of a case.

@@ -373,8 +373,8 @@ impl<'a> Arena<'a> {
             ("a sheet", |lo, hi| quad([hi.with_y(lo.y).with_z(lo.z), hi.with_y(lo.y), hi, hi.with_z(lo.z)])),
         ] {
             for away in [4.0f32, 0.1, 1e-3, 1e-5, 0.0] {
-                // The wall's face looks towards greater x; small things stick to both of its sides.
-                let (lo, hi) = (Vec3::new(-1.0 - away, -6.0, -24.0), Vec3::new(-away, 6.0, -0.5));
+                // The wall's face looks towards greater x, and it runs past the eye; small things stick to both of its sides.
+                let (lo, hi) = (Vec3::new(-1.0 - away, -6.0, -24.0), Vec3::new(-away, 6.0, 3.0));
                 let mut objects = vec![solid("wall", make(lo, hi))];
                 let mut dice = self.dice(12);
                 for i in 0..self.lab.pick(200, 100) {
