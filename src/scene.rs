@@ -71,6 +71,14 @@ impl Object {
         self.on_expiry() && self.is_hidden()
     }
 
+    /// The volume of an object whose bounds are old: it may be anywhere in there.
+    pub(crate) fn unreported_volume(&self) -> Option<&Block> {
+        match &self.state {
+            State::Hidden { tbv, .. } if self.on_expiry() => Some(&tbv.block),
+            _ => None,
+        }
+    }
+
     fn is_static(&self) -> bool {
         self.motion == Motion::Static
     }

@@ -273,6 +273,13 @@ impl View {
         meets || matches!(self.origin, Origin::Eye { at, error } if holds_eye(at, error))
     }
 
+    /// As [`Self::may_see`], for something anywhere in a box.
+    pub(crate) fn may_see_volume(&self, b: &Block) -> bool {
+        let holds_eye =
+            |at: DVec3, error: f64| Block { min: b.min - error, max: b.max + error }.contains_point(at);
+        self.may_see_block(b) || matches!(self.origin, Origin::Eye { at, error } if holds_eye(at, error))
+    }
+
     pub(crate) fn may_see_sphere(&self, s: &Sphere) -> bool {
         let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
         let reach = c.abs().max_element() + r;

@@ -111,12 +111,25 @@ impl Driver {
     ///
     /// # Errors
     /// As [`Scene::new`] and [`Scene::insert`].
-    pub fn new(world: &World, grid: &GridSpec, mut progress: impl FnMut(usize)) -> Result<Self, Error> {
+    pub fn new(world: &World, grid: &GridSpec, progress: impl FnMut(usize)) -> Result<Self, Error> {
+        Self::with(&world.objects, grid, |_, desc| desc, progress)
+    }
+
+    /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
+    ///
+    /// # Errors
+    /// As [`Scene::new`] and [`Scene::insert`].
+    pub fn with(
+        objects: &[Object],
+        grid: &GridSpec,
+        adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
+        mut progress: impl FnMut(usize),
+    ) -> Result<Self, Error> {
         let mut scene = Scene::new(grid)?;
         let mut shaper = Shaper::new(grid);
-        let mut ids = Vec::with_capacity(world.objects.len());
-        for object in &world.objects {
-            ids.push(scene.insert(shaper.describe(object)?)?);
+        let mut ids = Vec::with_capacity(objects.len());
+        for object in objects {
+            ids.push(scene.insert(adapt(object, shaper.describe(object)?))?);
             progress(ids.len());
         }
         Ok(Self { scene, ids, shaper })

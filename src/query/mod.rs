@@ -258,7 +258,11 @@ impl Query {
                 for slot in 0..scene.slots.len() as u32 {
                     let Some(object) = &scene.slots[slot as usize].object else { continue };
                     pvs.stats.objects_tested += 1;
-                    if object.is_unlocated() || view.may_see(&object.bounds) {
+                    let seen = match object.unreported_volume() {
+                        Some(volume) => view.may_see_volume(volume),
+                        None => object.is_unlocated() || view.may_see(&object.bounds),
+                    };
+                    if seen {
                         pvs.push(scene.id(slot));
                     }
                 }

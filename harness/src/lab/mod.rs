@@ -10,6 +10,7 @@ mod front;
 mod machine;
 mod report;
 mod section;
+mod stability;
 pub mod tradeoff;
 mod walker;
 mod worlds;
@@ -21,6 +22,7 @@ pub use contender::{Contender, FrameInput};
 pub use front::{Cost, distance, front};
 pub use report::{ReportError, write};
 pub use section::{Block, Section, Table};
+pub use stability::stability;
 pub use tradeoff::tradeoff;
 
 /// Why an experiment failed.

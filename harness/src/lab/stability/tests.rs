@@ -1,0 +1,91 @@
+//! No case may lose anything of the library's methods, and those of gaps must be hard.
+
+use super::*;
+
+fn quick(run: impl FnOnce(&Lab)) {
+    let folder = std::env::temp_dir();
+    run(&Lab { quick: true, seed: 1, files: Vec::new(), folder, progress: &|_| () });
+}
+
+fn of(lab: &Lab, name: &str) -> Vec<Finding> {
+    let group = GROUPS.iter().find(|g| g.name == name).unwrap();
+    findings(lab, group).unwrap()
+}
+
+/// Nothing is lost in a group; returns what was found.
+fn nothing_is_lost(lab: &Lab, name: &str) -> Vec<Finding> {
+    let found = of(lab, name);
+    for finding in &found {
+        assert!(finding.sure > 0, "{}: nothing is in sight", finding.case);
+        for outcome in finding.outcomes.iter().filter(|o| o.safe) {
+            let first = outcome.first_lost;
+            assert_eq!(outcome.lost, 0, "{} of {}: (frame, object) {first:?}", outcome.method, finding.case);
+        }
+    }
+    found
+}
+
+#[test]
+fn gaps_lose_nothing_but_samples_do() {
+    quick(|lab| {
+        let found = nothing_is_lost(lab, "gaps");
+        let widths = gaps::widths_in_pixels();
+        for (i, finding) in found.iter().enumerate() {
+            assert_eq!(finding.refuted, 0, "{}", finding.case);
+            assert!(finding.known > 0, "{}", finding.case);
+            // Most is lost through the narrowest slits, and it lies between the samples.
+            if widths[i % widths.len()] < 0.05 {
+                for method in ["hzb", "rays"] {
+                    let outcome = finding.of(method).unwrap();
+                    assert!(outcome.lost_known * 4 > finding.known, "{method}, {}", finding.case);
+                    assert!(outcome.causes[2] * 2 > outcome.lost, "{method}, {}", finding.case);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn small_worlds_lose_nothing() {
+    quick(|lab| {
+        for name in ["thin", "touching", "nested", "sizes", "meshes"] {
+            let found = nothing_is_lost(lab, name);
+            // Most of what was put there to be seen is in sight.
+            let (known, refuted): (Vec<usize>, Vec<usize>) =
+                found.iter().map(|f| (f.known, f.refuted)).unzip();
+            let (known, refuted) = (known.iter().sum::<usize>(), refuted.iter().sum::<usize>());
+            assert!(refuted * 3 <= known, "{name}: {refuted} of {known}");
+            assert!(known > 0 || !["nested", "sizes"].contains(&name));
+        }
+    });
+}
+
+#[test]
+fn views_along_walls_lose_nothing() {
+    quick(|lab| drop(nothing_is_lost(lab, "grazing")));
+}
+
+#[test]
+#[ignore = "takes a minute without optimisation"]
+fn whole_scenes_lose_nothing() {
+    quick(|lab| {
+        let rest = GROUPS.iter().filter(|g| {
+            !["gaps", "thin", "touching", "nested", "sizes", "meshes", "grazing"].contains(&g.name)
+        });
+        rest.for_each(|g| drop(nothing_is_lost(lab, g.name)));
+    });
+}
+
+#[test]
+fn flips_and_flicker_are_counted_beyond_those_of_the_exact_sets() {
+    let sets = [vec![1, 2, 3], vec![1, 3], vec![1, 2], vec![1, 2]];
+    let exact = [vec![1, 3], vec![1, 3], vec![1], vec![1]];
+    // 2 goes, 2 comes, and 3 goes as it should; three pairs of frames, ten objects in each frustum.
+    let unrest = jitter::unrest(&sets, &exact, 4, 40);
+    assert!((unrest.flips - 100.0 * 2.0 / 3.0 / 10.0).abs() < 1e-12);
+    assert_eq!(unrest.flicker, 1);
+    // The camera jumps after two frames: what changes there does not count.
+    let unrest = jitter::unrest(&sets, &exact, 2, 40);
+    assert!((unrest.flips - 100.0 * 1.0 / 2.0 / 10.0).abs() < 1e-12);
+    assert_eq!(unrest.flicker, 0);
+}

@@ -1,0 +1,70 @@
+//! Temporal bounding volumes where a view shows their inside but not their surface.
+
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use glam::camera::rh::{proj::directx, view::look_to_mat4};
+use glam::{UVec3, Vec3};
+
+const EYE: Vec3 = Vec3::new(20.5, 20.5, 38.5);
+
+fn query(method: Method) -> Query {
+    let mut settings = Settings::default();
+    settings.method = method;
+    Query::with_settings(settings).unwrap()
+}
+
+fn view(eye: Vec3, forward: Vec3, degrees: f32, near: f32) -> View {
+    let matrix =
+        directx::perspective(degrees.to_radians(), 1.0, near, 100.0) * look_to_mat4(eye, forward, Vec3::Y);
+    View::perspective(eye, matrix).unwrap()
+}
+
+/// A wall across the grid from z = 20 to 22, and a mover behind it in a volume that reaches before it.
+fn hidden_mover(desc: ObjectDesc) -> (Scene, ObjectId) {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(40) }).unwrap();
+    let wall = Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(40.0, 40.0, 22.0));
+    scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    let id = scene.insert(desc).unwrap();
+    let mut query = Query::new();
+    scene.begin_frame(0.0).unwrap();
+    query.run(&scene, &view(EYE, Vec3::NEG_Z, 60.0, 0.1));
+    assert!(!query.pvs().contains(id));
+    scene.end_frame([query.pvs()]).unwrap();
+    let (lo, hi) = scene.tbv(id).unwrap().expect("a volume");
+    assert!(lo.z < 20.0 && hi.z > 25.0 && hi.z < 30.0, "{lo} to {hi}");
+    (scene, id)
+}
+
+const START: Sphere = Sphere { center: Vec3::new(20.5, 20.5, 19.0), radius: 0.3 };
+
+#[test]
+fn a_volume_whose_front_the_near_plane_cuts_away_hides_nothing_in_it() {
+    for unreported in [false, true] {
+        let desc = ObjectDesc::dynamic(START).max_speed(14.0);
+        let (mut scene, id) = hidden_mover(if unreported { desc.reported_on_expiry() } else { desc });
+        scene.begin_frame(0.4).unwrap();
+        // Through the wall to its front: 5 m in 0.4 s. The volume reaches further towards the eye.
+        if !unreported {
+            scene.update(id, Sphere::new(Vec3::new(20.5, 20.5, 23.5), 0.3), None).unwrap();
+            assert!(scene.tbv(id).unwrap().is_some());
+        }
+        for method in [Method::Frustum, Method::Cell, Method::Point] {
+            // The near plane lies at z = 24, within the volume and before the object.
+            let mut query = query(method);
+            let pvs = query.run(&scene, &view(EYE, Vec3::NEG_Z, 10.0, EYE.z - 24.0));
+            assert!(pvs.contains(id), "{method:?}, unreported: {unreported}");
+        }
+    }
+}
+
+#[test]
+fn an_unreported_object_is_in_every_frustum_that_its_volume_meets() {
+    let desc = ObjectDesc::dynamic(START).max_speed(14.0).reported_on_expiry();
+    let (mut scene, id) = hidden_mover(desc);
+    scene.begin_frame(0.3).unwrap();
+    // It may be 4 m beside its old place, where this view looks.
+    let beside = view(Vec3::new(24.5, 20.5, 2.5), Vec3::Z, 10.0, 0.1);
+    for method in [Method::Frustum, Method::Cell, Method::Point] {
+        let mut query = query(method);
+        assert!(query.run(&scene, &beside).contains(id), "{method:?}");
+    }
+}
