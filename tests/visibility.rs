@@ -692,3 +692,23 @@ fn near_planes_far_from_the_origin_still_cut() {
     };
     assert!(sees(&[near(0.125)]) && !sees(&[]));
 }
+
+#[test]
+fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
+    let grid = GridSpec { min: Vec3::splat(-8.0), cell: 1.0, dims: UVec3::splat(16) };
+    let mut scene = Scene::new(&grid).unwrap();
+    for i in 0..3000u32 {
+        let at = Vec3::new((i % 15) as f32, (i / 15 % 15) as f32, (i / 225) as f32) * 0.8 - 5.6;
+        let ball = Sphere::new(at, 0.02);
+        scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap();
+    }
+    let eye = Vec3::Z * 10_000.0;
+    let matrix = directx::perspective(0.01, 1.0, 1.0, 20_000.0) * look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);
+    let mut query = Query::new();
+    let pvs = query.run(&scene, &View::perspective(eye, matrix).unwrap());
+    let stats = *pvs.stats();
+    assert_eq!(pvs.len(), 3000, "they are far apart");
+    // Each direction goes through long lists of occluders, and pays for it.
+    assert!(stats.refined > 0 && stats.refine_squares > 5 * u64::from(stats.refined), "{stats:?}");
+    assert!(stats.refine_squares <= u64::from(query.settings().refine_budget));
+}

@@ -29,6 +29,10 @@ const DIRECTIONS: u32 = 16;
 /// that is more), none of which shows it for certain, is taken to be visible.
 const PIXELS: usize = 64;
 
+/// To go through so many occluders of a list costs as much as a square, so that the budget bounds the
+/// time also where thousands are listed in one place.
+const LISTED: usize = 64;
+
 /// One occluder that may hide the target.
 #[derive(Clone, Copy)]
 struct Candidate {
@@ -44,6 +48,11 @@ struct Search<'a> {
     owner: u32,
     squares: u32,
     depth: u32,
+}
+
+/// What a direction costs that is asked of all listed occluders, in squares.
+fn price(listed: &[Listed]) -> u32 {
+    1 + (listed.len() / LISTED) as u32
 }
 
 impl OcclusionBuffers {
@@ -84,8 +93,9 @@ impl Search<'_> {
             let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
             if tries < DIRECTIONS && self.squares > 0 && self.target.silhouette.holds(u, v) {
                 tries += 1;
-                self.squares -= 1;
-                seen = self.is_seen(u, v, &self.buffer.bins[self.buffer.bin(x, y)]);
+                let listed = &self.buffer.bins[self.buffer.bin(x, y)];
+                self.squares = self.squares.saturating_sub(price(listed));
+                seen = self.is_seen(u, v, listed);
             }
             let full = open.len() == most;
             if !full {
@@ -106,6 +116,7 @@ impl Search<'_> {
         open.iter().all(|rect| {
             let bin = self.buffer.bin_of(rect);
             if gathered.0 != bin {
+                self.squares = self.squares.saturating_sub(price(&self.buffer.bins[bin]) - 1);
                 gathered = (bin, self.candidates(buffers, target, bin, &all));
             }
             let touching =
@@ -149,8 +160,9 @@ impl Search<'_> {
         if self.buffer.hides(&point, self.target.near(&point)) {
             return false;
         }
-        self.squares -= 1;
-        self.is_seen(u, v, &self.buffer.bins[self.buffer.bin_of(&point)])
+        let listed = &self.buffer.bins[self.buffer.bin_of(&point)];
+        self.squares = self.squares.saturating_sub(price(listed));
+        self.is_seen(u, v, listed)
     }
 
     /// Whether the candidates surely hide the target in a square.

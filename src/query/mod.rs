@@ -62,7 +62,8 @@ pub struct Settings {
     pub refine_squares: u32,
     /// [`Method::Point`]: how often an undecided pixel is halved, up to 16.
     pub refine_depth: u32,
-    /// [`Method::Point`]: squares examined again in a whole query, at most.
+    /// [`Method::Point`]: squares examined again in a whole query, at most. What is left when they are spent
+    /// is decided by pixels: this bounds the time where thousands of objects are smaller than those.
     pub refine_budget: u32,
     /// [`Method::Point`]: patches of triangles drawn again, eight times as fine, in pixels that leave
     /// objects undecided, at most in one query. 0 leaves it out.
@@ -82,7 +83,7 @@ impl Default for Settings {
             max_occluders: u32::MAX,
             refine_squares: 256,
             refine_depth: 6,
-            refine_budget: 1 << 20,
+            refine_budget: 1 << 16,
             refine_patches: 3000,
             record_cells: false,
         }

@@ -66,6 +66,7 @@ fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
         settings.pixel_degrees = 90.0 / pixels;
         settings.refine_squares = squares;
         settings.refine_patches = patches;
+        settings.refine_budget = settings.refine_budget.max(squares << 8);
         add(Contender::casca(format!("{pixels} px a side, refined {squares}/{patches}"), settings)?, 0);
     }
     for mask in [64, 256, 1024] {
