@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_harness::lab::{Lab, LabError, Section, write};
+use casca_harness::lab::{Lab, LabError, Section, thesis, upkeep, write};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,7 +36,7 @@ struct Options {
 type Experiment = fn(&Lab) -> Result<Section, LabError>;
 
 /// All experiments by name, in the order of the report.
-const EXPERIMENTS: &[(&str, Experiment)] = &[];
+const EXPERIMENTS: &[(&str, Experiment)] = &[("thesis", thesis), ("upkeep", upkeep)];
 
 /// The glTF files of a folder, in order of their names.
 fn files_in(folder: &str) -> Vec<PathBuf> {

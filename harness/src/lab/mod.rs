@@ -8,12 +8,17 @@ mod contender;
 mod machine;
 mod report;
 mod section;
+mod stage;
+mod thesis;
+mod upkeep;
 
 use std::path::PathBuf;
 
 pub use contender::{Contender, FrameInput};
 pub use report::{ReportError, write};
 pub use section::{Block, Section, Table};
+pub use thesis::thesis;
+pub use upkeep::upkeep;
 
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;
