@@ -48,7 +48,7 @@ pub fn bars(path: &Path, title: &str, axis: &str, parts: &[&str], bars: &[Bar]) 
                     continue;
                 }
                 let corners = [(at(from), top), (at(from + share), top + 60)];
-                root.draw(&Rectangle::new(corners, color.mix(0.85).filled()))?;
+                root.draw(&Rectangle::new(corners, color.filled()))?;
                 if *share >= 4.0 {
                     let style = (FONT, 17).into_font().color(&WHITE);
                     root.draw(&Text::new(
@@ -63,7 +63,7 @@ pub fn bars(path: &Path, title: &str, axis: &str, parts: &[&str], bars: &[Bar]) 
         for (i, (part, color)) in parts.iter().zip(COLORS.iter().cycle()).enumerate() {
             let y = 76 + 26 * i as i32;
             let x = SIZE.0 as i32;
-            root.draw(&Rectangle::new([(x, y), (x + 26, y + 16)], color.mix(0.85).filled()))?;
+            root.draw(&Rectangle::new([(x, y), (x + 26, y + 16)], color.filled()))?;
             root.draw(&Text::new(*part, (x + 36, y), (FONT, 17)))?;
         }
         root.present()?;

@@ -71,7 +71,7 @@ impl Axis {
     }
 }
 
-pub(super) const COLORS: [RGBColor; 9] = [
+pub(super) const COLORS: [RGBColor; 10] = [
     RGBColor(31, 90, 180),
     RGBColor(20, 140, 60),
     RGBColor(200, 90, 20),
@@ -81,6 +81,7 @@ pub(super) const COLORS: [RGBColor; 9] = [
     RGBColor(0, 140, 150),
     RGBColor(0, 0, 0),
     RGBColor(170, 140, 0),
+    RGBColor(240, 130, 180),
 ];
 
 /// Width of the drawing without the legend, and height, in pixels.

@@ -23,19 +23,29 @@ fn opening(eye: Vec3, degrees: f64) -> Result<View, casca::Error> {
     View::from_planes(eye, &planes)
 }
 
-/// A point on the face of the scene where x is least, in no object, as near to its middle as is found.
+/// How far the view along +x from the eye is free, in metres.
+const FREE: f32 = 10.0;
+
+/// A point on the face of the scene where x is least, in no object and with none close before it, as near to
+/// the middle of the face as is found.
 fn free_eye(world: &World) -> Vec3 {
     let (min, max) = (world.grid.min, world.grid.max);
     let middle = Vec3::new(min.x + 0.3, (min.y + max.y) * 0.5, (min.z + max.z) * 0.5);
     let free = |eye: &Vec3| {
+        let ahead = |p: Vec3| Vec3::new(p.x.clamp(eye.x, eye.x + FREE), eye.y, eye.z);
         world.objects.iter().all(|o| match &o.shape {
-            Shape::Sphere { center, radius } => center.distance(*eye) > radius + 0.5,
-            Shape::Box { min, max } => eye.clamp(*min, *max).distance(*eye) > 0.5,
+            Shape::Sphere { center, radius } => center.distance(ahead(*center)) > radius + 0.5,
+            Shape::Box { min, max } => {
+                let near = ahead(eye.clamp(*min, *max));
+                near.clamp(*min, *max).distance(near) > 0.5
+            }
             Shape::Mesh { .. } => true,
         })
     };
-    let steps = (0..80).map(|i| if i % 2 == 0 { i as f32 } else { -(i as f32) } * 0.25);
-    steps.map(|z| middle + Vec3::Z * z).find(free).unwrap_or(middle)
+    let mut offsets: Vec<(f32, f32)> =
+        (-40..=40).flat_map(|y| (-80..=80).map(move |z| (y as f32 * 0.5, z as f32 * 0.5))).collect();
+    offsets.sort_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)));
+    offsets.into_iter().map(|(y, z)| middle + Vec3::new(0.0, y, z)).find(free).unwrap_or(middle)
 }
 
 /// Milliseconds and cells visited (`cell`) by degrees.
@@ -218,7 +228,7 @@ mod tests {
         let eye = free_eye(&world);
         for o in &world.objects {
             let Shape::Sphere { center, radius } = &o.shape else { panic!() };
-            assert!(center.distance(eye) > *radius);
+            assert!((0..=10).all(|i| center.distance(eye + Vec3::X * i as f32) > *radius));
         }
         assert!(eye.x < world.grid.min.x + 1.0);
     }

@@ -78,7 +78,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             }
             if measured && drawing.len() < 5 {
                 let start = std::time::Instant::now();
-                depth.draw_all(&world.objects, 0..world.objects.len(), &camera);
+                depth.draw_all(&world.objects, world.objects.len() - count..world.objects.len(), &camera);
                 drawing.push(ms(start.elapsed()));
             }
         }
@@ -104,11 +104,12 @@ fn draw(
         "### Hidden dynamic objects (figure 4.3)\n\nAmong the 5,000 spheres stands a closed bunker in which more and \
          more small spheres move. The camera stands still in the middle of the walk. The time of a frame is upkeep \
          (clock, reports, feedback) and query; hidden objects are reported when their volumes expire, \
-         as in the thesis, and in one row in every frame. The depth buffer alone draws all objects, in software.",
+         as in the thesis, and in one row in every frame. As in the thesis, where nothing was in sight, the line of the depth buffer \
+         is what the hidden objects alone cost it: all are drawn, in software, with 80 or 320 triangles each.",
     );
     let count = Axis { label: "hidden dynamic objects".to_owned(), ..Axis::linear("") };
     let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, r.frame())).collect();
-    all.push(Line::new("depth buffer alone (drawing)", drawn.to_vec()));
+    all.push(Line::new("depth buffer: the hidden ones", drawn.to_vec()));
     let file = "thesis-hidden-frame.png";
     let title = "Figure 4.3: time of a frame, without drawing what is visible";
     lines(&lab.folder.join(file), title, &count, &Axis::log("ms, median"), &all)?;
@@ -162,12 +163,14 @@ fn findings(rows: &[Row], drawn: &[(f64, f64)]) -> Vec<Finding> {
             place,
             "The depth buffer alone grows linearly with hidden objects; the method stays constant.",
             format!(
-                "With 10,000 hidden objects the depth buffer takes {:.2} times as long as with none, VFC {:.2}, \
-                 the query of `cell` {:.2} and that of `point` {:.2} (100x60x100).",
-                growth(drawn),
+                "From 500 to 10,000 hidden objects the depth buffer's time for them grows {:.1} times. From none to \
+                 10,000, frames with VFC take {:.2} times as long, queries of `cell` {:.2}, of `point` {:.2}, and \
+                 whole frames of `point` {:.2} (100x60x100, reported on expiry).",
+                ratio(at(drawn, 10_000.0), at(drawn, 500.0)),
                 growth(&rows[5].frame()),
                 growth(&fine.query),
-                growth(&rows[4].query)
+                growth(&rows[4].query),
+                growth(&rows[4].frame())
             ),
         ),
         Finding::new(
@@ -181,7 +184,7 @@ fn findings(rows: &[Row], drawn: &[(f64, f64)]) -> Vec<Finding> {
             ),
             format!(
                 "Upkeep of 10,000 is {:.1} times that of 500 (`cell`, 50x30x50, reported on expiry), {:.1} \
-                 times where all are reported in every frame.",
+                 times (100x60x100) where all are reported in every frame.",
                 ratio(at(&coarse.upkeep, 10_000.0), at(&coarse.upkeep, 500.0)),
                 ratio(at(&rows[2].upkeep, 10_000.0), at(&rows[2].upkeep, 500.0))
             ),
