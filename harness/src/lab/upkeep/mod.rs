@@ -25,7 +25,7 @@ use structures::{Box3, Bvh, Linear, RStar, Structure};
 
 const ASPECT: f32 = 16.0 / 9.0;
 /// Frames between two steps of settling.
-const STRIDE: usize = 10;
+const STRIDE: usize = 30;
 /// The library's ways: name, method and how motion is told.
 const WAYS: [(&str, Method, Telling); 4] = [
     ("casca point", Method::Point, Telling::Always),
@@ -216,7 +216,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
                     },
                     4,
                 ),
-                frames: lab.pick(if count > 50_000 { 5 } else { 15 }, 3),
+                frames: lab.pick(if count > 50_000 { 3 } else { 9 }, 3),
                 judged: lab.pick(2, 1),
                 width: lab.pick(1920, 960),
             };
