@@ -48,8 +48,8 @@ impl LooseOctree {
         let root = Home { level: 0, cell: UVec3::ZERO, place: 0 };
         let homes = vec![root; boxes.len()];
         let mut tree = Self { min, size, levels, homes, boxes: boxes.to_vec() };
-        for i in 0..boxes.len() {
-            let (level, cell) = tree.home_of(boxes[i]);
+        for (i, &b) in boxes.iter().enumerate() {
+            let (level, cell) = tree.home_of(b);
             tree.enter(i as u32, level, cell);
         }
         tree
