@@ -27,6 +27,12 @@ pub(super) struct Stage {
     telling: Telling,
 }
 
+/// The frame of a step: `settle` steps of so many frames each, from frame 0, then one frame a step.
+pub(super) fn frame_of(step: usize, settle: usize, stride: usize) -> usize {
+    let settled = step.min(settle.saturating_sub(1));
+    settled * stride + (step - settled)
+}
+
 /// Milliseconds of a duration.
 pub(super) fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
@@ -176,5 +182,17 @@ impl Stage {
     /// The query, for its settings and statistics.
     pub(super) fn query(&self) -> &Query {
         &self.query
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_measured_follows_the_last_step_of_settling_by_a_frame() {
+        let frames = |settle| (0..6).map(|s| frame_of(s, settle, 10)).collect::<Vec<_>>();
+        assert_eq!(frames(3), [0, 10, 20, 21, 22, 23]);
+        assert_eq!(frames(0), [0, 1, 2, 3, 4, 5]);
     }
 }

@@ -2,7 +2,7 @@
 
 use casca::{Method, View};
 
-use super::super::stage::{Stage, Telling, ms};
+use super::super::stage::{Stage, Telling, frame_of, ms};
 use super::super::{Lab, LabError, Section, Table, median};
 use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, settings};
 use crate::baselines::Hzb;
@@ -65,7 +65,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         let mut drawing = Vec::new();
         for step in 0..settle + frames {
             let measured = step >= settle;
-            let frame = step.min(settle) * STRIDE + step.saturating_sub(settle);
+            let frame = frame_of(step, settle, STRIDE);
             let moved = world.set_frame(frame);
             for (i, stage) in stages.iter_mut().enumerate() {
                 let before = stage.upkeep(frame as f64 * FRAME_SECONDS, &world.objects, &moved)?;
