@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_harness::lab::{Lab, LabError, Section, aggressive, stability, tradeoff, write};
+use casca_harness::lab::{Lab, LabError, Section, aggressive, stability, thesis, tradeoff, upkeep, write};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,8 +36,13 @@ struct Options {
 type Experiment = fn(&Lab) -> Result<Section, LabError>;
 
 /// All experiments by name, in the order of the report.
-const EXPERIMENTS: &[(&str, Experiment)] =
-    &[("tradeoff", tradeoff), ("stability", stability), ("aggressive", aggressive)];
+const EXPERIMENTS: &[(&str, Experiment)] = &[
+    ("tradeoff", tradeoff),
+    ("stability", stability),
+    ("thesis", thesis),
+    ("upkeep", upkeep),
+    ("aggressive", aggressive),
+];
 
 /// The glTF files of a folder, in order of their names.
 fn files_in(folder: &str) -> Vec<PathBuf> {

@@ -104,6 +104,15 @@ impl Hzb {
         visible
     }
 
+    /// Draws the objects given, none tested: a depth buffer without any culling but of back faces.
+    pub fn draw_all(&mut self, objects: &[Object], given: impl IntoIterator<Item = usize>, camera: &Camera) {
+        let screen = Screen::new(camera, self.depth.width(), self.depth.height());
+        self.depth.clear();
+        for object in given.into_iter().filter_map(|i| objects.get(i)) {
+            self.draw(&object.shape, &screen, camera.eye);
+        }
+    }
+
     fn draw(&mut self, shape: &Shape, screen: &Screen, eye: Vec3) {
         let mut clip = std::mem::take(&mut self.clip);
         clip.clear();

@@ -11,7 +11,10 @@ mod machine;
 mod report;
 mod section;
 mod stability;
+mod stage;
+mod thesis;
 pub mod tradeoff;
+mod upkeep;
 mod walker;
 mod worlds;
 
@@ -23,7 +26,9 @@ pub use front::{Cost, distance, front};
 pub use report::{ReportError, write};
 pub use section::{Block, Section, Table};
 pub use stability::stability;
+pub use thesis::thesis;
 pub use tradeoff::tradeoff;
+pub use upkeep::upkeep;
 
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;

@@ -71,7 +71,7 @@ impl Axis {
     }
 }
 
-const COLORS: [RGBColor; 8] = [
+pub(super) const COLORS: [RGBColor; 10] = [
     RGBColor(31, 90, 180),
     RGBColor(20, 140, 60),
     RGBColor(200, 90, 20),
@@ -80,15 +80,26 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(190, 30, 60),
     RGBColor(0, 140, 150),
     RGBColor(0, 0, 0),
+    RGBColor(170, 140, 0),
+    RGBColor(240, 130, 180),
 ];
 
-/// Draws lines as a PNG.
+/// Width of the drawing without the legend, and height, in pixels.
+pub(super) const SIZE: (u32, u32) = (1000, 620);
+
+/// Room for a legend with these labels beside a drawing, in pixels.
+pub(super) fn legend_width<'a>(labels: impl Iterator<Item = &'a str>) -> u32 {
+    64 + labels.map(|l| l.chars().count()).max().unwrap_or(0) as u32 * 9
+}
+
+/// Draws lines as a PNG, with the legend beside them.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn lines(path: &Path, title: &str, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(), PictureError> {
     with_font();
-    let root = BitMapBackend::new(path, (1100, 620)).into_drawing_area();
+    let room = legend_width(lines.iter().map(|l| l.label.as_str()));
+    let root = BitMapBackend::new(path, (SIZE.0 + room, SIZE.1)).into_drawing_area();
     let points = || lines.iter().flat_map(|l| &l.points).filter(|p| x.takes(p.0) && y.takes(p.1));
     let (xs, ys) = (x.range(points().map(|p| p.0)), y.range(points().map(|p| p.1)));
     let drawn = match (x.log, y.log) {
@@ -126,7 +137,8 @@ where
     Y::CoordDescType: ValueFormatter<f64>,
 {
     root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(root)
+    let (plot, legend) = root.split_horizontally(SIZE.0);
+    let mut chart = ChartBuilder::on(&plot)
         .caption(title, (FONT, 26))
         .margin(16)
         .x_label_area_size(50)
@@ -146,29 +158,19 @@ where
         let color = COLORS[i % COLORS.len()];
         let at: Vec<(f64, f64)> =
             line.points.iter().copied().filter(|p| x.takes(p.0) && y.takes(p.1)).collect();
+        let y = 72 + 26 * i as i32;
+        legend.draw(&Text::new(line.label.as_str(), (40, y - 8), (FONT, 17)))?;
         if line.dots {
-            chart
-                .draw_series(at.iter().map(|&p| TriangleMarker::new(p, 8, color.filled())))?
-                .label(&line.label)
-                .legend(move |(x, y)| TriangleMarker::new((x + 12, y), 8, color.filled()));
+            chart.draw_series(at.iter().map(|&p| TriangleMarker::new(p, 8, color.filled())))?;
+            legend.draw(&TriangleMarker::new((18, y), 8, color.filled()))?;
             continue;
         }
-        chart
-            .draw_series(LineSeries::new(at.iter().copied(), color.stroke_width(3)))?
-            .label(&line.label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], color.stroke_width(3)));
+        chart.draw_series(LineSeries::new(at.iter().copied(), color.stroke_width(3)))?;
+        legend.draw(&PathElement::new([(4, y), (32, y)], color.stroke_width(3)))?;
         if at.len() <= 40 {
             chart.draw_series(at.iter().map(|&p| Circle::new(p, 4, color.filled())))?;
         }
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .label_font((FONT, 17))
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .legend_area_size(32)
-        .draw()?;
     root.present()?;
     Ok(())
 }

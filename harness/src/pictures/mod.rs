@@ -1,6 +1,7 @@
 //! Pictures: the chart of a walk, the grid from above, what a frame shows and hides,
-//! speed against accuracy, and lines of any quantities.
+//! speed against accuracy, lines of any quantities, and bars of shares.
 
+mod bars;
 mod chart;
 mod frame;
 mod lines;
@@ -11,6 +12,7 @@ use std::path::Path;
 
 use plotters::style::{FontStyle, register_font};
 
+pub use bars::{Bar, bars};
 pub use chart::{FrameCounts, chart};
 pub use frame::{FramePicture, buffers, frame};
 pub use lines::{Axis, Line, lines};

@@ -1,0 +1,109 @@
+//! The thesis' experiments (its chapter 4), with today's code.
+//!
+//! The thesis measured whole frames on a graphics card of its time. Here frames are drawn by a
+//! software depth buffer, so that "depth buffer alone" has a price too; what is compared are
+//! ratios and the shapes of curves.
+
+mod angle;
+mod hidden;
+mod profile;
+mod resolution;
+mod walk;
+
+use casca::{GridSpec, Method, Settings};
+use glam::UVec3;
+
+use super::{Lab, LabError, Section, Table};
+use crate::drive::grid_for;
+use crate::oracle::ItemBuffer;
+use crate::world::{Camera, Object, World};
+
+/// Pictures are this many times as wide as high.
+const ASPECT: f32 = 16.0 / 9.0;
+/// Pixels of the software depth buffer that stands for the graphics card.
+const SCREEN: (usize, usize) = (1280, 720);
+/// Pixels of the item buffer that says what is visible.
+const EXACT: (usize, usize) = (1920, 1080);
+/// The two grids of the thesis.
+const COARSE: UVec3 = UVec3::new(50, 30, 50);
+const FINE: UVec3 = UVec3::new(100, 60, 100);
+
+/// What the thesis says, and what is found here.
+struct Finding {
+    place: &'static str,
+    thesis: String,
+    here: String,
+}
+
+impl Finding {
+    fn new(place: &'static str, thesis: impl Into<String>, here: impl Into<String>) -> Self {
+        Self { place, thesis: thesis.into(), here: here.into() }
+    }
+}
+
+fn settings(method: Method) -> Settings {
+    let mut settings = Settings::default();
+    settings.method = method;
+    settings
+}
+
+fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {
+    Ok(grid_for(&world.grid, Some(dims))?)
+}
+
+/// The tested objects of which the item buffer shows a pixel, ascending.
+fn exact(buffer: &mut ItemBuffer, objects: &[Object], camera: &Camera) -> Vec<usize> {
+    buffer.render(objects, camera);
+    let seen = buffer.visible().iter().zip(objects).enumerate();
+    seen.filter(|(_, (pixels, object))| **pixels > 0 && object.tested).map(|(i, _)| i).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// A over b, or 0 where there is no b.
+fn ratio(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { 0.0 }
+}
+
+/// Runs the thesis' experiments: hidden dynamic objects, a walk, PVS against exact visibility,
+/// the angle of view, the resolution of the grid, and a profile.
+///
+/// # Errors
+/// If a picture cannot be written, or a scene is refused.
+pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
+    let mut body = Section::new("");
+    let mut findings = Vec::new();
+    for experiment in [hidden::run, walk::run, angle::run, resolution::run, profile::run] {
+        findings.extend(experiment(lab, &mut body)?);
+    }
+    let mut section = Section::new("The thesis' experiments, with today's code");
+    section.text(
+        "Each experiment of the thesis' chapter 4, on scenes made as it describes them: clusters of spheres, \
+         4,800 static and 200 that move. Its figures come from an Athlon XP at 1.5 GHz with a GeForce2, so \
+         ratios and shapes of curves are compared, not times. Its figures are lost as pictures; triangles in the \
+         charts are the numbers that its text gives. `cell` is the thesis' kind of visibility (from a \
+         cell, by opaque cells); `point` is the library's default; VFC is culling to the frustum alone. \
+         \"Visible\" is a pixel or more of an exact item buffer of 1920x1080.",
+    );
+    let mut table =
+        Table::new("thesis-findings", &["in the thesis", "what the thesis found", "what we find"]);
+    for f in findings {
+        table.row([f.place.to_owned(), f.thesis, f.here]);
+    }
+    section.table(table);
+    section.blocks.extend(body.blocks);
+    Ok(section)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_of_nothing_are_nothing() {
+        assert_eq!((ratio(3.0, 2.0), ratio(3.0, 0.0), mean(&[])), (1.5, 0.0, 0.0));
+        assert_eq!(mean(&[1.0, 4.0]), 2.5);
+    }
+}

@@ -1,0 +1,235 @@
+//! A walk of 150 frames: its cost (section 4.3, figure 4.4) and the PVS against what is visible
+//! (section 4.4, figure 4.5).
+
+use std::time::Instant;
+
+use casca::Method;
+
+use super::super::stage::{Stage, Telling, ms};
+use super::super::{Lab, LabError, Section, Table, median};
+use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, exact, grid, mean, ratio, settings};
+use crate::baselines::Hzb;
+use crate::drive::view_of;
+use crate::oracle::ItemBuffer;
+use crate::pictures::{Axis, Line, lines};
+use crate::scenes::{SceneKind, SceneOptions, build};
+use crate::world::FRAME_SECONDS;
+
+/// A way through the walk, frame by frame.
+#[derive(Default)]
+struct Row {
+    name: &'static str,
+    /// Upkeep, query and drawing, in milliseconds.
+    upkeep: Vec<f64>,
+    query: Vec<f64>,
+    drawing: Vec<f64>,
+    found: Vec<f64>,
+    lost: usize,
+}
+
+impl Row {
+    fn frame(&self) -> Vec<f64> {
+        self.upkeep.iter().zip(&self.query).zip(&self.drawing).map(|((u, q), d)| u + q + d).collect()
+    }
+}
+
+/// Point by point, a / b.
+fn over(x: &[f64], a: &[f64], b: &[f64]) -> Vec<(f64, f64)> {
+    x.iter().zip(a.iter().zip(b)).map(|(&x, (&a, &b))| (x, ratio(a, b))).collect()
+}
+
+/// Milliseconds of drawing, the least of two.
+fn timed(depth: &mut Hzb, mut draw: impl FnMut(&mut Hzb)) -> f64 {
+    let mut once = || {
+        let start = Instant::now();
+        draw(depth);
+        ms(start.elapsed())
+    };
+    once().min(once())
+}
+
+fn middle(values: &[f64]) -> f64 {
+    median(&mut values.to_vec())
+}
+
+pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
+    let frames = lab.pick(150, 30);
+    let every = lab.pick(2, 10);
+    let mut world =
+        build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, frames, ..SceneOptions::default() });
+    let ways = [
+        ("cell, 50x30x50", Method::Cell, COARSE),
+        ("cell, 100x60x100", Method::Cell, FINE),
+        ("point, 50x30x50", Method::Point, COARSE),
+        ("point, 100x60x100", Method::Point, FINE),
+        ("VFC", Method::Frustum, FINE),
+    ];
+    let mut rows: Vec<Row> = ways.iter().map(|w| Row { name: w.0, ..Row::default() }).collect();
+    let mut stages = Vec::new();
+    for (_, method, dims) in ways {
+        stages.push(Stage::new(&world, &grid(&world, dims)?, settings(method), Telling::Always)?);
+    }
+    let mut hzb = Row { name: "hierarchical depth buffer, 1280x720", ..Row::default() };
+    let (mut alone, mut visible, mut at) = (Vec::new(), Vec::new(), Vec::new());
+    let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
+    let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
+    for frame in 0..frames {
+        (lab.progress)(&format!("walk, frame {frame}"));
+        let moved = world.set_frame(frame);
+        let camera = world.camera(frame, ASPECT);
+        let view = view_of(&camera)?;
+        let measured = frame % every == every / 2;
+        let seen = if measured { exact(&mut buffer, &world.objects, &camera) } else { Vec::new() };
+        for (stage, row) in stages.iter_mut().zip(&mut rows) {
+            let before = stage.upkeep(frame as f64 * FRAME_SECONDS, &world.objects, &moved)?;
+            let query = stage.look(&view, if measured { 3 } else { 1 });
+            let after = stage.end()?;
+            if measured {
+                row.upkeep.push(before + after);
+                row.query.push(query);
+                row.found.push(stage.found().count() as f64);
+                row.lost += seen.iter().filter(|&&i| !stage.sees(i)).count();
+                row.drawing.push(timed(&mut depth, |d| d.draw_all(&world.objects, stage.found(), &camera)));
+            }
+        }
+        if measured {
+            let objects = &world.objects;
+            let in_frustum: Vec<usize> = stages[4].found().collect();
+            let mut found = Vec::new();
+            hzb.query.push(timed(&mut depth, |d| found = d.frame(objects, &in_frustum, &camera)));
+            hzb.upkeep.push(0.0);
+            hzb.drawing.push(timed(&mut depth, |d| d.draw_all(objects, found.iter().copied(), &camera)));
+            hzb.found.push(found.len() as f64);
+            hzb.lost += seen.iter().filter(|i| !found.contains(i)).count();
+            alone.push(timed(&mut depth, |d| d.draw_all(objects, 0..objects.len(), &camera)));
+            visible.push(seen.len() as f64);
+            at.push(frame as f64);
+        }
+    }
+    rows.push(hzb);
+    cost(lab, section, &rows, &alone, &at)?;
+    accuracy(lab, section, &rows, &visible, &at)?;
+    table(section, &rows, &alone, &visible);
+    Ok(findings(&rows, &alone, &visible))
+}
+
+fn thesis_dots(at: &[f64], y: f64) -> Vec<(f64, f64)> {
+    let end = at.last().copied().unwrap_or(0.0);
+    (1..=5).map(|i| (end * f64::from(i) / 5.0 - end * 0.1, y)).collect()
+}
+
+fn cost(lab: &Lab, section: &mut Section, rows: &[Row], alone: &[f64], at: &[f64]) -> Result<(), LabError> {
+    section.text(
+        "### A walk: its cost (figure 4.4)\n\nThe observer walks among 4,800 static and 200 moving spheres. A frame is \
+         upkeep, query and the drawing of the PVS by the software depth buffer; the depth buffer alone draws all 5,000 objects. \
+         The chart shows how many times faster than that each way is.",
+    );
+    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, over(at, alone, &r.frame()))).collect();
+    all.push(Line::dots("thesis, 50x30x50: mean about 10", thesis_dots(at, 10.0)));
+    all.push(Line::dots("thesis, 100x60x100: mean about 4", thesis_dots(at, 4.0)));
+    let file = "thesis-walk-cost.png";
+    let title = "Figure 4.4: frames, times as fast as the depth buffer alone";
+    let (x, y) = (Axis::linear("frame of the walk"), Axis::log("time of depth buffer alone / time of frame"));
+    lines(&lab.folder.join(file), title, &x, &y, &all)?;
+    section.picture(
+        file,
+        "Speed of whole frames (culling, and drawing in software) relative to drawing everything.",
+    );
+    Ok(())
+}
+
+fn accuracy(
+    lab: &Lab,
+    section: &mut Section,
+    rows: &[Row],
+    visible: &[f64],
+    at: &[f64],
+) -> Result<(), LabError> {
+    section.text(
+        "### A walk: the PVS against what is visible (figure 4.5)\n\nObjects found over objects visible, on the \
+         same walk. The hierarchical depth buffer, which samples, is there for comparison; the table counts what each way loses.",
+    );
+    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, over(at, &r.found, visible))).collect();
+    all.push(Line::dots("thesis, 50x30x50: about 6", thesis_dots(at, 6.0)));
+    all.push(Line::dots("thesis, 100x60x100: about 2", thesis_dots(at, 2.0)));
+    let file = "thesis-walk-pvs.png";
+    let title = "Figure 4.5: objects found / objects visible";
+    let y = Axis { holds: vec![1.0], ..Axis::log("PVS / exactly visible (1 is best)") };
+    lines(&lab.folder.join(file), title, &Axis::linear("frame of the walk"), &y, &all)?;
+    section.picture(file, "How far each result is from exact visibility.");
+    Ok(())
+}
+
+fn table(section: &mut Section, rows: &[Row], alone: &[f64], visible: &[f64]) {
+    let columns = [
+        "way",
+        "upkeep, ms",
+        "query, ms",
+        "drawing, ms",
+        "times as fast as drawing all",
+        "mean PVS",
+        "PVS/exact",
+        "visible objects lost in a frame",
+    ];
+    let mut table = Table::new("thesis-walk", &columns);
+    let text = |v: &[f64]| format!("{:.3}", middle(v));
+    for r in rows {
+        table.row([
+            r.name.to_owned(),
+            text(&r.upkeep),
+            text(&r.query),
+            text(&r.drawing),
+            format!("{:.2}", ratio(middle(alone), middle(&r.frame()))),
+            format!("{:.1}", mean(&r.found)),
+            format!("{:.2}", ratio(mean(&r.found), mean(visible))),
+            format!("{:.2}", r.lost as f64 / visible.len().max(1) as f64),
+        ]);
+    }
+    section.table(table);
+    section.text(format!(
+        "Drawing all takes {:.2} ms; {:.1} objects are visible in a frame, on average over {} frames.",
+        middle(alone),
+        mean(visible),
+        visible.len()
+    ));
+}
+
+fn findings(rows: &[Row], alone: &[f64], visible: &[f64]) -> Vec<Finding> {
+    let faster = |i: usize| ratio(middle(alone), middle(&rows[i].frame()));
+    let accuracy = |i: usize| ratio(mean(&rows[i].found), mean(visible));
+    vec![
+        Finding::new(
+            "4.3, fig. 4.4; 5",
+            "On average about 10 times as fast as the depth buffer alone with 50x30x50 cells, 4 times with 100x60x100.",
+            format!(
+                "`cell` {:.1} and {:.1} times, `point` {:.1} and {:.1}, VFC {:.1}.",
+                faster(0),
+                faster(1),
+                faster(2),
+                faster(3),
+                faster(4)
+            ),
+        ),
+        Finding::new(
+            "4.3, fig. 4.4",
+            "Twice the resolution more than halves the frame rate.",
+            format!(
+                "A frame takes {:.2} times as long for `cell`, {:.2} for `point`.",
+                ratio(faster(0), faster(1)),
+                ratio(faster(2), faster(3))
+            ),
+        ),
+        Finding::new(
+            "4.4, fig. 4.5; 5",
+            "The PVS is about twice what is visible with 100x60x100 cells, about six times with 50x30x50.",
+            format!(
+                "`cell` {:.2} and {:.2}, `point` {:.2} and {:.2}, VFC {:.2}.",
+                accuracy(1),
+                accuracy(0),
+                accuracy(3),
+                accuracy(2),
+                accuracy(4)
+            ),
+        ),
+    ]
+}
