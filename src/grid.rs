@@ -60,7 +60,7 @@ impl GridSpec {
     /// The grid that holds `region` with cells that suit a number of objects: 9 times its cube root of them
     /// along the longest axis, 32 to 512.
     ///
-    /// The thesis' "solution point" (section 4.2): coarser cells list more objects each, finer ones take longer to
+    /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones take longer to
     /// walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the valley wide. Where most objects move and are
     /// hidden, finer may be faster.
     ///

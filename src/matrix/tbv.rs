@@ -121,56 +121,75 @@ impl Projections {
 struct TbvBrick {
     /// Union of what the volumes project; may hold more after removals.
     all: Projections,
-    ids: Vec<u32>,
+    held: Vec<Held>,
+}
+
+/// A volume in the list of a brick.
+#[derive(Clone, Copy)]
+struct Held {
+    slot: u32,
+    /// The brick's place among those that the volume's surface passes through.
+    brick: u32,
 }
 
 /// Txy, Txz and Tyz: the projections of hollow temporal bounding volumes.
 #[derive(Clone)]
 pub struct TbvMatrix {
     bricks: Bricks<TbvBrick>,
+    /// By slot: its places in the lists of its bricks, so that it leaves them at once.
+    places: Vec<Vec<u32>>,
     volumes: usize,
 }
 
 impl TbvMatrix {
     pub(crate) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), volumes: 0 }
+        Self { bricks: Bricks::new(dims), places: Vec::new(), volumes: 0 }
     }
 
     /// Draws the volume of an object; it lies inside the grid.
     pub(crate) fn insert(&mut self, volume: &CellBox, slot: u32) {
         self.volumes += 1;
-        for b in volume.surface_bricks() {
+        if self.places.len() <= slot as usize {
+            self.places.resize_with(slot as usize + 1, Vec::new);
+        }
+        let places = &mut self.places[slot as usize];
+        for (b, at) in volume.surface_bricks().zip(0..) {
             let brick = self.bricks.get_mut(b);
             brick.all = brick.all.union(volume.projections(b));
-            brick.ids.push(slot);
+            places.push(brick.held.len() as u32);
+            brick.held.push(Held { slot, brick: at });
         }
     }
 
-    /// Erases a volume drawn before.
+    /// Erases a volume drawn before. Costs its bricks, however many other volumes they hold.
     pub(crate) fn remove(&mut self, volume: &CellBox, slot: u32) {
         self.volumes -= 1;
-        for b in volume.surface_bricks() {
+        let mut places = std::mem::take(&mut self.places[slot as usize]);
+        for (b, &place) in volume.surface_bricks().zip(&places) {
             let Some(brick) = self.bricks.get_existing_mut(b) else { continue };
-            if let Some(i) = brick.ids.iter().position(|&s| s == slot) {
-                brick.ids.swap_remove(i);
+            brick.held.swap_remove(place as usize);
+            if let Some(moved) = brick.held.get(place as usize) {
+                self.places[moved.slot as usize][moved.brick as usize] = place;
             }
-            if brick.ids.is_empty() {
+            if brick.held.is_empty() {
                 self.bricks.release(b);
             }
         }
+        places.clear();
+        self.places[slot as usize] = places;
     }
 
     /// The cells of a tile on the surface of some volume (a superset).
     #[inline]
     pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
         let b = self.bricks.get(brick);
-        if b.ids.is_empty() { 0 } else { b.all.tile(axes, at) }
+        if b.held.is_empty() { 0 } else { b.all.tile(axes, at) }
     }
 
     /// A block that holds the cells of a brick on the surface of some volume; `None` if there are none.
     pub(crate) fn extent(&self, brick: IVec3) -> Option<CellBox> {
-        let TbvBrick { all, ids } = self.bricks.get(brick);
-        if ids.is_empty() {
+        let TbvBrick { all, held } = self.bricks.get(brick);
+        if held.is_empty() {
             return None;
         }
         let columns = |tile: u64| (0..8).fold(0, |sum, row| sum | (tile >> (8 * row) & 0xff));
@@ -184,8 +203,13 @@ impl TbvMatrix {
     }
 
     /// The objects whose volumes have surface in a brick.
-    pub(crate) fn ids(&self, brick: IVec3) -> &[u32] {
-        &self.bricks.get(brick).ids
+    pub(crate) fn ids(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
+        self.bricks.get(brick).held.iter().map(|h| h.slot)
+    }
+
+    /// Whether no volume has surface in a brick.
+    pub(crate) fn is_empty(&self, brick: IVec3) -> bool {
+        self.bricks.get(brick).held.is_empty()
     }
 
     /// The cells of a tile on the surface of one volume.
@@ -200,7 +224,9 @@ impl TbvMatrix {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.bricks.bytes() + self.bricks.iter().map(|(_, b)| b.ids.capacity() * 4).sum::<usize>()
+        let lists = self.bricks.iter().map(|(_, b)| b.held.capacity() * size_of::<Held>());
+        let places = self.places.iter().map(|p| p.capacity() * 4 + size_of::<Vec<u32>>());
+        self.bricks.bytes() + lists.sum::<usize>() + places.sum::<usize>()
     }
 }
 
@@ -234,5 +260,36 @@ mod tests {
             m.remove(volume, 5);
             assert_eq!((m.volumes(), m.bricks.iter().count()), (0, 0));
         }
+    }
+
+    #[test]
+    fn volumes_leave_in_any_order() {
+        let mut m = TbvMatrix::new(IVec3::splat(64));
+        let volume = |slot: u32| {
+            let lo = IVec3::new(slot as i32 * 7 % 23, slot as i32 * 5 % 19, slot as i32 * 3 % 17);
+            CellBox { lo, hi: lo + IVec3::new(9 + slot as i32 % 5, 12, 3 + slot as i32 % 30) }
+        };
+        let holds = |m: &TbvMatrix, slot: u32| {
+            volume(slot).surface_bricks().filter(|&b| m.ids(b).any(|s| s == slot)).count()
+        };
+        let mut inside: Vec<u32> = (0..60).collect();
+        inside.iter().for_each(|&s| m.insert(&volume(s), s));
+        for step in 0..200usize {
+            if step % 3 == 2 && inside.len() < 60 {
+                let new = (0..60).find(|s| !inside.contains(s)).unwrap();
+                m.insert(&volume(new), new);
+                inside.push(new);
+            } else if !inside.is_empty() {
+                let gone = inside.swap_remove(step * 31 % inside.len());
+                m.remove(&volume(gone), gone);
+                assert_eq!(holds(&m, gone), 0);
+            }
+            assert_eq!(m.volumes(), inside.len());
+            for &s in &inside {
+                assert_eq!(holds(&m, s), volume(s).surface_bricks().count());
+            }
+        }
+        inside.iter().for_each(|&s| m.remove(&volume(s), s));
+        assert_eq!(m.bricks.iter().count(), 0);
     }
 }

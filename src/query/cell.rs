@@ -394,7 +394,7 @@ impl<'a> Walk<'a> {
 
     fn meet_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
         let scene = self.scene;
-        for &slot in scene.volumes.matrix.ids(brick) {
+        for slot in scene.volumes.matrix.ids(brick) {
             if !self.scratch.is_revealed(slot)
                 && TbvMatrix::surface_tile(scene.volumes.cells(slot), brick, &side.axes, at) & tile != 0
             {

@@ -210,7 +210,7 @@ impl<'a> Walk<'a> {
         let scene = self.scene;
         let holds = |b: IVec3| {
             scene.ids.in_brick(b).len() > 0
-                || !scene.volumes.matrix.ids(b).is_empty()
+                || !scene.volumes.matrix.is_empty(b)
                 || !scene.fused.in_brick(b).is_empty()
         };
         if m == 0 {
@@ -289,7 +289,7 @@ impl<'a> Walk<'a> {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
         let fused = scene.fused.in_brick(brick);
-        let volumes = !scene.volumes.matrix.ids(brick).is_empty();
+        let volumes = !scene.volumes.matrix.is_empty(brick);
         let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count();
         if open == 0 && fused.is_empty() && !volumes {
             return;
@@ -358,13 +358,13 @@ impl<'a> Walk<'a> {
         let scene = self.scene;
         for brick in bricks.drain(..) {
             let Some(CellBox { lo, hi }) = scene.volumes.matrix.extent(brick) else { continue };
-            let ids = scene.volumes.matrix.ids(brick);
-            if ids.iter().all(|&s| self.scratch.is_revealed(s))
+            let mut ids = scene.volumes.matrix.ids(brick);
+            if ids.all(|s| self.scratch.is_revealed(s))
                 || self.hides(&Block::new(scene.grid.range_bounds(lo, hi)))
             {
                 continue;
             }
-            for &slot in ids {
+            for slot in scene.volumes.matrix.ids(brick) {
                 self.meet_volume(slot);
             }
         }
