@@ -15,7 +15,7 @@ use crate::object::{Motion, ObjectDesc, ObjectId, Reports};
 use crate::pvs::Pvs;
 use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
 use crate::surface::Seams;
-use crate::tbv::{Expiry, FIRST_VALIDITY, Tbv, VALIDITY_RANGE, Volumes, lay, way};
+use crate::tbv::{Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
 
 /// An object whose bounds span more cells than this is not written into I: it
@@ -573,7 +573,7 @@ impl Scene {
             report.revealed += 1;
             self.volumes.remove(id.slot);
             let object = self.object_mut(id.slot);
-            object.validity = (object.validity * 0.5).max(VALIDITY_RANGE.0);
+            object.validity = (object.validity * SHORTER).max(VALIDITY_RANGE.0);
             if object.on_expiry() {
                 let generation = id.generation;
                 object.state = State::Unlocated { tbv: None };
@@ -987,7 +987,7 @@ impl Object {
     }
 
     fn lengthen(&mut self) {
-        self.validity = (self.validity * 2.0).min(VALIDITY_RANGE.1);
+        self.validity = (self.validity * LONGER).min(VALIDITY_RANGE.1);
     }
 }
 

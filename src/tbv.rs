@@ -2,9 +2,9 @@
 //! for a while (Sudarsky & Gotsman 1996; thesis, sections 3.3.2 and 3.4.1).
 //!
 //! A volume is the object's bounds widened by the way it can go while the
-//! volume is valid. Validity adapts: twice as long after the object left or
+//! volume is valid. Validity adapts: longer after the object left or
 //! outlived its volume unseen, half as long after the volume was revealed.
-//! Limits on the widening: the radius of the thesis, and the rule that a hollow
+//! Limits on the widening: the radius of the thesis, what laying costs, and the rule that a hollow
 //! volume must not contain a viewer.
 
 use std::collections::HashMap;
@@ -19,6 +19,14 @@ use crate::matrix::{CellBox, TbvMatrix};
 pub(crate) const FIRST_VALIDITY: f64 = 0.5;
 /// Bounds of what adaptation can make of it.
 pub(crate) const VALIDITY_RANGE: (f64, f64) = (1.0 / 64.0, 64.0);
+
+/// What validity is multiplied by when a volume is outlived, and when it is revealed. A slow rise keeps
+/// most volumes from being revealed at all: each reveal costs a query a test, and the object a new volume.
+pub(crate) const LONGER: f64 = 1.25;
+pub(crate) const SHORTER: f64 = 0.5;
+/// Volumes are widened by at most this many cells: the cost of laying one grows with the square of
+/// the widening, the time that it lasts only with the widening.
+const MOST_CELLS: f64 = 8.0;
 
 /// One object's volume.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +57,7 @@ pub(crate) fn lay(
     let dims = grid.dims().as_dvec3();
     let limit = (dims.x / 5.0).hypot(dims.y / 5.0) * cell;
     let half = (bounds.max - bounds.min).max_element() * 0.5;
-    let mut slack = way.min(limit.max(cell) - half);
+    let mut slack = way.min(limit.max(cell) - half).min(MOST_CELLS * cell);
     if slack.is_nan() || slack < 0.0 {
         return None;
     }
