@@ -51,22 +51,32 @@ impl AggressiveOpacity {
     /// points in each cell, as many lie inside some solid. Open meshes and instances fill nothing.
     ///
     /// Later changes of the scene do not count: make it anew when static objects change.
-    /// Costs 64 tests of points for each cell that static occluders touch.
+    /// Costs 64 tests of points for each cell that static solids touch; one in a closed mesh goes through its
+    /// triangles.
     ///
     /// # Errors
     /// Refuses a share out of its range.
     pub fn new(scene: &Scene, share: f32) -> Result<Self, Error> {
-        if !(share > 0.0 && share <= 1.0) {
+        let mut made = Self::for_shares(scene, &[share])?;
+        Ok(made.swap_remove(0))
+    }
+
+    /// As [`AggressiveOpacity::new`] for several shares, in their order, at the cost of one.
+    ///
+    /// # Errors
+    /// As [`AggressiveOpacity::new`].
+    pub fn for_shares(scene: &Scene, shares: &[f32]) -> Result<Vec<Self>, Error> {
+        if let Some(share) = shares.iter().find(|&&s| !(s > 0.0 && s <= 1.0)) {
             let what = "the share of aggressive opacity";
-            return Err(Error::Setting { what, value: f64::from(share), min: 0.0, max: 1.0 });
+            return Err(Error::Setting { what, value: f64::from(*share), min: 0.0, max: 1.0 });
         }
         let grid = scene.grid();
+        let empty = |&share: &f32| Self { cells: BitMatrix::new(grid.dims()), share, scene: scene.tag() };
+        let mut made: Vec<Self> = shares.iter().map(empty).collect();
         let points = SAMPLES.pow(3);
-        let needed = (f64::from(share) * f64::from(points)).ceil() as i32;
-        let mut cells = BitMatrix::new(grid.dims());
         let mut asked = BitMatrix::new(grid.dims());
         let mut solids = Vec::new();
-        scene.static_occluder_cells(&mut |cell| {
+        scene.static_solid_cells(&mut |cell| {
             if asked.get(cell) {
                 return;
             }
@@ -75,18 +85,19 @@ impl AggressiveOpacity {
                 return;
             }
             solids.clear();
-            solids.extend(scene.static_solids(cell, u32::MAX));
+            solids.extend(scene.static_solids(cell, u32::MAX).filter(|s| s.is_solid()));
             let (min, max) = grid.cell_bounds(cell);
             let filled = (0..points).filter(|i| {
                 let at = IVec3::new(i % SAMPLES, i / SAMPLES % SAMPLES, i / (SAMPLES * SAMPLES)).as_dvec3();
                 let point = min + (max - min) * ((at + DVec3::splat(0.5)) / f64::from(SAMPLES));
                 solids.iter().any(|s| s.contains_point(point))
             });
-            if filled.count() as i32 >= needed {
-                cells.set(cell);
+            let filled = filled.count() as f64 / f64::from(points);
+            for opacity in made.iter_mut().filter(|o| filled >= f64::from(o.share)) {
+                opacity.cells.set(cell);
             }
         });
-        Ok(Self { cells, share, scene: scene.tag() })
+        Ok(made)
     }
 
     /// The share asked for.

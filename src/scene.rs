@@ -861,11 +861,12 @@ impl Scene {
         }
     }
 
-    /// The cells that static occluders touch, again and again where several do. What spans too many cells
+    /// The cells that static solids touch, again and again where several do. What spans too many cells
     /// gives none.
-    pub(crate) fn static_occluder_cells(&self, out: &mut dyn FnMut(IVec3)) {
+    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(IVec3)) {
         for object in self.slots.iter().filter_map(|s| s.object.as_ref()).filter(|o| o.is_static()) {
-            if let Some(occluder) = object.occluder.as_ref().filter(|o| placement(&self.grid, &o.block()).1) {
+            let small = |o: &&Occluder| o.is_solid() && placement(&self.grid, &o.block()).1;
+            if let Some(occluder) = object.occluder.as_ref().filter(small) {
                 occluder.touched(&self.grid, &mut |run| run.cells().for_each(&mut *out));
             }
         }

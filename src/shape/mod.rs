@@ -209,6 +209,15 @@ impl From<Arc<Convex>> for Occluder {
 }
 
 impl Occluder {
+    /// Whether it has an inside that points can lie in.
+    pub(crate) fn is_solid(&self) -> bool {
+        match self {
+            Self::Mesh(m) => m.is_closed(),
+            Self::Instance(_) => false,
+            _ => true,
+        }
+    }
+
     /// What is drawn of it, if it is made of triangles.
     pub(crate) fn surface(&self) -> Option<&Surface> {
         match self {

@@ -9,9 +9,14 @@ use crate::drive::view_of;
 use crate::oracle::NONE;
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::SceneKind;
+use crate::world::{Object, Shape};
 
 /// Shares of a cell from which on it counts as opaque.
 const SHARES: [f32; 7] = [0.95, 0.85, 0.75, 0.6, 0.5, 0.35, 0.2];
+
+/// Worlds with more triangles are left out: to test a point in a closed mesh goes through all of its
+/// triangles.
+const MOST_TRIANGLES: usize = 100_000;
 
 /// What a threshold gave, summed over frames.
 #[derive(Default)]
@@ -46,7 +51,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
     settings.method = Method::Cell;
     let frames = lab.pick(30, 2);
     let mut chart = Vec::new();
-    let mut spared = Vec::new();
+    let (mut spared, mut large) = (Vec::new(), Vec::new());
     for place in places(lab) {
         let quick = matches!(place, Place::Built(SceneKind::Rooms));
         // The crowd's hundred thousand are hidden by whole cells of walls.
@@ -56,10 +61,18 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
         }
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
+        let triangles = |o: &Object| match &o.shape {
+            Shape::Mesh { mesh, .. } => mesh.triangles.len(),
+            _ => 0,
+        };
+        if world.objects.iter().map(triangles).sum::<usize>() > MOST_TRIANGLES {
+            large.push(world.name.clone());
+            continue;
+        }
         let mut walker = Walker::new(world)?;
-        let opacities: Vec<Option<AggressiveOpacity>> = std::iter::once(Ok(None))
-            .chain(SHARES.iter().map(|&s| AggressiveOpacity::new(&walker.driver(0).scene, s).map(Some)))
-            .collect::<Result<_, _>>()?;
+        let made = AggressiveOpacity::for_shares(&walker.driver(0).scene, &SHARES)?;
+        let opacities: Vec<Option<AggressiveOpacity>> =
+            std::iter::once(None).chain(made.into_iter().map(Some)).collect();
         if opacities.iter().flatten().all(|o| o.cells().count() == 0) {
             spared.push(walker.world.name.clone());
             continue;
@@ -110,7 +123,11 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
         "The thesis' \"approximate PVS by an opacity threshold\": for `cell`, static cells that are filled to a share count as \
          opaque (`Query::run_aggressive`). It is not conservative, off unless called by that name, and its results say so. \
          Each scene's first row, and its point without losses in the chart, is the exact method. Pixels are those of an exact item buffer that \
-         show an object which the set lacks.{}",
+         show an object which the set lacks.{}{}",
+        match large.as_slice() {
+            [] => String::new(),
+            names => format!(" Left out for their more than {MOST_TRIANGLES} triangles: {}.", names.join(", ")),
+        },
         match spared.as_slice() {
             [] => String::new(),
             names => format!(" Nothing to gain on {}: no static closed solids, so no cells to fill.", names.join(", ")),
