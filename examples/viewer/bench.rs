@@ -19,18 +19,23 @@ const FRAMES: usize = 15;
 /// What is drawn cannot be had.
 pub fn bench(gpu: &Gpu, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
     println!("on {}, {}x{} pixels, {FRAMES} frames", gpu.name, size.0, size.1);
-    println!("{:>8} {:<8} {:>8} {:>11} {:>11} {:>8}", "objects", "method", "drawn", "frame ms", "query ms", "ratio");
+    println!(
+        "{:>8} {:<8} {:>8} {:>11} {:>11} {:>8}",
+        "objects", "method", "drawn", "frame ms", "query ms", "ratio"
+    );
     for scale in [1.0, 10.0] {
         let options = SceneOptions { scale, ..SceneOptions::default() };
-        let mut stage = Stage::new(scenes::build(SceneKind::Spheres, &options))?;
-        let canvas = Canvas::new(gpu, size);
-        let mut renderer = Renderer::new(gpu, COLOUR, &stage.geometry);
-        let aspect = canvas.size.0 as f32 / canvas.size.1 as f32;
         let methods = [Method::All, Method::Frustum, Method::Point, Method::Cell];
+        // Each has a scene of its own, so that each pays for what moves.
+        let new = |_| Stage::new(scenes::build(SceneKind::Spheres, &options));
+        let mut stages = methods.iter().map(new).collect::<Result<Vec<_>, _>>()?;
+        let canvas = Canvas::new(gpu, size);
+        let mut renderer = Renderer::new(gpu, COLOUR, &stages[0].geometry);
+        let aspect = canvas.size.0 as f32 / canvas.size.1 as f32;
         let mut times: Vec<(Vec<Duration>, Vec<Duration>, usize)> = vec![Default::default(); methods.len()];
-        let step = stage.world.frames / FRAMES;
         for i in 0..FRAMES + 1 {
-            for (method, (frame_times, query_times, drawn)) in methods.iter().zip(&mut times) {
+            for ((method, stage), (frames, queries, drawn)) in methods.iter().zip(&mut stages).zip(&mut times)
+            {
                 let camera = stage.path_camera(aspect);
                 let start = Instant::now();
                 let mut query = Duration::ZERO;
@@ -44,19 +49,20 @@ pub fn bench(gpu: &Gpu, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
                 })?;
                 // The first round only warms up.
                 if i > 0 {
-                    frame_times.push(start.elapsed());
-                    query_times.push(query);
+                    frames.push(start.elapsed());
+                    queries.push(query);
                     *drawn += visible;
                 }
+                let step = stage.world.frames / FRAMES;
+                (0..step).for_each(|_| stage.advance());
             }
-            (0..step).for_each(|_| stage.advance());
         }
-        let all = median(&mut times[0].0);
+        let (objects, all) = (stages[0].world.objects.len(), median(&mut times[0].0));
         for (method, (frame_times, query_times, drawn)) in methods.iter().zip(&mut times) {
             let frame = median(frame_times);
             println!(
                 "{:>8} {method:<8} {:>8.1} {:>11.2} {:>11.2} {:>8.3}",
-                stage.world.objects.len(),
+                objects,
                 *drawn as f64 / FRAMES as f64,
                 frame * 1e3,
                 median(query_times) * 1e3,

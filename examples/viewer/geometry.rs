@@ -110,8 +110,8 @@ pub fn colour_of(index: usize, object: &Object) -> [u8; 4] {
     bits = bits.wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let dice = |shift: u32| ((bits >> shift) & 0xff) as f32 / 255.0;
     // Meshes are mostly walls: near to stone.
-    let strength = if matches!(object.shape, Shape::Mesh { .. }) { 0.28 } else { 0.5 };
-    let (hue, light) = (dice(8) * 6.0, 0.72 + 0.24 * dice(24));
+    let strength = if matches!(object.shape, Shape::Mesh { .. }) { 0.2 } else { 0.42 };
+    let (hue, light) = (dice(8) * 6.0, 0.8 + 0.2 * dice(24));
     let channel = |offset: f32| {
         let wave = ((hue + offset) % 6.0 - 3.0).abs() - 1.0;
         (255.0 * light * (1.0 - strength + strength * wave.clamp(0.0, 1.0))) as u8

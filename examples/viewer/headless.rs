@@ -2,9 +2,9 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use casca_harness::world::Camera;
+use casca_harness::world::{Camera, Shape};
 use glam::Vec3;
 
 use super::canvas::{Canvas, coloured, write_png};
@@ -54,12 +54,19 @@ pub fn pictures(gpu: &Gpu, stage: &mut Stage, plan: &Plan<'_>) -> Result<(), Box
         }
         let camera = stage.path_camera(aspect);
         let watcher = if plan.bird { bird(&camera, stage, aspect) } else { camera };
+        let ceilings = if plan.bird { ceilings(&camera, stage) } else { Vec::new() };
         stage.frame(plan.method, &camera, &mut |frame| {
             let check =
                 canvas.check(gpu, &mut renderer, &camera, (frame.geometry, frame.objects), &frame.visible)?;
-            let marks = overlays.marks(&frame, &check.lost)?;
+            let mut marks = overlays.marks(&frame, &check.lost)?;
+            while !overlays.are_caps_ready() {
+                std::thread::sleep(Duration::from_millis(20));
+                marks = overlays.marks(&frame, &check.lost)?;
+            }
             let start = Instant::now();
-            let list = coloured(frame.geometry, frame.objects, &frame.visible);
+            let shown: Vec<usize> =
+                frame.visible.iter().copied().filter(|&i| !ceilings.contains(&i)).collect();
+            let list = coloured(frame.geometry, frame.objects, &shown);
             canvas.draw(gpu, &mut renderer, &watcher, &list, &marks);
             gpu.wait()?;
             let numbers = Numbers {
@@ -95,6 +102,17 @@ pub fn haze(stage: &Stage) -> f32 {
     0.25 / (stage.world.grid.max - stage.world.grid.min).length().max(1e-3)
 }
 
+/// What would hide a storey from above: wide boxes above the eye.
+fn ceilings(camera: &Camera, stage: &Stage) -> Vec<usize> {
+    let grid = &stage.world.grid;
+    let is_ceiling = |shape: &Shape| match shape {
+        Shape::Box { min, max } => min.y > camera.eye.y && max.x - min.x > 0.5 * (grid.max.x - grid.min.x),
+        _ => false,
+    };
+    let objects = stage.world.objects.iter().enumerate();
+    objects.filter(|(_, object)| is_ceiling(&object.shape)).map(|(i, _)| i).collect()
+}
+
 /// A camera that looks on from behind and above another.
 fn bird(camera: &Camera, stage: &Stage, aspect: f32) -> Camera {
     let grid = &stage.world.grid;
@@ -102,6 +120,6 @@ fn bird(camera: &Camera, stage: &Stage, aspect: f32) -> Camera {
     let forward = -camera.view.row(2).truncate();
     let level = Vec3::new(forward.x, 0.0, forward.z).normalize_or(Vec3::X);
     let side = level.cross(Vec3::Y);
-    let eye = camera.eye - level * (0.22 * reach) + Vec3::Y * (0.34 * reach) + side * (0.16 * reach);
+    let eye = camera.eye - level * (0.2 * reach) + Vec3::Y * (0.36 * reach) + side * (0.12 * reach);
     Camera::look_at(eye, camera.eye + level * (0.18 * reach), 50.0, aspect, 0.01 * reach, 4.0 * reach)
 }

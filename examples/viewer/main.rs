@@ -71,7 +71,8 @@ struct Options {
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').ok_or("expected a size such as 1280x720")?;
-    let pixels = |n: &str| n.parse::<u32>().ok().filter(|n| *n > 0).ok_or(format!("{n} is no number of pixels"));
+    let pixels =
+        |n: &str| n.parse::<u32>().ok().filter(|n| *n > 0).ok_or(format!("{n} is no number of pixels"));
     Ok((pixels(width)?, pixels(height)?))
 }
 

@@ -1,5 +1,7 @@
 //! What the library knows, drawn over the picture.
 
+use std::thread::{self, JoinHandle};
+
 use casca::matrix::BitMatrix;
 use casca::reference::{Cap, occlusion_by_caps};
 use casca::{Query, Scene, Settings};
@@ -53,8 +55,8 @@ const OPEN_CELL: [u8; 4] = [60, 170, 90, 90];
 const CAP: [u8; 4] = [0, 110, 140, 255];
 const FRUSTUM: [u8; 4] = [20, 20, 30, 255];
 const LOST: [u8; 4] = [225, 0, 20, 255];
-/// Cap polygons of fewer corners that are opaque cells, for each that is not, are left out.
-const OPAQUE_SHARE: usize = 2;
+/// Of how many shells caps are drawn: of all, they would fill the picture.
+const CAP_SHELLS: i32 = 8;
 
 /// Which layers are on, and what they keep.
 #[derive(Default)]
@@ -62,13 +64,39 @@ pub struct Overlays {
     on: [bool; 6],
     recorder: Option<Query>,
     frustum: Option<Query>,
-    caps: Option<(IVec3, Vec<Cap>)>,
+    caps: Caps,
+}
+
+/// The caps around an eye's cell. Tracing them takes seconds, and has a thread of its own.
+#[derive(Default)]
+struct Caps {
+    done: Option<(IVec3, Vec<Cap>)>,
+    running: Option<JoinHandle<(IVec3, Vec<Cap>)>>,
+}
+
+impl Caps {
+    /// Takes up what is done, and starts anew where the eye has come to another cell.
+    fn update(&mut self, scene: &Scene, viewer: IVec3) {
+        if let Some(thread) = self.running.take_if(|thread| thread.is_finished()) {
+            self.done = thread.join().ok();
+        }
+        if self.running.is_none() && self.done.as_ref().is_none_or(|(at, _)| *at != viewer) {
+            let mut opaque = scene.static_opacity().clone();
+            scene.dynamic_opacity().iter().for_each(|cell| opaque.set(cell));
+            self.running = Some(thread::spawn(move || (viewer, occlusion_by_caps(&opaque, viewer).1)));
+        }
+    }
 }
 
 impl Overlays {
     /// Whether a layer is on.
     pub fn is_on(&self, layer: Layer) -> bool {
         self.on[layer as usize]
+    }
+
+    /// Whether cap polygons are traced and drawn.
+    pub fn are_caps_ready(&self) -> bool {
+        self.caps.running.is_none()
     }
 
     /// Turns a layer on or off.
@@ -98,7 +126,7 @@ impl Overlays {
         }
         if self.is_on(Layer::Frustum) {
             let grid = frame.scene.grid();
-            marks.frustum(&frame.camera, (grid.max() - grid.min()).length() as f32 * 0.5);
+            marks.frustum(&frame.camera, (grid.max() - grid.min()).length() as f32 * 0.3);
         }
         for &i in lost {
             marks.wireframe(&frame.objects[i], 3.0, LOST);
@@ -154,18 +182,16 @@ impl Overlays {
         Ok(())
     }
 
-    /// Traced anew where the eye has come to another cell: that takes a while.
     fn caps(&mut self, frame: &Frame<'_>, marks: &mut Marks) {
         let grid = frame.scene.grid();
         let viewer = grid.cell_of(frame.camera.eye.as_dvec3());
         if !grid.contains(viewer) {
             return;
         }
-        let opaque = |cell| frame.scene.is_opaque(cell);
-        if self.caps.as_ref().is_none_or(|(at, _)| *at != viewer) {
-            self.caps = Some((viewer, caps_from(frame.scene, viewer)));
-        }
-        for cap in self.caps.iter().flat_map(|(_, caps)| caps) {
+        self.caps.update(frame.scene, viewer);
+        let every = (grid.dims().max_element() / (2 * CAP_SHELLS)).max(1);
+        let caps = self.caps.done.iter().flat_map(|(_, caps)| caps);
+        for cap in caps.filter(|cap| cap.shell % every == every / 2) {
             let (axis, sign) = cap.side;
             let [column, row] = [(1, 2), (0, 2), (0, 1)].map(|(c, r)| [c, r])[axis];
             let cell = |at: IVec2| {
@@ -180,10 +206,7 @@ impl Overlays {
                 ((lo + hi) * 0.5).as_vec3()
             };
             for polygon in &cap.polygons {
-                // Others only carry on, from shell to shell, what these began.
-                let solid = polygon.outer.iter().filter(|&&at| opaque(cell(at))).count();
-                let seen = polygon.outer.iter().any(|&at| in_view(&frame.camera, point(at)));
-                if !seen || solid * OPAQUE_SHARE < polygon.outer.len() {
+                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, point(at))) {
                     continue;
                 }
                 for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
@@ -194,14 +217,6 @@ impl Overlays {
             }
         }
     }
-}
-
-fn caps_from(scene: &Scene, viewer: IVec3) -> Vec<Cap> {
-    let mut opaque = scene.static_opacity().clone();
-    for cell in scene.dynamic_opacity().iter() {
-        opaque.set(cell);
-    }
-    occlusion_by_caps(&opaque, viewer).1
 }
 
 fn in_view(camera: &Camera, p: Vec3) -> bool {

@@ -21,7 +21,7 @@ pub struct Numbers {
     pub visible: (usize, usize),
     /// Time of the query, and of drawing.
     pub times: (Duration, Duration),
-    /// From the last check: objects that pixels show, and how many of them were not drawn.
+    /// From an item buffer: objects that pixels show, and how many of them were not drawn.
     pub check: Option<(usize, usize)>,
     /// Whether help is shown.
     pub help: bool,
@@ -62,7 +62,10 @@ impl Panel {
             ..Default::default()
         };
         input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(scale);
-        let output = context.run_ui(input, |ui| show(ui.ctx(), numbers, overlays, insets));
+        let run = || context.run_ui(input.clone(), |ui| show(ui.ctx(), numbers, overlays, insets));
+        let mut output = run();
+        // Boxes are placed by the size that they had before.
+        output.append(run());
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [size.width(), size.height()],
             pixels_per_point: output.pixels_per_point,
@@ -97,8 +100,11 @@ impl Panel {
 
 fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets: &[TextureHandle]) {
     let boxed = |name: &str, corner: Align2, offset: [f32; 2], add: &mut dyn FnMut(&mut egui::Ui)| {
-        egui::Area::new(egui::Id::unique(name)).anchor(corner, offset).interactable(false).show(context, |ui| {
-            let frame = egui::Frame::new().fill(Color32::from_black_alpha(190)).inner_margin(8).corner_radius(6);
+        let area = egui::Area::new(egui::Id::unique(name)).anchor(corner, offset);
+        area.interactable(false).fade_in(false).show(context, |ui| {
+            let frame =
+                egui::Frame::new().fill(Color32::from_black_alpha(215)).inner_margin(8).corner_radius(6);
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
             frame.show(ui, |ui| add(ui));
         });
     };
@@ -122,7 +128,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
                 ui.label(text.color(bad));
             }
             None => {
-                ui.weak("C compares with an item buffer");
+                ui.label("C compares every frame with an item buffer");
             }
         }
         if numbers.frozen {
@@ -133,7 +139,10 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
                 Layer::Hidden => "orange wireframe: hidden objects, not drawn",
                 Layer::Volumes => "violet boxes: volumes that hidden moving objects stay in",
                 Layer::Cells => "cells at eye height: grey opaque, orange hidden, green seen",
-                Layer::Caps => "blue outlines: what blocks the view from the eye's cell",
+                Layer::Caps if !overlays.are_caps_ready() => "cap polygons are being traced",
+                Layer::Caps => {
+                    "blue outlines: what blocks the view from the eye's cell, on some shells of cells"
+                }
                 Layer::Buffers => "insets: occlusion buffers, dark is covered nearby, white is open",
                 Layer::Frustum => "black lines: what the culling camera sees",
             };

@@ -37,10 +37,8 @@ pub fn prove(
     let canvas = Canvas::new(gpu, size);
     let mut renderer = Renderer::new(gpu, COLOUR, &stage.geometry);
     let aspect = canvas.size.0 as f32 / canvas.size.1 as f32;
-    let mut rows: Vec<Row> = methods
-        .iter()
-        .map(|&method| Row { method, frames: 0, pixels: 0, bad_frames: 0, drawn: 0 })
-        .collect();
+    let mut rows: Vec<Row> =
+        methods.iter().map(|&method| Row { method, frames: 0, pixels: 0, bad_frames: 0, drawn: 0 }).collect();
     let last = stage.world.frames.saturating_sub(1);
     for i in 0..frames {
         let at = last * (i * 2 + 1) / (frames * 2);

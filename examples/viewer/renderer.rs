@@ -99,7 +99,12 @@ impl Growing {
 
     fn sized(gpu: &Gpu, usage: BufferUsages, size: u64) -> wgpu::Buffer {
         let usage = usage | BufferUsages::COPY_DST;
-        gpu.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
     }
 
     fn write<T: Pod>(&mut self, gpu: &Gpu, data: &[T]) {
@@ -269,9 +274,11 @@ struct Pipelines<'a> {
 impl Pipelines<'_> {
     /// For solids or meshes: pictures and item buffers.
     fn objects(&self, solids: bool) -> [wgpu::RenderPipeline; 2] {
-        let instance = vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Unorm8x4, 5 => Uint32];
+        let instance =
+            vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Unorm8x4, 5 => Uint32];
         let instance = layout::<Instance>(VertexStepMode::Instance, &instance);
-        let vertex = [wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 }];
+        let vertex =
+            [wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 }];
         let vertex = layout::<[f32; 3]>(VertexStepMode::Vertex, &vertex);
         let (entry, fragments, buffers) = if solids {
             ("solid_corner", ["solid_colour", "solid_item"], vec![Some(instance)])
@@ -280,7 +287,13 @@ impl Pipelines<'_> {
         };
         [(fragments[0], self.format), (fragments[1], ITEMS)].map(|(fragment, format)| {
             let cull = solids.then_some(wgpu::Face::Front);
-            self.make((entry, fragment), &buffers, (format, None), cull, (true, wgpu::CompareFunction::Greater))
+            self.make(
+                (entry, fragment),
+                &buffers,
+                (format, None),
+                cull,
+                (true, wgpu::CompareFunction::Greater),
+            )
         })
     }
 
@@ -294,13 +307,10 @@ impl Pipelines<'_> {
             layout::<Corner>(VertexStepMode::Vertex, &corners)
         };
         let target = (self.format, Some(wgpu::BlendState::ALPHA_BLENDING));
-        [
-            ("mark_colour", wgpu::CompareFunction::GreaterEqual),
-            ("mark_behind", wgpu::CompareFunction::Less),
-        ]
-        .map(|(fragment, compare)| {
-            self.make((entry, fragment), &[Some(buffer.clone())], target, None, (false, compare))
-        })
+        [("mark_colour", wgpu::CompareFunction::GreaterEqual), ("mark_behind", wgpu::CompareFunction::Less)]
+            .map(|(fragment, compare)| {
+                self.make((entry, fragment), &[Some(buffer.clone())], target, None, (false, compare))
+            })
     }
 
     fn make(
@@ -333,7 +343,11 @@ impl Pipelines<'_> {
                 module: self.shader,
                 entry_point: Some(fragment),
                 compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
+                targets: &[Some(wgpu::ColorTargetState {
+                    format,
+                    blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
             }),
             multiview_mask: None,
             cache: None,

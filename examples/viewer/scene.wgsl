@@ -60,7 +60,7 @@ fn ray(pixel: vec2f) -> vec3f {
 fn shade(colour: vec3f, normal: vec3f, distance: f32) -> vec4f {
     let sun = max(dot(normal, normalize(SUN)), 0.0);
     let sky = 0.5 + 0.5 * normal.y;
-    let lit = colour * (0.30 + 0.24 * sky + 0.55 * sun);
+    let lit = colour * (0.36 + 0.26 * sky + 0.46 * sun);
     return vec4f(mix(SKY, lit, exp(-distance * eye.size.z)), 1.0);
 }
 

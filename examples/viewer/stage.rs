@@ -39,8 +39,7 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const EVERY: [Self; 6] =
-        [Self::All, Self::Frustum, Self::Point, Self::Cell, Self::Hzb, Self::Rays];
+    pub const EVERY: [Self; 6] = [Self::All, Self::Frustum, Self::Point, Self::Cell, Self::Hzb, Self::Rays];
 
     /// Whether it promises that nothing visible is lost.
     pub fn is_safe(self) -> bool {

@@ -27,14 +27,8 @@ use super::stage::{Method, Stage, world_of};
 /// Radians for each pixel that the mouse moves.
 const TURN: f32 = 0.004;
 /// Keys of the layers.
-const LAYER_KEYS: [KeyCode; 6] = [
-    KeyCode::Digit1,
-    KeyCode::Digit2,
-    KeyCode::Digit3,
-    KeyCode::Digit4,
-    KeyCode::Digit5,
-    KeyCode::Digit6,
-];
+const LAYER_KEYS: [KeyCode; 6] =
+    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
 
 /// Opens the window and stays until it is closed.
 ///
@@ -46,7 +40,8 @@ pub fn open(
     method: Method,
     (size, software): ((u32, u32), bool),
 ) -> Result<(), Box<dyn Error>> {
-    let event_loop = EventLoop::new().map_err(|e| format!("no window can be opened (try --headless): {e}"))?;
+    let event_loop =
+        EventLoop::new().map_err(|e| format!("no window can be opened (try --headless): {e}"))?;
     let mut app = App { scenes, options: *options, method, size, software, viewer: None, failed: None };
     event_loop.run_app(&mut app)?;
     app.failed.map_or(Ok(()), Err)
@@ -99,8 +94,8 @@ struct Viewer {
     frozen: Option<Camera>,
     paused: bool,
     help: bool,
-    check: bool,
-    checked: Option<(usize, Vec<usize>)>,
+    /// Where item buffers are drawn, while every frame is checked by one.
+    check: Option<Canvas>,
     last: Instant,
     /// Time that the scene is behind.
     behind: f64,
@@ -213,8 +208,7 @@ impl Viewer {
             frozen: None,
             paused: false,
             help: true,
-            check: false,
-            checked: None,
+            check: None,
             last: Instant::now(),
             behind: 0.0,
         })
@@ -228,6 +222,11 @@ impl Viewer {
         (self.config.width, self.config.height) = self.gpu.clamp(size.into());
         self.surface.configure(&self.gpu.device, &self.config);
         self.depth = self.gpu.texture((self.config.width, self.config.height), DEPTH);
+        self.check = self.check.is_some().then(|| self.canvas());
+    }
+
+    fn canvas(&self) -> Canvas {
+        Canvas::new(&self.gpu, (self.config.width, self.config.height))
     }
 
     /// The camera that flies, from where the path's is if it did not yet.
@@ -242,7 +241,6 @@ impl Viewer {
         scenes: &[String],
         options: &SceneOptions,
     ) -> Result<(), Box<dyn Error>> {
-        self.checked = None;
         match key {
             KeyCode::KeyF => {
                 let camera = self.camera();
@@ -253,7 +251,7 @@ impl Viewer {
                 }
             }
             KeyCode::KeyM => self.method = self.method.next(),
-            KeyCode::KeyC => self.check = true,
+            KeyCode::KeyC => self.check = self.check.is_none().then(|| self.canvas()),
             KeyCode::KeyH => self.help ^= true,
             KeyCode::KeyP => self.fly = None,
             KeyCode::Space => self.paused ^= true,
@@ -313,7 +311,6 @@ impl Viewer {
             self.behind -= FRAME_SECONDS;
             if !self.paused {
                 self.stage.advance();
-                self.checked = None;
             }
         }
         let surface = match self.surface.get_current_texture() {
@@ -328,20 +325,19 @@ impl Viewer {
         let culled_for = self.frozen.unwrap_or(watcher);
         let name = self.stage.world.name.clone();
         let scale = self.window.scale_factor() as f32;
-        let Self { gpu, renderer, panel, overlays, checked, check, method, config, .. } = self;
+        let Self { gpu, renderer, panel, overlays, check, method, .. } = self;
         let (frozen, help) = (self.frozen.is_some(), self.help);
         let target = surface.texture.create_view(&Default::default());
         let depth = self.depth.create_view(&Default::default());
         self.stage.frame(*method, &culled_for, &mut |frame| {
-            if std::mem::take(check) {
-                let canvas = Canvas::new(gpu, (config.width, config.height));
-                let objects = (frame.geometry, frame.objects);
-                let found = canvas.check(gpu, renderer, &culled_for, objects, &frame.visible)?;
-                *checked = Some((found.shown.len(), found.lost));
-            }
+            let objects = (frame.geometry, frame.objects);
+            let found = match check {
+                Some(canvas) => Some(canvas.check(gpu, renderer, &culled_for, objects, &frame.visible)?),
+                None => None,
+            };
             let start = Instant::now();
             let list = coloured(frame.geometry, frame.objects, &frame.visible);
-            let lost: &[usize] = checked.as_ref().map_or(&[], |(_, lost)| lost);
+            let lost: &[usize] = found.as_ref().map_or(&[], |found| &found.lost);
             let marks = overlays.marks(&frame, lost)?;
             renderer.draw(gpu, Output::Picture, (&target, &depth), &watcher, &list, &marks);
             gpu.wait()?;
@@ -351,7 +347,7 @@ impl Viewer {
                 frozen,
                 visible: (frame.visible.len(), frame.objects.len()),
                 times: (frame.time, start.elapsed()),
-                check: checked.as_ref().map(|(shown, lost)| (*shown, lost.len())),
+                check: found.as_ref().map(|found| (found.shown.len(), found.lost.len())),
                 help,
             };
             let images =
