@@ -7,6 +7,9 @@ use casca::{Query, Scene};
 use casca_harness::drive::{Driver, view_of};
 use casca_harness::world::{Camera, Object};
 
+/// Nothing, or what went wrong.
+pub type Done = Result<(), Box<dyn Error>>;
+
 /// One frame. `moved` are the objects with another shape than in the frame before, `camera` is what
 /// looks, and `draw` draws the objects of [`Query::pvs`].
 ///
@@ -18,8 +21,8 @@ pub fn frame(
     seconds: f64,
     (objects, moved): (&[Object], &[usize]),
     camera: &Camera,
-    draw: &mut dyn FnMut(&Scene, &Query) -> Result<(), Box<dyn Error>>,
-) -> Result<(), Box<dyn Error>> {
+    draw: &mut dyn FnMut(&Scene, &Query) -> Done,
+) -> Done {
     driver.scene.begin_frame(seconds)?;
     // Scene::update for each of them.
     driver.update(objects, moved)?;

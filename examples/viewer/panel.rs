@@ -159,7 +159,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
     }
     if numbers.help {
         boxed("help", Align2::CENTER_BOTTOM, [0.0, -10.0], &mut |ui| {
-            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            ui.set_max_width(context.content_rect().width() - 40.0);
             let layers: Vec<String> =
                 Layer::EVERY.iter().zip(1..).map(|(layer, key)| format!("{key} {}", layer.name())).collect();
             ui.label("W A S D Q E fly (Shift: faster)   right mouse button: look   P back to the path   Space: pause   F freeze the culling camera");

@@ -13,7 +13,7 @@ use casca_harness::scenes::{SceneKind, SceneOptions};
 use casca_harness::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_harness::{import, scenes};
 
-use super::frame_loop;
+use super::frame_loop::{self, Done};
 use super::geometry::Geometry;
 
 /// Pixels of the depth buffers that are compared with, as engines choose them.
@@ -178,8 +178,8 @@ impl Stage {
         &mut self,
         method: Method,
         camera: &Camera,
-        draw: &mut dyn FnMut(Frame<'_>) -> Result<(), Box<dyn Error>>,
-    ) -> Result<(), Box<dyn Error>> {
+        draw: &mut dyn FnMut(Frame<'_>) -> Done,
+    ) -> Done {
         let (number, seconds) = (self.path_frame(self.ticks), self.ticks as f64 * FRAME_SECONDS);
         let moved = self.world.set_frame(number);
         let query = match method {
