@@ -86,7 +86,7 @@ impl Gpu {
         }))
         .map_err(|e| GpuError::NoDevice(e.to_string()))?;
         let info = adapter.get_info();
-        Ok(Self { name: format!("{} ({:?})", info.name, info.device_type), adapter, device, queue })
+        Ok(Self { name: info.name, adapter, device, queue })
     }
 
     /// The picture sizes that can be drawn.

@@ -71,6 +71,7 @@ pub fn pictures(gpu: &Gpu, stage: &mut Stage, plan: &Plan<'_>) -> Result<(), Box
             gpu.wait()?;
             let numbers = Numbers {
                 scene: name.clone(),
+                device: gpu.name.clone(),
                 method: plan.method,
                 frozen: plan.bird,
                 visible: (frame.visible.len(), frame.objects.len()),

@@ -47,8 +47,8 @@ struct Options {
     #[arg(long)]
     bench: bool,
     /// Pictures, evenly spread over the path of each scene
-    #[arg(long, default_value_t = 5)]
-    frames: usize,
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
     /// Where pictures go
     #[arg(long, default_value = "target/viewer")]
     out: PathBuf,
@@ -103,13 +103,13 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         let mut stage = Stage::new(world_of(scene, &scene_options)?)?;
         if options.proof {
             let methods = [Method::Point, Method::Cell, Method::Hzb, Method::Rays];
-            let plan = (options.size, options.frames);
+            let plan = (options.size, options.frames as usize);
             let rows = proof::prove(&gpu, &mut stage, plan, &methods, Some(&options.out))?;
             holds &= proof::report(&stage.world.name, stage.world.objects.len(), &rows);
         } else {
             let plan = headless::Plan {
                 method: options.method,
-                frames: options.frames,
+                frames: options.frames as usize,
                 out: &options.out,
                 size: options.size,
                 bird: options.bird,

@@ -13,6 +13,8 @@ use super::stage::Method;
 pub struct Numbers {
     /// Name of the scene.
     pub scene: String,
+    /// What draws.
+    pub device: String,
     /// How it was culled.
     pub method: Method,
     /// Whether the culling camera stands still.
@@ -118,7 +120,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
         if numbers.method != Method::All {
             ui.label(format!("query  {query:.2} ms"));
         }
-        ui.label(format!("draw   {draw:.2} ms"));
+        ui.label(format!("draw   {draw:.2} ms on {}", numbers.device));
         match numbers.check {
             Some((exact, lost)) => {
                 let ratio = shown as f64 / exact.max(1) as f64;
@@ -144,7 +146,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
                     "blue outlines: what blocks the view from the eye's cell, on some shells of cells"
                 }
                 Layer::Buffers => "insets: occlusion buffers, dark is covered nearby, white is open",
-                Layer::Frustum => "black lines: what the culling camera sees",
+                Layer::Frustum => "black lines: the culling camera's frustum, cut short",
             };
             ui.label(text);
         }

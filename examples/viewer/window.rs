@@ -343,6 +343,7 @@ impl Viewer {
             gpu.wait()?;
             let numbers = Numbers {
                 scene: name.clone(),
+                device: gpu.name.clone(),
                 method: *method,
                 frozen,
                 visible: (frame.visible.len(), frame.objects.len()),
