@@ -98,7 +98,7 @@ pub fn pictures(gpu: &Gpu, stage: &mut Stage, plan: &Plan<'_>) -> Result<(), Box
     Ok(())
 }
 
-/// Half of what is seen fades over some lengths of the scene.
+/// How fast things fade: by about a fifth over the length of the scene.
 pub fn haze(stage: &Stage) -> f32 {
     0.25 / (stage.world.grid.max - stage.world.grid.min).length().max(1e-3)
 }

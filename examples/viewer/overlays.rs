@@ -67,7 +67,8 @@ pub struct Overlays {
     caps: Caps,
 }
 
-/// The caps around an eye's cell. Tracing them takes seconds, and has a thread of its own.
+/// The caps around an eye's cell, as the scene was when it came there. Tracing them takes seconds, and has
+/// a thread of its own.
 #[derive(Default)]
 struct Caps {
     done: Option<(IVec3, Vec<Cap>)>,
@@ -97,6 +98,11 @@ impl Overlays {
     /// Whether cap polygons are traced and drawn.
     pub fn are_caps_ready(&self) -> bool {
         self.caps.running.is_none()
+    }
+
+    /// Drops what was kept about a scene.
+    pub fn forget_scene(&mut self) {
+        self.caps = Caps::default();
     }
 
     /// Turns a layer on or off.

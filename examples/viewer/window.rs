@@ -260,6 +260,7 @@ impl Viewer {
                 self.stage = stage_of(&scenes[self.scene], options)?;
                 self.renderer = renderer_of(&self.gpu, self.config.format, &self.stage);
                 (self.fly, self.frozen) = (None, None);
+                self.overlays.forget_scene();
             }
             _ => {
                 if let Some(layer) = LAYER_KEYS.iter().position(|k| *k == key) {
