@@ -1,0 +1,165 @@
+//! The graphics device, pictures drawn without a window, and reading them back.
+
+use std::fmt;
+
+use wgpu::{TextureFormat, TextureUsages};
+
+/// Format of pictures: 8 bits a channel, stored as drawn.
+pub const COLOUR: TextureFormat = TextureFormat::Rgba8Unorm;
+/// Format of item buffers.
+pub const ITEMS: TextureFormat = TextureFormat::R32Uint;
+/// Format of depth: 1 at the near plane, 0 at infinity.
+pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+
+/// Why nothing can be drawn.
+#[derive(Debug)]
+pub enum GpuError {
+    /// The machine has no adapter that serves.
+    NoAdapter(String),
+    /// The adapter gives no device.
+    NoDevice(String),
+    /// A picture cannot be read back.
+    Read(String),
+}
+
+impl fmt::Display for GpuError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAdapter(why) => write!(
+                f,
+                "no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do ({why})"
+            ),
+            Self::NoDevice(why) => write!(f, "the graphics adapter gives no device: {why}"),
+            Self::Read(why) => write!(f, "the picture cannot be read back: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for GpuError {}
+
+/// A device and its queue.
+pub struct Gpu {
+    /// What the adapter calls itself.
+    pub name: String,
+    /// The adapter.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+}
+
+impl Gpu {
+    /// A device without a window; `software` takes none but a software adapter.
+    ///
+    /// # Errors
+    /// Says what is missing.
+    pub fn headless(software: bool) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        Self::on(&instance, None, software)
+    }
+
+    /// A device that can draw to `surface`, if one is given.
+    ///
+    /// # Errors
+    /// Says what is missing.
+    pub fn on(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        software: bool,
+    ) -> Result<Self, GpuError> {
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            force_fallback_adapter: software,
+            compatible_surface: surface,
+            ..Default::default()
+        }))
+        .map_err(|e| GpuError::NoAdapter(e.to_string()))?;
+        let limits = adapter.limits();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("viewer"),
+            required_limits: wgpu::Limits {
+                max_buffer_size: limits.max_buffer_size,
+                ..wgpu::Limits::downlevel_defaults().using_resolution(limits)
+            },
+            ..Default::default()
+        }))
+        .map_err(|e| GpuError::NoDevice(e.to_string()))?;
+        let info = adapter.get_info();
+        Ok(Self { name: info.name, adapter, device, queue })
+    }
+
+    /// The picture sizes that can be drawn.
+    pub fn clamp(&self, (width, height): (u32, u32)) -> (u32, u32) {
+        let most = self.device.limits().max_texture_dimension_2d;
+        (width.clamp(1, most), height.clamp(1, most))
+    }
+
+    /// A texture to draw to and to read back from.
+    pub fn texture(&self, (width, height): (u32, u32), format: TextureFormat) -> wgpu::Texture {
+        let (width, height) = self.clamp((width, height));
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    /// Waits until all that was submitted is done.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map(|_| ()).map_err(|e| GpuError::Read(e.to_string()))
+    }
+
+    /// The pixels of a texture of four bytes a pixel, row by row from the top.
+    ///
+    /// # Errors
+    /// The device is lost or out of memory.
+    pub fn read(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+        let (width, height) = (texture.width(), texture.height());
+        let row = width as usize * 4;
+        let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: (stride * height as usize) as u64,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(stride as u32),
+                    rows_per_image: None,
+                },
+            },
+            texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let (send, receive) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Nobody listens if waiting failed.
+            let _ = send.send(result);
+        });
+        self.wait()?;
+        let failed = |e: &dyn fmt::Display| GpuError::Read(e.to_string());
+        receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+        let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
+        let mut pixels = Vec::with_capacity(row * height as usize);
+        for line in mapped.chunks_exact(stride) {
+            pixels.extend_from_slice(&line[..row]);
+        }
+        Ok(pixels)
+    }
+}
