@@ -33,6 +33,9 @@ pub use upkeep::upkeep;
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;
 
+/// Pictures are this many times as wide as high.
+const ASPECT: f32 = 16.0 / 9.0;
+
 /// What experiments are told.
 pub struct Lab<'a> {
     /// Takes less of everything, for a smoke run; the figures are of no use then.

@@ -2,10 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use casca::{Aabb, Bounds, GridSpec, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings, Sphere, View};
+use casca::{GridSpec, ObjectDesc, ObjectId, Query, Settings, View};
 
 use super::LabError;
-use crate::world::{Motion, Object, Shape, World};
+use crate::drive::Driver;
+use crate::world::{Motion, Object, World};
 
 /// How the motion of hidden objects is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,9 +20,8 @@ pub(super) enum Telling {
 
 /// A scene with one query that is fed back to it.
 pub(super) struct Stage {
-    scene: Scene,
+    driver: Driver,
     query: Query,
-    ids: Vec<ObjectId>,
     /// By the ids' indices: the object of the world.
     objects: Vec<usize>,
     telling: Telling,
@@ -38,79 +38,45 @@ pub(super) fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-fn shapes(object: &Object) -> Result<(Bounds, Option<Occluder>), LabError> {
-    let (bounds, occluder): (Bounds, Occluder) = match &object.shape {
-        Shape::Sphere { center, radius } => {
-            let s = Sphere::new(*center, *radius);
-            (s.into(), s.into())
-        }
-        Shape::Box { min, max } => {
-            let b = Aabb::new(*min, *max);
-            (b.into(), b.into())
-        }
-        Shape::Mesh { .. } => return Err("stages take spheres and boxes only".into()),
-    };
-    Ok((bounds, Some(occluder).filter(|_| object.occludes)))
-}
-
 impl Stage {
-    /// Inserts all objects of a world, which are spheres and boxes, as they are now.
+    /// Inserts all objects of a world as they are now.
     ///
     /// # Errors
-    /// Refuses meshes; else as [`Scene::insert`] and [`Query::with_settings`].
+    /// As [`Driver::with`] and [`Query::with_settings`].
     pub(super) fn new(
         world: &World,
         grid: &GridSpec,
         settings: Settings,
         telling: Telling,
     ) -> Result<Self, LabError> {
-        let mut scene = Scene::new(grid)?;
-        let mut ids = Vec::with_capacity(world.objects.len());
+        let unreported = |o: &Object| telling == Telling::OnExpiry && o.motion != Motion::Static;
+        let adapt =
+            |o: &Object, desc: ObjectDesc| if unreported(o) { desc.reported_on_expiry() } else { desc };
+        let mut driver = Driver::with(&world.objects, grid, adapt, |_| ())?;
         let mut objects = Vec::new();
-        for (i, object) in world.objects.iter().enumerate() {
-            let (bounds, occluder) = shapes(object)?;
-            let mut desc = match object.motion {
-                Motion::Static => ObjectDesc::fixed(bounds),
-                Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
-            };
-            if telling == Telling::OnExpiry && object.motion != Motion::Static {
-                desc = desc.reported_on_expiry();
-            }
-            if let Some(occluder) = occluder {
-                desc = desc.occluder(occluder);
-            }
-            let id = scene.insert(desc)?;
-            objects.resize(objects.len().max(id.index() + 1), usize::MAX);
-            objects[id.index()] = i;
-            ids.push(id);
+        for i in 0..world.objects.len() {
+            let slot = driver.id(i).index();
+            objects.resize(objects.len().max(slot + 1), usize::MAX);
+            objects[slot] = i;
         }
-        scene.begin_frame(0.0)?;
-        Ok(Self { scene, query: Query::with_settings(settings)?, ids, objects, telling })
-    }
-
-    fn report(&mut self, all: &[Object], object: usize) -> Result<(), LabError> {
-        let (Some(&id), Some(o)) = (self.ids.get(object), all.get(object)) else { return Ok(()) };
-        let (bounds, occluder) = shapes(o)?;
-        Ok(self.scene.update(id, bounds, occluder)?)
+        driver.scene.begin_frame(0.0)?;
+        Ok(Self { driver, query: Query::with_settings(settings)?, objects, telling })
     }
 
     /// Sets the clock and reports what moved; returns the milliseconds that took.
     ///
     /// # Errors
-    /// As [`Scene::begin_frame`] and [`Scene::update`].
+    /// As [`casca::Scene::begin_frame`] and [`casca::Scene::update`].
     pub(super) fn upkeep(&mut self, now: f64, all: &[Object], moved: &[usize]) -> Result<f64, LabError> {
         let start = Instant::now();
-        let mut due = self.scene.begin_frame(now)?;
+        let mut due = self.driver.scene.begin_frame(now)?;
         match self.telling {
-            Telling::Always => moved.iter().try_for_each(|&i| self.report(all, i))?,
+            Telling::Always => self.driver.update(all, moved)?,
             Telling::OnExpiry => {
                 due.extend_from_slice(self.query.pvs().visible());
-                for id in due {
-                    let object = self.objects[id.index()];
-                    if all.get(object).is_some_and(|o| o.motion != Motion::Static) {
-                        self.report(all, object)?;
-                    }
-                }
+                let mut which: Vec<usize> = due.iter().map(|id| self.objects[id.index()]).collect();
+                which.retain(|&i| all.get(i).is_some_and(|o| o.motion != Motion::Static));
+                self.driver.update(all, &which)?;
             }
         }
         Ok(ms(start.elapsed()))
@@ -128,50 +94,50 @@ impl Stage {
         moved: &[usize],
     ) -> Result<(f64, f64), LabError> {
         let start = Instant::now();
-        self.scene.begin_frame(now)?;
+        self.driver.scene.begin_frame(now)?;
         let clock = ms(start.elapsed());
         let (held, free): (Vec<usize>, Vec<usize>) =
-            moved.iter().partition(|&&i| self.ids.get(i).is_some_and(|&id| self.is_held(id)));
+            moved.iter().partition(|&&i| self.is_held(self.driver.id(i)));
         let mut report = |which: &[usize]| -> Result<f64, LabError> {
             let start = Instant::now();
-            which.iter().try_for_each(|&i| self.report(all, i))?;
+            self.driver.update(all, which)?;
             Ok(ms(start.elapsed()))
         };
         Ok((report(&free)?, report(&held)? + clock))
     }
 
     fn is_held(&self, id: ObjectId) -> bool {
-        matches!(self.scene.tbv(id), Ok(Some(_)))
+        matches!(self.driver.scene.tbv(id), Ok(Some(_)))
     }
 
     /// Runs the query so many times, at least once, and returns the least milliseconds.
     pub(super) fn look(&mut self, view: &View, times: usize) -> f64 {
         let mut least = f64::INFINITY;
         for _ in 0..times.max(1) {
-            least = least.min(ms(self.query.run(&self.scene, view).stats().elapsed));
+            least = least.min(ms(self.query.run(&self.driver.scene, view).stats().elapsed));
         }
         least
     }
 
     /// Runs another query on the scene; returns the least milliseconds of so many runs.
     pub(super) fn ask(&self, query: &mut Query, view: &View, times: usize) -> f64 {
-        let runs = (0..times.max(1)).map(|_| ms(query.run(&self.scene, view).stats().elapsed));
+        let runs = (0..times.max(1)).map(|_| ms(query.run(&self.driver.scene, view).stats().elapsed));
         runs.fold(f64::INFINITY, f64::min)
     }
 
     /// Feeds the last result back; returns the milliseconds that took.
     ///
     /// # Errors
-    /// As [`Scene::end_frame`].
+    /// As [`casca::Scene::end_frame`].
     pub(super) fn end(&mut self) -> Result<f64, LabError> {
         let start = Instant::now();
-        self.scene.end_frame([self.query.pvs()])?;
+        self.driver.scene.end_frame([self.query.pvs()])?;
         Ok(ms(start.elapsed()))
     }
 
     /// Whether the last result holds an object of the world.
     pub(super) fn sees(&self, object: usize) -> bool {
-        self.ids.get(object).is_some_and(|&id| self.query.pvs().contains(id))
+        self.driver.sees(self.query.pvs(), object)
     }
 
     /// The objects of the world in the last result, in its order.

@@ -2,13 +2,10 @@
 
 use casca::{Error, GridSpec, Method, Query, Settings};
 
-use super::FrameInput;
+use super::{ASPECT, FrameInput};
 use crate::drive::{Driver, grid_for, view_of};
 use crate::oracle::ItemBuffer;
-use crate::world::{Camera, FRAME_SECONDS, World};
-
-/// Pictures are this many times as wide as high.
-pub(super) const ASPECT: f32 = 16.0 / 9.0;
+use crate::world::{Camera, FRAME_SECONDS, Object, World};
 
 /// A world on its walk, in as many grids as are asked for.
 pub(super) struct Walker {
@@ -99,10 +96,15 @@ impl Walker {
 
     /// The tested objects that an item buffer shows in this frame, ascending.
     pub(super) fn visible(&self, frame: &Snapshot, exact: &mut ItemBuffer) -> Vec<usize> {
-        exact.render(&self.world.objects, &frame.camera);
-        let seen = exact.visible().iter().zip(&self.world.objects).enumerate();
-        seen.filter(|(_, (pixels, object))| **pixels > 0 && object.tested).map(|(i, _)| i).collect()
+        visible_in(exact, &self.world.objects, &frame.camera)
     }
+}
+
+/// The tested objects of which an item buffer shows a pixel, ascending.
+pub(super) fn visible_in(exact: &mut ItemBuffer, objects: &[Object], camera: &Camera) -> Vec<usize> {
+    exact.render(objects, camera);
+    let seen = exact.visible().iter().zip(objects).enumerate();
+    seen.filter(|(_, (pixels, object))| **pixels > 0 && object.tested).map(|(i, _)| i).collect()
 }
 
 /// An item buffer of so many pixels in a row.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use super::lines::{COLORS, SIZE, legend_width};
+use super::COLORS;
+use super::lines::{SIZE, legend_width};
 use super::{FONT, PictureError, error, with_font};
 
 /// One bar.

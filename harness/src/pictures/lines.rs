@@ -5,7 +5,7 @@ use std::path::Path;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
-use super::{FONT, PictureError, error, with_font};
+use super::{COLORS, FONT, PictureError, error, with_font};
 
 /// One line of a chart.
 #[derive(Debug, Clone)]
@@ -70,19 +70,6 @@ impl Axis {
         v.is_finite() && (!self.log || v > 0.0)
     }
 }
-
-pub(super) const COLORS: [RGBColor; 10] = [
-    RGBColor(31, 90, 180),
-    RGBColor(20, 140, 60),
-    RGBColor(200, 90, 20),
-    RGBColor(150, 40, 150),
-    RGBColor(110, 110, 110),
-    RGBColor(190, 30, 60),
-    RGBColor(0, 140, 150),
-    RGBColor(0, 0, 0),
-    RGBColor(170, 140, 0),
-    RGBColor(240, 130, 180),
-];
 
 /// Width of the drawing without the legend, and height, in pixels.
 pub(super) const SIZE: (u32, u32) = (1000, 620);

@@ -10,7 +10,7 @@ mod tradeoff;
 
 use std::path::Path;
 
-use plotters::style::{FontStyle, register_font};
+use plotters::style::{FontStyle, RGBColor, register_font};
 
 pub use bars::{Bar, bars};
 pub use chart::{FrameCounts, chart};
@@ -32,6 +32,20 @@ fn error(path: &Path) -> impl Fn(String) -> PictureError + '_ {
 }
 
 const FONT: &str = "sans-serif";
+
+/// Colours of lines and bars, in their order.
+const COLORS: [RGBColor; 10] = [
+    RGBColor(31, 90, 180),
+    RGBColor(20, 140, 60),
+    RGBColor(200, 90, 20),
+    RGBColor(150, 40, 150),
+    RGBColor(110, 110, 110),
+    RGBColor(190, 30, 60),
+    RGBColor(0, 140, 150),
+    RGBColor(0, 0, 0),
+    RGBColor(170, 140, 0),
+    RGBColor(240, 130, 180),
+];
 
 /// Makes the text of pictures work without fonts on the machine.
 fn with_font() {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use super::{FONT, PictureError, error, with_font};
+use super::{COLORS, FONT, PictureError, error, with_font};
 
 /// One method at one setting on one scene.
 #[derive(Debug, Clone)]
@@ -24,15 +24,6 @@ pub struct TradeoffPoint {
     /// Whether it is on the Pareto front of those that lose nothing.
     pub front: bool,
 }
-
-const METHOD_COLORS: [RGBColor; 6] = [
-    RGBColor(31, 90, 180),
-    RGBColor(20, 140, 60),
-    RGBColor(200, 90, 20),
-    RGBColor(150, 40, 150),
-    RGBColor(120, 120, 120),
-    RGBColor(0, 0, 0),
-];
 
 /// Draws speed against accuracy: a panel for each scene, a line for each method, a disc for each setting
 /// that lost nothing, with a ring on the Pareto front, and a cross for each that did. PNG, or SVG by the file's ending.
@@ -104,7 +95,7 @@ where
             .draw()?;
         chart.draw_series(LineSeries::new([(left, 1.0), (right, 1.0)], BLACK.mix(0.5)))?;
         for (i, method) in methods.iter().enumerate() {
-            let color = METHOD_COLORS[i % METHOD_COLORS.len()];
+            let color = COLORS[i % COLORS.len()];
             let at: Vec<(f64, f64, f64, bool)> = own
                 .iter()
                 .filter(|p| p.method == *method)
@@ -134,7 +125,7 @@ where
         legend.draw(&Text::new(text.to_owned(), at, (FONT, 20).into_font().color(&color)))
     };
     for (i, method) in methods.iter().enumerate() {
-        let (color, y) = (METHOD_COLORS[i % METHOD_COLORS.len()], 60 + 32 * i as i32);
+        let (color, y) = (COLORS[i % COLORS.len()], 60 + 32 * i as i32);
         legend.draw(&PathElement::new([(40, y), (80, y)], color.stroke_width(3)))?;
         text((92, y - 10), method, color)?;
     }

@@ -7,11 +7,9 @@ use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera::rh::view::look_to_mat4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+pub(super) use crate::lab::ASPECT;
 use crate::lab::LabError;
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
-
-/// Width of a picture over its height.
-pub(super) const ASPECT: f32 = 16.0 / 9.0;
 
 /// A point of an object that the case was built to show; judged beside the points that the oracle picks.
 #[derive(Debug, Clone, Copy)]

@@ -13,13 +13,10 @@ mod walk;
 use casca::{GridSpec, Method, Settings};
 use glam::UVec3;
 
-use super::{Lab, LabError, Section, Table};
+use super::{ASPECT, Lab, LabError, Section, Table};
 use crate::drive::grid_for;
-use crate::oracle::ItemBuffer;
-use crate::world::{Camera, Object, World};
+use crate::world::World;
 
-/// Pictures are this many times as wide as high.
-const ASPECT: f32 = 16.0 / 9.0;
 /// Pixels of the software depth buffer that stands for the graphics card.
 const SCREEN: (usize, usize) = (1280, 720);
 /// Pixels of the item buffer that says what is visible.
@@ -49,13 +46,6 @@ fn settings(method: Method) -> Settings {
 
 fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {
     Ok(grid_for(&world.grid, Some(dims))?)
-}
-
-/// The tested objects of which the item buffer shows a pixel, ascending.
-fn exact(buffer: &mut ItemBuffer, objects: &[Object], camera: &Camera) -> Vec<usize> {
-    buffer.render(objects, camera);
-    let seen = buffer.visible().iter().zip(objects).enumerate();
-    seen.filter(|(_, (pixels, object))| **pixels > 0 && object.tested).map(|(i, _)| i).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {

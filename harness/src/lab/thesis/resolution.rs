@@ -5,8 +5,9 @@ use std::time::Instant;
 use casca::{Aabb, GridSpec, Method, View};
 
 use super::super::stage::{Stage, Telling, ms};
+use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, EXACT, Finding, SCREEN, exact, mean, ratio, settings};
+use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, settings};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
@@ -75,7 +76,8 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let cameras: Vec<Camera> = viewpoints.iter().map(|&f| world.camera(f, ASPECT)).collect();
     let views: Vec<View> = cameras.iter().map(view_of).collect::<Result<_, _>>()?;
     let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
-    let visible: Vec<Vec<usize>> = cameras.iter().map(|c| exact(&mut buffer, &world.objects, c)).collect();
+    let visible: Vec<Vec<usize>> =
+        cameras.iter().map(|c| visible_in(&mut buffer, &world.objects, c)).collect();
     let mut runs = Vec::new();
     for &cells in &cells {
         (lab.progress)(&format!("{cells} cells along the longest axis"));

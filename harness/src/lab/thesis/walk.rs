@@ -6,8 +6,9 @@ use std::time::Instant;
 use casca::Method;
 
 use super::super::stage::{Stage, Telling, ms};
+use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table, median};
-use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, exact, grid, mean, ratio, settings};
+use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, settings};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
@@ -79,7 +80,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         let camera = world.camera(frame, ASPECT);
         let view = view_of(&camera)?;
         let measured = frame % every == every / 2;
-        let seen = if measured { exact(&mut buffer, &world.objects, &camera) } else { Vec::new() };
+        let seen = if measured { visible_in(&mut buffer, &world.objects, &camera) } else { Vec::new() };
         for (stage, row) in stages.iter_mut().zip(&mut rows) {
             let before = stage.upkeep(frame as f64 * FRAME_SECONDS, &world.objects, &moved)?;
             let query = stage.look(&view, if measured { 3 } else { 1 });
