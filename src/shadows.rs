@@ -211,7 +211,7 @@ impl Query {
     ///
     /// `light` is the direction in which light travels, of any length. `receivers` is the PVS of the camera, just found
     /// on `scene`, by any method: what one method shows in vain may add casters. Only what lies inside its view
-    /// receives. `out` is emptied first; casters come as the light meets them, first to last.
+    /// receives. `out` is emptied first; casters come roughly as the light meets them, as in [`Pvs::visible`].
     ///
     /// This is a query of its own, the light's: [`Query::pvs`] then is what the light sees of what lies before
     /// receivers, and the settings are those of that view (with [`crate::Method::Frustum`] and
