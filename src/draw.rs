@@ -42,7 +42,7 @@ impl DrawItem {
     /// `n` times the width of a pixel in world units.
     ///
     /// ```
-    /// use casca::{Aabb, DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {

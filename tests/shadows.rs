@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Settings, Sphere, View,
+    Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Settings, Sphere, TriMesh, View,
 };
 use casca_harness::cases;
 use casca_harness::drive::Driver;
@@ -215,7 +215,7 @@ proptest! {
     }
 }
 
-/// A scene of 64x32x64 cells, and a box that hides in it.
+/// An empty scene of 64x32x64 cells.
 fn street() -> Scene {
     Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(64, 32, 64) }).unwrap()
 }
@@ -295,6 +295,23 @@ fn what_lies_behind_all_receivers_casts_nothing_on_them() {
 }
 
 #[test]
+fn casters_may_lie_deeper_than_the_nearest_point_of_a_receiver() {
+    let mut scene = street();
+    // A slope, and a ball close above its lower end.
+    let corners = [[31.0, 5.9, 30.0], [31.0, 5.9, 31.9], [32.9, 4.0, 31.9], [32.9, 4.0, 30.0]];
+    let slope = TriMesh::new(corners.map(Vec3::from).to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let slope = scene.insert(ObjectDesc::fixed(Arc::new(slope))).unwrap();
+    let ball = Sphere::new(Vec3::new(32.8, 4.35, 31.0), 0.05);
+    let ball = scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap();
+    // Below the ball, the shadow is in sight.
+    let ceiling = Plane { normal: Vec3::NEG_Y, offset: 4.2 };
+    let view = View::from_planes(Vec3::new(40.0, 4.1, 31.0), &[ceiling]).unwrap();
+    assert_eq!(Query::new().run(&scene, &view).visible(), [slope]);
+    let found = casters(&scene, &view, Vec3::NEG_Y);
+    assert!(found.contains(&slope) && found.contains(&ball), "{found:?}");
+}
+
+#[test]
 fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
     let mut scene = street();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
@@ -310,13 +327,21 @@ fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
         assert_eq!(pvs.visible(), [ground]);
         sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
         assert!(out.contains(&reported) && out.contains(&silent), "{frame} {out:?}");
-        // Where the bird is told to be far from the light's rays, its volume still tells of the silent one.
+        // One of them moves in its volume and tells so.
         let away = Sphere::new(bird.center + Vec3::Y, bird.radius);
         scene.update(reported, away, Some(away.into())).unwrap();
         scene.end_frame([camera.pvs()]).unwrap();
         assert!(scene.tbv(silent).unwrap().is_some());
     }
+    // A strip of ground beside the place where both were: only the silent one may have flown there.
+    let strip = [(Vec3::X, 34.2), (Vec3::NEG_X, -34.5), (Vec3::NEG_Y, -2.0)];
+    let strip = strip.map(|(normal, at)| Plane { normal, offset: -at });
+    let pvs = camera.run(&scene, &View::from_planes(Vec3::new(34.3, 1.5, 60.0), &strip).unwrap());
+    assert_eq!(pvs.visible(), [ground]);
+    sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
+    assert!(out.contains(&silent) && !out.contains(&reported), "{out:?}");
     // Beside the rays, neither is a caster.
+    camera.run(&scene, &ahead());
     sun.shadow_casters(&scene, camera.pvs(), Vec3::new(-1.0, -0.1, 0.0), &mut out).unwrap();
     assert!(!out.contains(&reported) && !out.contains(&silent), "{out:?}");
 }
@@ -377,13 +402,14 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
             assert!([ground, huge, everywhere].iter().all(|id| found.contains(id)), "{found:?}");
         }
     }
-    // Receivers removed since are left out; so is a point receiver's light without width.
+    // Receivers removed since are left out.
     let pvs = camera.run(&scene, &ahead());
     for id in [ground, huge, everywhere] {
         scene.remove(id).unwrap();
     }
     sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
     assert!(out.is_empty());
+    // The light's view of a point has no width.
     let point = Sphere::new(Vec3::new(32.0, 4.0, 30.0), 0.0);
     let point = scene.insert(ObjectDesc::fixed(point)).unwrap();
     assert_eq!(casters(&scene, &ahead(), Vec3::NEG_Y), [point]);
