@@ -149,7 +149,7 @@ fn blocked(oracle: &RayOracle, point: DVec3, light: DVec3) -> Option<bool> {
 }
 
 proptest! {
-    #![proptest_config(cases(64))]
+    #![proptest_config(cases(512))]
 
     #[test]
     fn no_shadow_on_what_is_seen_is_lost(
