@@ -34,6 +34,12 @@ pub enum Error {
         /// Its rotation.
         rotation: Quat,
     },
+    /// A direction without length.
+    #[error("{what} is zero")]
+    NoDirection {
+        /// The argument.
+        what: &'static str,
+    },
     /// Points or half-spaces that make no convex solid.
     #[error("the convex solid cannot be made: {0}")]
     Convex(&'static str),

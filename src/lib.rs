@@ -15,6 +15,7 @@
 
 mod aggressive;
 mod bricks;
+mod draw;
 mod error;
 mod fused;
 mod geometry;
@@ -27,6 +28,7 @@ mod pvs;
 mod query;
 pub mod reference;
 mod scene;
+mod shadows;
 mod shape;
 mod surface;
 mod tbv;
@@ -34,6 +36,7 @@ mod view;
 mod walk;
 
 pub use aggressive::AggressiveOpacity;
+pub use draw::{DrawItem, DrawOptions};
 pub use error::{Error, FileError};
 pub use geometry::{Aabb, Obb, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};

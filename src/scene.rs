@@ -632,7 +632,8 @@ impl Scene {
         ObjectId { scene: self.tag, slot, generation: self.slots[slot as usize].generation }
     }
 
-    fn find(&self, id: ObjectId) -> Result<(u32, &Object), Error> {
+    /// The object that an id names.
+    pub(crate) fn find(&self, id: ObjectId) -> Result<(u32, &Object), Error> {
         self.slots
             .get(id.slot as usize)
             .filter(|s| id.scene == self.tag && s.generation == id.generation)

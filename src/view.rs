@@ -134,6 +134,12 @@ impl View {
         Ok(view)
     }
 
+    /// Parallel rays that start infinitely far away and run along `direction`, inside all of the half-spaces.
+    /// Directions and normals have length 1.
+    pub(crate) fn parallel(direction: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
+        Self { origin: Origin::Direction(direction), planes, cutting: 0, widened: 0.0, ordered: true }
+    }
+
     /// Whether it is known where rays start.
     pub(crate) fn is_ordered(&self) -> bool {
         self.ordered || self.eye().is_some()

@@ -662,6 +662,9 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
     scene.insert(ObjectDesc::fixed(floor).occluder(floor)).unwrap();
     let ball = Sphere::new(Vec3::new(48.0, 48.0, 48.0), 1.0);
     let hidden = scene.insert(ObjectDesc::dynamic(ball).max_speed(20.0)).unwrap();
+    // Below the floor and the middle of the grid.
+    let low = Sphere::new(Vec3::new(48.0, 48.0, 36.0), 1.0);
+    let low = scene.insert(ObjectDesc::dynamic(low).max_speed(20.0)).unwrap();
     let mut query = Query::new();
     let away = casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 };
     for frame in 0..40 {
@@ -671,9 +674,18 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
     }
     let (lo, hi) = scene.tbv(hidden).unwrap().expect("nobody saw it");
     assert!(hi.z - lo.z > 8.0, "{lo} {hi}");
-    let look = look_to_mat4(Vec3::new(48.0, 48.0, 50.5), Vec3::NEG_Z, Vec3::Y);
-    let matrix = directx::orthographic(-0.5, 0.5, -0.5, 0.5, 0.1, 90.0) * look;
-    assert!(query.run(&scene, &View::orthographic(Vec3::NEG_Z, matrix).unwrap()).contains(hidden));
+    let from = |z| {
+        let look = look_to_mat4(Vec3::new(48.0, 48.0, z), Vec3::NEG_Z, Vec3::Y);
+        let matrix = directx::orthographic(-0.5, 0.5, -0.5, 0.5, 0.1, 90.0) * look;
+        View::orthographic(Vec3::NEG_Z, matrix).unwrap()
+    };
+    for method in [Method::Point, Method::Cell, Method::Frustum] {
+        let mut settings = Settings::default();
+        settings.method = method;
+        query.set_settings(settings).unwrap();
+        assert!(query.run(&scene, &from(50.5)).contains(hidden), "{method:?}");
+        assert!(query.run(&scene, &from(37.5)).contains(low), "{method:?}");
+    }
 }
 
 #[test]

@@ -3,10 +3,11 @@
 use glam::IVec3;
 
 use super::{FAR_VIEWER, Scratch, Settings};
+use crate::geometry::Block;
 use crate::mask::{ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
-use crate::matrix::{BitMatrix, TbvMatrix};
+use crate::matrix::{BitMatrix, CellBox, TbvMatrix};
 use crate::pvs::{Pvs, Stats};
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::shape::Shape;
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
@@ -85,6 +86,16 @@ impl<'a> Walk<'a> {
                 self.holds_eye = false;
                 let (nearest, farthest) = shell_range(&grid, self.cell);
                 self.shells(nearest, farthest, None);
+                // Rays may start and end inside a hollow volume.
+                let scene = self.scene;
+                for slot in 0..scene.slots.len() as u32 {
+                    if scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden) {
+                        let CellBox { lo, hi } = *scene.volumes.cells(slot);
+                        if self.view.may_see_block(&Block::new(grid.range_bounds(lo, hi))) {
+                            self.reveal(slot, 0);
+                        }
+                    }
+                }
             }
         }
         for &slot in &self.scene.always {
@@ -192,6 +203,11 @@ impl<'a> Walk<'a> {
             // Its bounds are old: it may be anywhere in the volume.
             self.scratch.mark_decided(slot);
             self.pvs.push(self.scene.id(slot));
+            return;
+        }
+        if !self.holds_eye {
+            // Rays do not start where the walk does, which may have passed the object's cells.
+            self.decide(slot);
             return;
         }
         let bounds = &object.bounds;

@@ -13,6 +13,7 @@ use crate::matrix::{BitMatrix, OcclusionMatrix};
 use crate::occlusion::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
+use crate::shadows::ShadowScratch;
 use crate::view::View;
 
 /// Beyond this distance from the grid, in cells, nothing is taken to be hidden.
@@ -119,6 +120,7 @@ pub struct Query {
     scratch: Scratch,
     visited: Option<BitMatrix>,
     hidden: Option<OcclusionMatrix>,
+    pub(crate) shadows: ShadowScratch,
 }
 
 #[derive(Debug)]
@@ -206,6 +208,7 @@ impl Query {
             },
             visited: None,
             hidden: None,
+            shadows: ShadowScratch::default(),
         }
     }
 
@@ -288,6 +291,15 @@ impl Query {
         }
         pvs.stats.elapsed = start.elapsed();
         pvs
+    }
+
+    /// Finds nothing, as from a view without rays. The result holds for no view.
+    pub(crate) fn run_nothing(&mut self, scene: &Scene) {
+        self.pvs.reset(scene.slots.len());
+        self.pvs.scene = scene.tag();
+        self.pvs.method = self.settings.method;
+        self.pvs.aggressive = false;
+        (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
     /// Runs each query on its view, in parallel: as if each had been run alone, bit for bit.
