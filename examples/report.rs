@@ -6,7 +6,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_harness::lab::{Lab, LabError, Section, aggressive, stability, thesis, tradeoff, upkeep, write};
+use casca_harness::lab::{
+    Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
+};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -41,6 +43,7 @@ const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("stability", stability),
     ("thesis", thesis),
     ("upkeep", upkeep),
+    ("shadows", shadows),
     ("aggressive", aggressive),
 ];
 

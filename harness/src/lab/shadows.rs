@@ -1,0 +1,91 @@
+//! Shadow casters: how many objects a shadow map has to draw.
+
+use casca::{Method, Query, Settings, View};
+use glam::{Mat4, Vec3, camera};
+
+use super::walker::Walker;
+use super::worlds::{Place, places};
+use super::{Lab, LabError, Section, Table, median};
+use crate::drive::view_of;
+use crate::scenes::SceneKind;
+
+/// Where the sun's light goes.
+const SUN: Vec3 = Vec3::new(0.4, -1.0, 0.3);
+
+/// The orthographic view along the sun's light that holds a region: what a shadow map over it would cull to.
+fn over(min: Vec3, max: Vec3) -> Result<View, casca::Error> {
+    let (middle, reach) = ((min + max) * 0.5, (max - min).length() * 0.5);
+    let view = camera::rh::view::look_to_mat4(middle - SUN.normalize() * reach, SUN, Vec3::Z);
+    let r = reach.max(f32::MIN_POSITIVE);
+    let projection: Mat4 = camera::rh::proj::directx::orthographic(-r, r, -r, r, 0.0, 2.0 * r);
+    View::orthographic(SUN, projection * view)
+}
+
+/// Objects that a shadow map has to draw on every scene, and what finding them costs.
+///
+/// # Errors
+/// If a scene cannot be read or is refused.
+pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
+    let mut section = Section::new("Shadow casters");
+    let mut table = Table::new(
+        "shadows",
+        &[
+            "scene",
+            "objects",
+            "PVS of the camera",
+            "visible from the sun",
+            "casters",
+            "query of the camera, ms",
+            "query of the casters, ms",
+        ],
+    );
+    let frames = lab.pick(20, 2);
+    for place in places(lab) {
+        if lab.quick && !matches!(place, Place::Built(SceneKind::City)) {
+            continue;
+        }
+        let world = place.open(lab)?;
+        (lab.progress)(&world.name);
+        let mut walker = Walker::new(world)?;
+        let mut settings = Settings::default();
+        settings.method = Method::Point;
+        let (mut eye, mut sun) = (Query::with_settings(settings)?, Query::with_settings(settings)?);
+        let mut all = Query::with_settings(settings)?;
+        let mut casters = Vec::new();
+        let (mut eye_ms, mut sun_ms) = (Vec::new(), Vec::new());
+        let (mut seen, mut lit, mut cast) = (0, 0, 0);
+        let hint = walker.world.grid;
+        let over = over(hint.min, hint.max)?;
+        let done = walker.walk::<LabError>(frames, |walker, _, frame| {
+            let scene = &walker.driver(0).scene;
+            let pvs = eye.run(scene, &view_of(&frame.camera)?);
+            eye_ms.push(pvs.stats().elapsed.as_secs_f64() * 1e3);
+            let start = std::time::Instant::now();
+            sun.shadow_casters(scene, pvs, SUN, &mut casters)?;
+            sun_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            seen += pvs.len();
+            cast += casters.len();
+            lit += all.run(scene, &over).len();
+            Ok(())
+        })?;
+        let mean = |n: usize| format!("{:.0}", n as f64 / done.max(1) as f64);
+        table.row([
+            walker.world.name.clone(),
+            walker.world.objects.len().to_string(),
+            mean(seen),
+            mean(lit),
+            mean(cast),
+            format!("{:.3}", median(&mut eye_ms)),
+            format!("{:.3}", median(&mut sun_ms)),
+        ]);
+    }
+    section.text(format!(
+        "`Query::shadow_casters` for a sun whose light travels along ({}, {}, {}): the objects that may cast a shadow onto \
+         anything in the camera's PVS and view, without those that stand in the shadow of others. With these alone in the \
+         shadow map, every visible shadow is the same (`tests/shadows.rs` holds that against exact rays). Beside it, what the sun sees of the \
+         whole scene, which is what a shadow map has to draw without knowing the camera. Means and medians over {frames} frames of each walk.",
+        SUN.x, SUN.y, SUN.z
+    ));
+    section.table(table);
+    Ok(section)
+}
