@@ -102,7 +102,10 @@ pub fn measure(
     let (mut visible_sum, mut frustum_sum, mut done) = (0usize, 0usize, 0);
     let frames = walker.walk::<LabError>(sampling.frames, |walker, _, frame| {
         let visible = walker.visible(frame, &mut exact);
-        for entry in &mut entries {
+        // Each frame starts with another one, so that none is always the one after the item buffer.
+        let count = entries.len();
+        for turn in 0..count {
+            let entry = &mut entries[(turn + done) % count];
             let mut best = f64::INFINITY;
             for _ in 0..sampling.repeats.max(1) {
                 let time = entry.contender.run(&walker.input(frame, entry.grid))?;
