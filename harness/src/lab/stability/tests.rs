@@ -12,11 +12,18 @@ fn of(lab: &Lab, name: &str) -> Vec<Finding> {
     findings(lab, group).unwrap()
 }
 
-/// Nothing is lost in a group; returns what was found.
+/// Nothing is lost in a group, each case of which shows something; returns what was found.
 fn nothing_is_lost(lab: &Lab, name: &str) -> Vec<Finding> {
+    let found = nothing_is_lost_of_any(lab, name);
+    let empty = found.iter().find(|f| f.sure == 0).map(|f| &f.case);
+    assert!(empty.is_none(), "{empty:?}: nothing is in sight");
+    found
+}
+
+/// Nothing is lost in a group, if anything is in sight; returns what was found.
+fn nothing_is_lost_of_any(lab: &Lab, name: &str) -> Vec<Finding> {
     let found = of(lab, name);
     for finding in &found {
-        assert!(finding.sure > 0, "{}: nothing is in sight", finding.case);
         for outcome in finding.outcomes.iter().filter(|o| o.safe) {
             let first = outcome.first_lost;
             assert_eq!(outcome.lost, 0, "{} of {}: (frame, object) {first:?}", outcome.method, finding.case);
@@ -72,7 +79,12 @@ fn whole_scenes_lose_nothing() {
         let rest = GROUPS.iter().filter(|g| {
             !["gaps", "thin", "touching", "nested", "sizes", "meshes", "grazing"].contains(&g.name)
         });
-        rest.for_each(|g| drop(nothing_is_lost(lab, g.name)));
+        for group in rest {
+            // The few frames of the narrowest views may show the sky.
+            let found = nothing_is_lost_of_any(lab, group.name);
+            let empty = found.iter().filter(|f| f.sure == 0).count();
+            assert!(empty * 10 <= found.len(), "{}: {empty} of {} show nothing", group.name, found.len());
+        }
     });
 }
 
