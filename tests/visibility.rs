@@ -721,6 +721,6 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
     let stats = *pvs.stats();
     assert_eq!(pvs.len(), 3000, "they are far apart");
     // Each direction goes through long lists of occluders, and pays for it.
-    assert!(stats.refined > 0 && stats.refine_squares > 5 * u64::from(stats.refined), "{stats:?}");
+    assert!(stats.refined > 0 && stats.refine_squares > 30 * u64::from(stats.refined), "{stats:?}");
     assert!(stats.refine_squares <= u64::from(query.settings().refine_budget));
 }
