@@ -152,8 +152,12 @@ fn hit(f: Fragment) -> Hit {
 }
 
 // Solids are seen from outside only, between the planes.
-fn out_of_range(t: f32) -> bool {
-    return t < eye.lens.z || eye.lens.z / t < eye.lens.w;
+fn seen(f: Fragment) -> Hit {
+    let h = hit(f);
+    if h.t < eye.lens.z || eye.lens.z / h.t < eye.lens.w {
+        discard;
+    }
+    return h;
 }
 
 struct Picture {
@@ -163,10 +167,7 @@ struct Picture {
 
 @fragment
 fn solid_colour(f: Fragment) -> Picture {
-    let h = hit(f);
-    if out_of_range(h.t) {
-        discard;
-    }
+    let h = seen(f);
     return Picture(shade(f.colour.rgb, h.normal, h.t), eye.lens.z / h.t);
 }
 
@@ -177,10 +178,7 @@ struct Item {
 
 @fragment
 fn solid_item(f: Fragment) -> Item {
-    let h = hit(f);
-    if out_of_range(h.t) {
-        discard;
-    }
+    let h = seen(f);
     return Item(f.id, eye.lens.z / h.t);
 }
 

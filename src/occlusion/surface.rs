@@ -315,18 +315,7 @@ impl Canvas {
                 self.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
-                let at = within(x + 0.5 * slope, right);
-                let column = nearest(at);
-                // Where a seam passes the very middle of a pixel, its two patches may not agree who has it.
-                if seam && (at - f64::from(column)).abs() > 0.5 - TOUCH {
-                    let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
-                    if lo <= hi {
-                        self.mark(row, lo, hi, OPEN);
-                    }
-                }
-                if column < width {
-                    self.step(row, column.max(0), by);
-                }
+                self.pass(row, within(x + 0.5 * slope, right), by, seam);
             }
             x = next;
         }
@@ -360,18 +349,25 @@ impl Canvas {
                 self.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
-                let column = nearest(x);
-                // As for all other edges.
-                if seam && (x - f64::from(column)).abs() > 0.5 - TOUCH {
-                    let width = (self.area.nx * TILE) as i32;
-                    let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
-                    if lo <= hi {
-                        self.mark(row, lo, hi, OPEN);
-                    }
-                }
-                self.step(row, column.max(0), by);
+                self.pass(row, x, by, seam);
             }
             x += slope;
+        }
+    }
+
+    /// Passes a row's middle at a place from -1 to the canvas's width.
+    #[inline]
+    fn pass(&mut self, row: i32, at: f64, by: i16, seam: bool) {
+        let (width, column) = ((self.area.nx * TILE) as i32, nearest(at));
+        // Where a seam passes the very middle of a pixel, its two patches may not agree who has it.
+        if seam && (at - f64::from(column)).abs() > 0.5 - TOUCH {
+            let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
+            if lo <= hi {
+                self.mark(row, lo, hi, OPEN);
+            }
+        }
+        if column < width {
+            self.step(row, column.max(0), by);
         }
     }
 
