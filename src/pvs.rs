@@ -69,6 +69,8 @@ pub struct Stats {
 pub struct Pvs {
     pub(crate) scene: u32,
     pub(crate) revision: u64,
+    /// The last move that the query knew of.
+    pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
     pub(crate) view: Option<View>,
@@ -87,6 +89,7 @@ impl Pvs {
         Self {
             scene: 0,
             revision: 0,
+            moves: 0,
             method: Method::Cell,
             aggressive: false,
             view: None,
@@ -104,6 +107,11 @@ impl Pvs {
     /// them in the order of their indices.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
+    }
+
+    /// Whether it is the result of a query.
+    pub(crate) fn has_run(&self) -> bool {
+        self.scene != 0
     }
 
     /// Empties the set for a scene of `slots` slots.
@@ -174,6 +182,10 @@ impl Pvs {
         let Some(own) = &self.view else { return false };
         let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
         if self.aggressive || scene.tag() != self.scene || revision != self.revision {
+            return false;
+        }
+        // A volume that was hidden stands for all that moves in it; one that was seen does not.
+        if self.revealed.iter().any(|&id| scene.moved_since(id, self.moves)) {
             return false;
         }
         if own == view {

@@ -252,6 +252,7 @@ impl Query {
         let pvs = &mut self.pvs;
         pvs.reset(scene.slots.len());
         pvs.scene = scene.tag();
+        pvs.moves = scene.last_move();
         pvs.method = self.settings.method;
         pvs.aggressive = more.is_some();
         pvs.cell = None;
