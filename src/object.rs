@@ -40,9 +40,11 @@ pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
     WhenMoved,
-    /// In every frame in which the last PVS holds it, and when
-    /// [`crate::Scene::begin_frame`] lists it. Needs a greatest speed, which must be
-    /// kept while it goes unreported. Counts as visible when its volume is revealed.
+    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it in sight.
+    /// Needs a greatest speed, which the object must keep while it goes unreported; a report may put it anywhere.
+    ///
+    /// It counts as visible when its volume is revealed, and from [`crate::Scene::begin_frame`] on until a report
+    /// that is due comes. Until then it hides nothing.
     OnExpiry,
 }
 

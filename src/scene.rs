@@ -169,6 +169,9 @@ pub struct FrameReport {
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
+/// A clone is a scene of its own: it knows the ids of all objects that it was made with, but ids that either
+/// makes later are its own, and so are sets: a [`Pvs`] of the one is refused by the other.
+///
 /// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for what
 /// moved, queries, and [`Scene::end_frame`] with their results.
 ///
@@ -215,6 +218,8 @@ pub struct Scene {
     now: f64,
     /// Number of the frame, counted by [`Scene::begin_frame`].
     frame: u64,
+    /// How many listed objects are reported on expiry.
+    listed_on_expiry: u32,
     /// How many stale objects have occluders: while any does, O is Os.
     stale_occluders: u32,
     revision: u64,
@@ -249,6 +254,7 @@ impl Scene {
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
+            listed_on_expiry: 0,
             stale_occluders: 0,
             revision: 0,
             moves: 0,
@@ -362,8 +368,9 @@ impl Scene {
     /// Costs the cells that its bounds and its occluder touch.
     ///
     /// # Errors
-    /// Refuses shapes that are not finite, inverted or negative, speeds that are
-    /// not finite or negative, and more than 2^31 objects.
+    /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
+    /// by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed
+    /// objects, and more than 2^31 objects.
     pub fn insert(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let slot = match self.free.pop() {
@@ -404,7 +411,8 @@ impl Scene {
     /// expiry this is the report, also where nothing changed.
     ///
     /// # Errors
-    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
+    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without
+    /// occluder of an object that has one (see [`Scene::set_occluder`]).
     pub fn update(
         &mut self,
         id: ObjectId,
@@ -525,7 +533,7 @@ impl Scene {
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, an offset that is not
-    /// finite or leads to coordinates that are not, and objects with meshes.
+    /// finite or leads to coordinates that are not, and objects with meshes in world space.
     pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
         let (_, object) = self.find(id)?;
@@ -582,12 +590,13 @@ impl Scene {
         Ok(())
     }
 
-    /// Sets the clock, in seconds, and lists the objects whose report is due:
-    /// those [reported on expiry](Reports::OnExpiry) whose volume no longer
-    /// holds them for sure. Until each is [updated](Scene::update), every query
-    /// counts it as visible.
+    /// Sets the clock, in seconds, and lists the objects whose report is due. Of those
+    /// [reported on expiry](Reports::OnExpiry), these are the ones whose volume no longer holds them for sure, and
+    /// the ones in no volume, unless the last frame ended with them in sight: those are reported unasked.
+    /// Until each is [updated](Scene::update), every query counts it as visible, and it hides nothing.
     ///
-    /// A clock that goes backwards makes all of them due.
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that
+    /// is reported on expiry is in no volume, a look at each dynamic one that is in none.
     ///
     /// Also brings up to date what closes the seams between static solids inserted or
     /// removed since, for [`crate::Method::Point`].
@@ -634,7 +643,8 @@ impl Scene {
         // Objects in the matrices were where they are only when they were last reported.
         let frame = self.frame;
         self.frame += 1;
-        for i in 0..self.listed.len() {
+        let asked = if self.listed_on_expiry > 0 { self.listed.len() } else { 0 };
+        for i in 0..asked {
             let slot = self.listed[i];
             let object = self.object(slot);
             if object.on_expiry() && object.reported != now {
@@ -651,7 +661,8 @@ impl Scene {
 
     /// Applies the results of a frame's queries: dynamic objects that no view
     /// saw go into temporal bounding volumes, revealed ones come out. Without
-    /// results nothing changes.
+    /// results nothing changes; those of queries that never ran are passed over. A frame that ends without a call
+    /// costs reports and time, but loses nobody.
     ///
     /// Costs the dynamic objects that are visible or were revealed.
     ///
@@ -839,13 +850,16 @@ impl Scene {
     }
 
     fn set_listed(&mut self, slot: u32, listed: bool) {
+        let asks = u32::from(self.object(slot).on_expiry());
         if listed {
             self.object_mut(slot).listed_at = self.listed.len() as u32;
             self.listed.push(slot);
+            self.listed_on_expiry += asks;
             return;
         }
         let at = std::mem::replace(&mut self.object_mut(slot).listed_at, NOWHERE);
         if at != NOWHERE {
+            self.listed_on_expiry -= asks;
             self.listed.swap_remove(at as usize);
             if let Some(&moved) = self.listed.get(at as usize) {
                 self.object_mut(moved).listed_at = at;
