@@ -8,10 +8,12 @@ use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
 use casca::{FileError, Preparation, TriMesh};
+use casca_harness::command_line::{EXIT_CODES, Outcome, PathError, finish, try_writing};
 use casca_harness::import;
 use casca_harness::world::{Mesh, Shape};
 use clap::Parser;
@@ -19,12 +21,12 @@ use glam::{EulerRot, Quat, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};
 
 #[derive(Debug, Parser)]
-#[command(about = "Prepares meshes, saves them, and reads them back")]
+#[command(about = "Prepares meshes, saves them, and reads them back", after_help = EXIT_CODES, allow_negative_numbers = true)]
 struct Options {
     /// A glTF 2.0 file (.glb or .gltf) [default: a mesh made here]
     input: Option<PathBuf>,
     /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's diagonal]
-    #[arg(long)]
+    #[arg(long, value_parser = parse_length)]
     tolerance: Option<f32>,
     /// Where the prepared meshes go
     #[arg(long, default_value = "target/prepare/meshes.casca")]
@@ -32,6 +34,11 @@ struct Options {
     /// No progress bar
     #[arg(long)]
     quiet: bool,
+}
+
+fn parse_length(text: &str) -> Result<f32, String> {
+    let found = text.parse::<f32>().ok().filter(|n| n.is_finite() && *n >= 0.0);
+    found.ok_or_else(|| "expected a length from 0".to_owned())
 }
 
 /// Rocks: a ball with bumps, some times over.
@@ -78,8 +85,9 @@ fn meshes_of(path: &std::path::Path) -> Result<Vec<(String, Arc<Mesh>)>, import:
     Ok(meshes)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let options = Options::parse();
+fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
+    // Large meshes take a while: what cannot be written is said before it.
+    try_writing(&options.out)?;
     let meshes = match &options.input {
         Some(path) => meshes_of(path)?,
         None => rocks(),
@@ -103,26 +111,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     bar.finish_and_clear();
     let preparing = start.elapsed().as_secs_f64();
 
-    if let Some(folder) = options.out.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
     let start = Instant::now();
-    let mut file = BufWriter::new(File::create(&options.out)?);
-    for mesh in &prepared {
-        mesh.write(&mut file)?;
-    }
-    file.flush()?;
-    drop(file);
+    let save = || {
+        let mut file = BufWriter::new(File::create(&options.out)?);
+        prepared.iter().try_for_each(|mesh| mesh.write(&mut file))?;
+        file.flush()
+    };
+    save().map_err(PathError::write(&options.out))?;
     let saving = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    let mut file = BufReader::new(File::open(&options.out)?);
+    let mut file = BufReader::new(File::open(&options.out).map_err(PathError::read(&options.out))?);
     let mut loaded = Vec::with_capacity(prepared.len());
     loop {
         match TriMesh::read(&mut file) {
             Ok(mesh) => loaded.push(mesh),
             Err(FileError::Truncated { held: 0, .. }) => break,
-            Err(e) => return Err(e.into()),
+            Err(e) => return Err(format!("{}: {e}", options.out.display()).into()),
         }
     }
     let loading = start.elapsed().as_secs_f64();
@@ -147,10 +152,51 @@ fn main() -> Result<(), Box<dyn Error>> {
     row("triangles", total.to_string());
     row("patches kept of them", prepared.iter().map(|m| m.patches()).sum::<usize>().to_string());
     row("sides of their outlines", prepared.iter().map(|m| m.sides()).sum::<usize>().to_string());
-    row("bytes", std::fs::metadata(&options.out)?.len().to_string());
+    row("bytes", std::fs::metadata(&options.out).map_err(PathError::read(&options.out))?.len().to_string());
     row("preparing", format!("{preparing:.3} s"));
     row("saving", format!("{saving:.3} s"));
     row("loading", format!("{loading:.3} s"));
+    if prepared.is_empty() {
+        return Ok(Outcome::NothingChecked);
+    }
     println!("\nall meshes are the same after loading: {}", options.out.display());
-    Ok(())
+    Ok(Outcome::Well)
+}
+
+fn main() -> ExitCode {
+    finish(run(&Options::parse()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(words: &[&str]) -> Result<Options, String> {
+        Options::try_parse_from(std::iter::once(&"prepare").chain(words)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn lengths_that_are_none_are_refused() {
+        for bad in ["NaN", "inf", "-1", "-0.001", "1e99", "", "wide"] {
+            let said = options(&[&format!("--tolerance={bad}")]).expect_err(bad);
+            assert!(said.contains("expected a length from 0"), "{bad}: {said}");
+        }
+        for (good, length) in [("0", 0.0), ("0.25", 0.25)] {
+            assert_eq!(options(&["--tolerance", good]).unwrap().tolerance, Some(length));
+        }
+    }
+
+    #[test]
+    fn a_place_that_cannot_be_written_or_read_is_named() {
+        let place = std::env::temp_dir().join(format!("casca-prepare-{}", std::process::id()));
+        std::fs::create_dir_all(&place).unwrap();
+        let failure = |words: &[&str]| run(&options(words).unwrap()).unwrap_err().to_string();
+        let name = place.to_str().unwrap();
+        assert!(failure(&["--quiet", "--out", name]).contains(name));
+        let file = place.join("meshes.casca");
+        let said = failure(&["--quiet", "--out", file.to_str().unwrap(), "no/such.glb"]);
+        assert!(said.contains("no/such.glb"), "{said}");
+        assert!(!file.exists());
+        std::fs::remove_dir_all(&place).unwrap();
+    }
 }

@@ -4,8 +4,10 @@
 //! of it in `target/report`. `--help` lists the experiments and options.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
+use casca_harness::command_line::{EXIT_CODES, Outcome, finish, make_folder, try_reading, try_writing_into};
 use casca_harness::lab::{
     Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
 };
@@ -13,13 +15,13 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 
 #[derive(Debug, Parser)]
-#[command(about = "Runs the experiments and writes the report")]
+#[command(about = "Runs the experiments and writes the report", after_help = EXIT_CODES, allow_negative_numbers = true)]
 struct Options {
     /// A smoke run, whose figures mean nothing
     #[arg(long)]
     quick: bool,
     /// Experiments to run, by their names [default: all]
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = parse_experiment)]
     only: Vec<String>,
     /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they are]
     #[arg(long, value_delimiter = ',')]
@@ -47,6 +49,15 @@ const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("aggressive", aggressive),
 ];
 
+fn parse_experiment(name: &str) -> Result<String, String> {
+    let mut names = EXPERIMENTS.iter().map(|(name, _)| *name);
+    if names.any(|n| n == name) {
+        return Ok(name.to_owned());
+    }
+    let names: Vec<&str> = EXPERIMENTS.iter().map(|(name, _)| *name).collect();
+    Err(format!("expected some of {}", names.join(", ")))
+}
+
 /// The glTF files of a folder, in order of their names.
 fn files_in(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -56,24 +67,20 @@ fn files_in(folder: &str) -> Vec<PathBuf> {
     files
 }
 
-fn main() -> Result<(), LabError> {
-    let options = Options::parse();
-    for name in &options.only {
-        if !EXPERIMENTS.iter().any(|(n, _)| n == name) {
-            let names: Vec<&str> = EXPERIMENTS.iter().map(|(n, _)| *n).collect();
-            return Err(format!("--only {name}: there are {}", names.join(", ")).into());
-        }
-    }
+fn run(options: &Options) -> Result<Outcome, LabError> {
     let whole = !options.quick && options.only.is_empty();
     let out = options.out.clone();
     let out = out.unwrap_or_else(|| PathBuf::from(if whole { "docs" } else { "target/report" }));
     let folder = out.join("report");
-    std::fs::create_dir_all(&folder)?;
+    let files = options.files.clone().unwrap_or_else(|| files_in("../shared/scenes"));
+    // The experiments take minutes: what cannot be read or written is said before them.
+    files.iter().try_for_each(|file: &PathBuf| try_reading(file))?;
+    try_writing_into(&out, &["report.md"])?;
+    make_folder(&folder)?;
     let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     bar.set_style(ProgressStyle::with_template("{spinner} {elapsed} {prefix}: {wide_msg}")?);
     bar.enable_steady_tick(std::time::Duration::from_millis(200));
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let files = options.files.clone().unwrap_or_else(|| files_in("../shared/scenes"));
     let lab = Lab { quick: options.quick, seed: options.seed, files, folder, progress: &progress };
     let start = Instant::now();
     let mut sections = Vec::new();
@@ -100,5 +107,39 @@ fn main() -> Result<(), LabError> {
     write(&path, &lab, &sections, &command, &settings)?;
     bar.finish_and_clear();
     println!("{}", path.display());
-    Ok(())
+    Ok(Outcome::Well)
+}
+
+fn main() -> ExitCode {
+    finish(run(&Options::parse()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(words: &[&str]) -> Result<Options, String> {
+        Options::try_parse_from(std::iter::once(&"report").chain(words)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn unknown_experiments_are_refused_with_the_names_of_all() {
+        for bad in ["everything", "tradeoff,", "", "thesis,-1"] {
+            let said = options(&["--only", bad]).expect_err(bad);
+            assert!(said.contains("tradeoff, stability"), "{bad}: {said}");
+        }
+        assert_eq!(options(&["--only", "thesis,upkeep"]).unwrap().only, ["thesis", "upkeep"]);
+        assert!(options(&["--seed", "-1"]).is_err());
+    }
+
+    #[test]
+    fn a_missing_file_or_a_folder_that_is_none_is_named_before_the_experiments() {
+        let place = std::env::temp_dir().join(format!("casca-report-place-{}", std::process::id()));
+        std::fs::write(&place, "no folder").unwrap();
+        let failure = |words: &[&str]| run(&options(words).unwrap()).unwrap_err().to_string();
+        let name = place.to_str().unwrap();
+        assert!(failure(&["--quiet", "--out", name]).contains(name));
+        assert!(failure(&["--quiet", "--files", "no/such.glb"]).contains("no/such.glb"));
+        std::fs::remove_file(&place).unwrap();
+    }
 }

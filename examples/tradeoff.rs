@@ -6,30 +6,35 @@
 //! (`--example report`) holds the same for all scenes, with what it recommends.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-use casca_harness::import;
+use casca_harness::command_line::{
+    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, finish, try_writing_into,
+};
 use casca_harness::lab::LabError;
 use casca_harness::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
-use casca_harness::scenes::{SceneKind, SceneOptions, build};
-use casca_harness::world::World;
-use clap::Parser;
+use casca_harness::scenes::{SceneKind, SceneOptions};
+use clap::{Parser, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
 
+/// What is written.
+const FILES: [&str; 3] = ["tradeoff.csv", "tradeoff.png", "tradeoff.svg"];
+
 #[derive(Debug, Parser)]
-#[command(about = "Charts speed against accuracy for all methods and settings")]
+#[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true)]
 struct Options {
     /// Scenes: procedural ones or glTF files [default: all procedural ones]
     #[arg(long, value_delimiter = ',')]
-    scenes: Vec<String>,
+    scenes: Vec<SceneName>,
     /// Frames of each walk that are measured, evenly spread
-    #[arg(long, default_value_t = 30)]
-    frames: usize,
+    #[arg(long, default_value_t = 30, value_parser = value_parser!(u32).range(FRAMES))]
+    frames: u32,
     /// Times each frame is measured; the least counts
-    #[arg(long, default_value_t = 3)]
-    repeats: usize,
-    /// Width of the item buffer that says what is visible
-    #[arg(long, default_value_t = 2560)]
-    width: usize,
+    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
+    repeats: u32,
+    /// Width of the item buffer that says what is visible, 16 to 16384
+    #[arg(long, default_value_t = 2560, value_parser = value_parser!(u32).range(WIDTHS))]
+    width: u32,
     /// Seed of procedural scenes
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -39,13 +44,6 @@ struct Options {
     /// No progress bar
     #[arg(long)]
     quiet: bool,
-}
-
-fn open(name: &str, seed: u64) -> Result<World, LabError> {
-    Ok(match name.parse::<SceneKind>() {
-        Ok(kind) => build(kind, &SceneOptions { seed, ..SceneOptions::default() }),
-        Err(_) => import::load(&PathBuf::from(name))?,
-    })
 }
 
 fn print(scene: &SceneTradeoff) {
@@ -69,17 +67,23 @@ fn print(scene: &SceneTradeoff) {
     println!("the automatic settings are {:.1}% behind the front", scene.automatic_distance() * 100.0);
 }
 
-fn main() -> Result<(), LabError> {
-    let mut options = Options::parse();
-    if options.scenes.is_empty() {
-        options.scenes = SceneKind::ALL.iter().map(|k| k.name().to_owned()).collect();
-    }
-    std::fs::create_dir_all(&options.out)?;
-    let sampling = Sampling { frames: options.frames, repeats: options.repeats, width: options.width };
+fn run(options: &Options) -> Result<Outcome, LabError> {
+    let names = match &options.scenes[..] {
+        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
+        given => given.to_vec(),
+    };
+    // Measuring takes minutes: what cannot be read or written is said before it.
+    names.iter().try_for_each(SceneName::check)?;
+    try_writing_into(&options.out, &FILES)?;
+    let sampling = Sampling {
+        frames: options.frames as usize,
+        repeats: options.repeats as usize,
+        width: options.width as usize,
+    };
     let mut scenes = Vec::new();
-    for name in &options.scenes {
-        let world = open(name, options.seed)?;
-        let frames = options.frames.min(world.frames) as u64;
+    for name in &names {
+        let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
+        let frames = sampling.frames.min(world.frames) as u64;
         let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(frames) };
         bar.set_style(ProgressStyle::with_template("{msg} {bar:40} frame {pos} of {len}, {eta} left")?);
         bar.set_message(world.name.clone());
@@ -88,10 +92,59 @@ fn main() -> Result<(), LabError> {
         print(&scene);
         scenes.push(scene);
     }
-    std::fs::write(options.out.join("tradeoff.csv"), table(&scenes).csv())?;
-    for file in ["tradeoff.png", "tradeoff.svg"] {
-        chart(&options.out.join(file), &scenes)?;
+    let [csv, charts @ ..] = FILES.map(|file| options.out.join(file));
+    std::fs::write(&csv, table(&scenes).csv()).map_err(PathError::write(&csv))?;
+    for file in &charts {
+        chart(file, &scenes)?;
     }
     println!("\nchart and table: {}", options.out.join("tradeoff.{png,svg,csv}").display());
-    Ok(())
+    Ok(Outcome::Well)
+}
+
+fn main() -> ExitCode {
+    finish(run(&Options::parse()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn absurd_values_are_refused_and_the_ends_of_each_range_taken() {
+        let options = |line: &str| {
+            Options::try_parse_from(std::iter::once("tradeoff").chain(line.split_whitespace()))
+                .map_err(|e| e.to_string())
+        };
+        for (line, word) in [
+            ("--frames 0", "1..=100000"),
+            ("--frames 99999999999", "1..=100000"),
+            ("--repeats 0", "1..=1000"),
+            ("--repeats 99999999999", "1..=1000"),
+            ("--width 0", "16..=16384"),
+            ("--width 100000", "16..=16384"),
+            ("--seed NaN", "--seed"),
+            ("--scenes city,house", "spheres, city"),
+            ("--scenes city,", "spheres, city"),
+        ] {
+            let said = options(line).expect_err(line);
+            assert!(said.contains(word), "{line}: {said}");
+        }
+        for line in ["", "--frames 1 --repeats 1 --width 16", "--width 16384 --scenes city,a.glb"] {
+            assert!(options(line).is_ok(), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_missing_scene_or_a_folder_that_is_none_is_named_before_anything_is_measured() {
+        let place = std::env::temp_dir().join(format!("casca-tradeoff-{}", std::process::id()));
+        std::fs::write(&place, "no folder").unwrap();
+        let failure = |words: &[&str]| {
+            let options = Options::parse_from(std::iter::once(&"tradeoff").chain(words));
+            run(&options).unwrap_err().to_string()
+        };
+        let place_name = place.to_str().unwrap();
+        assert!(failure(&["--quiet", "--out", place_name]).contains(place_name));
+        assert!(failure(&["--quiet", "--scenes", "crowd,no/such.glb"]).contains("no/such.glb"));
+        std::fs::remove_file(&place).unwrap();
+    }
 }

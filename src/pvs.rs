@@ -1,7 +1,5 @@
 //! The potentially visible set of a view: what a query answers.
 
-use std::time::Duration;
-
 use glam::IVec3;
 
 use crate::object::ObjectId;
@@ -9,7 +7,7 @@ use crate::query::Method;
 use crate::scene::Scene;
 use crate::view::{Origin, View};
 
-/// What a query did. Times depend on the machine; all else does not.
+/// What a query did, the same on every machine. The library has no clock: measure around [`crate::Query::run`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stats {
@@ -59,8 +57,6 @@ pub struct Stats {
     /// that one may see through it. [`Method::Cell`] then takes nothing to be hidden;
     /// [`Method::Point`] leaves out those occluders.
     pub eye_in_occluder: bool,
-    /// Wall-clock time of the query.
-    pub elapsed: Duration,
 }
 
 /// The potentially visible set: every object of which any point can be seen,

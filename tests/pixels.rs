@@ -23,13 +23,14 @@ mod stage;
 
 use std::path::Path;
 
+use casca_harness::command_line::SceneName;
 use casca_harness::scenes::{SceneKind, SceneOptions};
 use casca_harness::world::Camera;
 
 use canvas::{Canvas, coloured};
 use gpu::{COLOUR, Gpu, GpuError};
 use renderer::Renderer;
-use stage::{Method, Stage, world_of};
+use stage::{Method, Stage};
 
 const SIZE: (u32, u32) = (640, 360);
 
@@ -46,7 +47,8 @@ fn gpu() -> Option<Gpu> {
 }
 
 fn stage(scene: &str) -> Stage {
-    Stage::new(world_of(scene, &SceneOptions::default()).unwrap()).unwrap()
+    let scene: SceneName = scene.parse().unwrap();
+    Stage::new(scene.open(&SceneOptions::default()).unwrap()).unwrap()
 }
 
 /// Compares pictures of a scene, and tells how much `point` left out.

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
+use casca_harness::command_line::PathError;
 use casca_harness::world::{Camera, Object};
 
 use super::geometry::{DrawList, Geometry, colour_of};
@@ -123,10 +124,14 @@ pub fn coloured(geometry: &Geometry, objects: &[Object], visible: &[usize]) -> D
 /// # Errors
 /// The file cannot be written.
 pub fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), Box<dyn Error>> {
-    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+    let file = File::create(path).map_err(PathError::write(path))?;
+    let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let opaque: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-    encoder.write_header()?.write_image_data(&opaque)?;
-    Ok(())
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(&opaque)?;
+        writer.finish()
+    });
+    written.map_err(|why| format!("cannot write {}: {why}", path.display()).into())
 }

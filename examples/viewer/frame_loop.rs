@@ -2,6 +2,7 @@
 //! be seen, draw that, and give the answer back so that hidden moving objects cost nothing.
 
 use std::error::Error;
+use std::time::{Duration, Instant};
 
 use casca::{Query, Scene};
 use casca_harness::drive::{Driver, view_of};
@@ -11,7 +12,7 @@ use casca_harness::world::{Camera, Object};
 pub type Done = Result<(), Box<dyn Error>>;
 
 /// One frame. `moved` are the objects with another shape than in the frame before, `camera` is what
-/// looks, and `draw` draws the objects of [`Query::pvs`].
+/// looks, and `draw` draws the objects of [`Query::pvs`]; it is told the time of the query.
 ///
 /// # Errors
 /// Coordinates or a matrix that are not finite, and what `draw` returns.
@@ -21,13 +22,15 @@ pub fn frame(
     seconds: f64,
     (objects, moved): (&[Object], &[usize]),
     camera: &Camera,
-    draw: &mut dyn FnMut(&Scene, &Query) -> Done,
+    draw: &mut dyn FnMut(&Scene, &Query, Duration) -> Done,
 ) -> Done {
     driver.scene.begin_frame(seconds)?;
     // Scene::update for each of them.
     driver.update(objects, moved)?;
-    query.run(&driver.scene, &view_of(camera)?);
-    draw(&driver.scene, query)?;
+    let view = view_of(camera)?;
+    let start = Instant::now();
+    query.run(&driver.scene, &view);
+    draw(&driver.scene, query, start.elapsed())?;
     driver.scene.end_frame([query.pvs()])?;
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use casca_harness::command_line::make_folder;
 use casca_harness::world::{Camera, Shape};
 use glam::Vec3;
 
@@ -35,7 +36,7 @@ pub struct Plan<'a> {
 /// # Errors
 /// What is drawn cannot be had or written.
 pub fn pictures(gpu: &Gpu, stage: &mut Stage, plan: &Plan<'_>) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(plan.out)?;
+    make_folder(plan.out)?;
     let canvas = Canvas::new(gpu, plan.size);
     let mut renderer = Renderer::new(gpu, COLOUR, &stage.geometry);
     renderer.haze = haze(stage);

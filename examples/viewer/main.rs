@@ -20,39 +20,46 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use casca_harness::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder};
 use casca_harness::scenes::{SceneKind, SceneOptions};
-use clap::Parser;
+use clap::{Parser, value_parser};
 
 use gpu::Gpu;
 use overlays::Layer;
-use stage::{Method, Stage, world_of};
+use stage::{Method, Stage};
+
+/// Width and height of pictures and of the window. Larger ones are more than some devices have room for.
+const SIDES: std::ops::RangeInclusive<u32> = 1..=8192;
 
 #[derive(Debug, Parser)]
-#[command(about = "Draws exactly what casca finds visible: in a window, or into pictures")]
+#[command(
+    about = "Draws exactly what casca finds visible: in a window, or into pictures",
+    after_help = EXIT_CODES, allow_negative_numbers = true
+)]
 struct Options {
     /// spheres, city, rooms, forest, crowd, or glTF 2.0 files (.glb), comma-separated
     /// [default: all procedural scenes]
     #[arg(long, value_delimiter = ',')]
-    scene: Vec<String>,
+    scene: Vec<SceneName>,
     /// How what is drawn is decided: all, frustum, point, cell, hzb or rays
     #[arg(long, default_value = "point")]
     method: Method,
     /// Draws pictures without a window
     #[arg(long)]
     headless: bool,
-    /// Compares pictures of everything with pictures of what each method leaves; fails if point or cell lose a pixel
+    /// Compares pictures of everything with pictures of what each method leaves; exits with 1 if point or cell lose a pixel
     #[arg(long)]
     proof: bool,
     /// Measures frames with and without culling, at 5,000 and 50,000 objects
     #[arg(long)]
     bench: bool,
     /// Pictures, evenly spread over the path of each scene
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 5, value_parser = value_parser!(u32).range(1..=10_000))]
     frames: u32,
     /// Where pictures go
     #[arg(long, default_value = "target/viewer")]
     out: PathBuf,
-    /// Size of pictures and of the window
+    /// Size of pictures and of the window, up to 8192x8192
     #[arg(long, default_value = "1280x720", value_parser = parse_size)]
     size: (u32, u32),
     /// Pictures are taken from behind and above the camera that is culled for
@@ -71,8 +78,10 @@ struct Options {
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').ok_or("expected a size such as 1280x720")?;
-    let pixels =
-        |n: &str| n.parse::<u32>().ok().filter(|n| *n > 0).ok_or(format!("{n} is no number of pixels"));
+    let pixels = |n: &str| {
+        let found = n.parse::<u32>().ok().filter(|n| SIDES.contains(n));
+        found.ok_or_else(|| format!("{n} is no number of pixels from {} to {}", SIDES.start(), SIDES.end()))
+    };
     Ok((pixels(width)?, pixels(height)?))
 }
 
@@ -83,15 +92,20 @@ fn parse_layer(text: &str) -> Result<Layer, String> {
 }
 
 /// Whether all that was to be proved holds.
-fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
-    let scenes: Vec<String> = match &options.scene[..] {
-        [] => SceneKind::ALL.map(|kind| kind.name().to_owned()).to_vec(),
+fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
+    let scenes = match &options.scene[..] {
+        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
         given => given.to_vec(),
     };
+    // A proof takes minutes: what cannot be read or written is said before it.
+    scenes.iter().try_for_each(SceneName::check)?;
+    if options.headless || options.proof {
+        make_folder(&options.out)?;
+    }
     let scene_options = SceneOptions { seed: options.seed, ..SceneOptions::default() };
     if !(options.headless || options.proof || options.bench) {
         window::open(scenes, &scene_options, options.method, (options.size, options.software))?;
-        return Ok(true);
+        return Ok(Outcome::Well);
     }
     let gpu = Gpu::headless(options.software)?;
     println!("drawing on {}", gpu.name);
@@ -100,7 +114,7 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         bench::bench(&gpu, options.size)?;
     }
     for scene in scenes.iter().filter(|_| options.headless || options.proof) {
-        let mut stage = Stage::new(world_of(scene, &scene_options)?)?;
+        let mut stage = Stage::new(scene.open(&scene_options)?)?;
         if options.proof {
             let methods = [Method::Point, Method::Cell, Method::Hzb, Method::Rays];
             let plan = (options.size, options.frames as usize);
@@ -118,19 +132,54 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
             headless::pictures(&gpu, &mut stage, &plan)?;
         }
     }
-    Ok(holds)
+    if !holds {
+        eprintln!("pixels differ where none may");
+        return Ok(Outcome::Lost);
+    }
+    Ok(Outcome::Well)
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => {
-            eprintln!("pixels differ where none may");
-            ExitCode::FAILURE
+    finish(run(&Options::parse()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(words: &[&str]) -> Result<Options, String> {
+        Options::try_parse_from(std::iter::once(&"viewer").chain(words)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn absurd_values_are_refused_with_what_is_expected() {
+        for (words, word) in [
+            (["--size", "0x720"], "from 1 to 8192"),
+            (["--size", "99999x99999"], "from 1 to 8192"),
+            (["--size", "NaNx1"], "from 1 to 8192"),
+            (["--size", "1280"], "1280x720"),
+            (["--frames", "0"], "1..=10000"),
+            (["--frames", "4294967295"], "1..=10000"),
+            (["--scene", "city,house"], "spheres, city"),
+            (["--layers", "hidden,all"], "frustum"),
+            (["--method", "best"], "point"),
+            (["--seed", "-1"], "--seed"),
+        ] {
+            let said = options(&words).expect_err(words[1]);
+            assert!(said.contains(word), "{words:?}: {said}");
         }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
+        assert_eq!(options(&["--size", "8192x1"]).unwrap().size, (8192, 1));
+    }
+
+    #[test]
+    fn a_missing_scene_or_a_folder_that_is_none_is_named_before_anything_is_drawn() {
+        let place = std::env::temp_dir().join(format!("casca-viewer-{}", std::process::id()));
+        std::fs::write(&place, "no folder").unwrap();
+        let failure = |words: &[&str]| run(&options(words).unwrap()).unwrap_err().to_string();
+        let name = place.to_str().unwrap();
+        assert!(failure(&["--headless", "--out", name]).contains(name));
+        assert!(failure(&["--proof", "--out", name]).contains(name));
+        assert!(failure(&["--headless", "--scene", "city,no/such.glb"]).contains("no/such.glb"));
+        std::fs::remove_file(&place).unwrap();
     }
 }

@@ -8,6 +8,8 @@
 use std::error::Error;
 use std::path::Path;
 
+use casca_harness::command_line::make_folder;
+
 use super::canvas::{Canvas, coloured, write_png};
 use super::gpu::{COLOUR, Gpu};
 use super::renderer::Renderer;
@@ -78,7 +80,7 @@ pub fn prove(
             row.drawn += set.len();
             if let (Some(out), true) = (out, count > 0) {
                 let name = format!("{}-{at:04}-{}-differs.png", stage.world.name, row.method);
-                std::fs::create_dir_all(out)?;
+                make_folder(out)?;
                 write_png(&out.join(name), canvas.size, &marked(&want, &differs, canvas.size))?;
             }
             if let (true, Some(p)) = (count > 0 && row.method.is_safe(), differs.iter().position(|d| *d)) {

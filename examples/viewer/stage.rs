@@ -2,16 +2,14 @@
 
 use std::error::Error;
 use std::fmt;
-use std::path::Path;
 use std::str::FromStr;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{Query, Scene, Settings};
 use casca_harness::baselines::{Hzb, RayBuffer};
 use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::scenes::{SceneKind, SceneOptions};
+use casca_harness::measure::timed;
 use casca_harness::world::{Camera, FRAME_SECONDS, Object, World};
-use casca_harness::{import, scenes};
 
 use super::frame_loop::{self, Done};
 use super::geometry::Geometry;
@@ -109,18 +107,6 @@ pub struct Frame<'a> {
     pub time: Duration,
 }
 
-/// Builds a procedural scene, or loads one from a file.
-///
-/// # Errors
-/// The name is none of a scene, or the file cannot be taken.
-pub fn world_of(name: &str, options: &SceneOptions) -> Result<World, Box<dyn Error>> {
-    match name.parse::<SceneKind>() {
-        Ok(kind) => Ok(scenes::build(kind, options)),
-        Err(_) if name.ends_with(".glb") || name.ends_with(".gltf") => Ok(import::load(Path::new(name))?),
-        Err(unknown) => Err(format!("{unknown}, or a .glb or .gltf file").into()),
-    }
-}
-
 impl Stage {
     /// A stage with all objects where they are at first.
     ///
@@ -189,19 +175,24 @@ impl Stage {
         };
         let objects = &self.world.objects;
         let (geometry, hzb, rays) = (&self.geometry, &mut self.hzb, &mut self.rays);
-        frame_loop::frame(&mut self.driver, query, seconds, (objects, &moved), camera, &mut |scene, query| {
-            let mut visible = found(query);
-            let mut time = query.pvs().stats().elapsed;
-            let start = Instant::now();
-            match method {
-                Method::All => (visible, time) = ((0..objects.len()).collect(), Duration::ZERO),
-                Method::Hzb => (visible, time) = (hzb.frame(objects, &visible, camera), start.elapsed()),
-                Method::Rays => (visible, time) = (rays.frame(objects, &visible, camera), start.elapsed()),
-                Method::Frustum | Method::Point | Method::Cell => {}
-            }
-            visible.sort_unstable();
-            draw(Frame { objects, geometry, scene, query, camera: *camera, visible, time })
-        })
+        frame_loop::frame(
+            &mut self.driver,
+            query,
+            seconds,
+            (objects, &moved),
+            camera,
+            &mut |scene, query, time| {
+                let visible = found(query);
+                let (mut visible, time) = match method {
+                    Method::All => ((0..objects.len()).collect(), Duration::ZERO),
+                    Method::Hzb => timed(|| hzb.frame(objects, &visible, camera)),
+                    Method::Rays => timed(|| rays.frame(objects, &visible, camera)),
+                    Method::Frustum | Method::Point | Method::Cell => (visible, time),
+                };
+                visible.sort_unstable();
+                draw(Frame { objects, geometry, scene, query, camera: *camera, visible, time })
+            },
+        )
     }
 
     /// What each of `methods` would draw for the camera of this frame, ascending; the scene stays as it is.

@@ -5,7 +5,8 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use casca_harness::scenes::SceneOptions;
+use casca_harness::command_line::SceneName;
+use casca_harness::scenes::{SceneKind, SceneOptions};
 use casca_harness::world::{Camera, FRAME_SECONDS};
 use glam::Vec3;
 use wgpu::CurrentSurfaceTexture;
@@ -22,7 +23,7 @@ use super::headless::haze;
 use super::overlays::{Layer, Overlays};
 use super::panel::{Numbers, Panel};
 use super::renderer::{Output, Renderer};
-use super::stage::{Method, Stage, world_of};
+use super::stage::{Method, Stage};
 
 /// Radians for each pixel that the mouse moves.
 const TURN: f32 = 0.004;
@@ -35,7 +36,7 @@ const LAYER_KEYS: [KeyCode; 6] =
 /// # Errors
 /// There is no display or no adapter, or a scene cannot be had.
 pub fn open(
-    scenes: Vec<String>,
+    scenes: Vec<SceneName>,
     options: &SceneOptions,
     method: Method,
     (size, software): ((u32, u32), bool),
@@ -48,7 +49,7 @@ pub fn open(
 }
 
 struct App {
-    scenes: Vec<String>,
+    scenes: Vec<SceneName>,
     options: SceneOptions,
     method: Method,
     size: (u32, u32),
@@ -189,7 +190,8 @@ impl Viewer {
         let formats = surface.get_capabilities(&gpu.adapter).formats;
         config.format = formats.into_iter().find(|f| !f.is_srgb()).unwrap_or(config.format);
         surface.configure(&gpu.device, &config);
-        let stage = stage_of(app.scenes.first().map_or("spheres", |s| s), &app.options)?;
+        let stage =
+            stage_of(app.scenes.first().unwrap_or(&SceneName::Built(SceneKind::Spheres)), &app.options)?;
         Ok(Self {
             depth: gpu.texture((width, height), DEPTH),
             panel: Panel::new(&gpu, config.format),
@@ -238,7 +240,7 @@ impl Viewer {
     fn press(
         &mut self,
         key: KeyCode,
-        scenes: &[String],
+        scenes: &[SceneName],
         options: &SceneOptions,
     ) -> Result<(), Box<dyn Error>> {
         match key {
@@ -367,8 +369,8 @@ impl Viewer {
     }
 }
 
-fn stage_of(scene: &str, options: &SceneOptions) -> Result<Stage, Box<dyn Error>> {
-    Stage::new(world_of(scene, options)?)
+fn stage_of(scene: &SceneName, options: &SceneOptions) -> Result<Stage, Box<dyn Error>> {
+    Stage::new(scene.open(options)?)
 }
 
 fn renderer_of(gpu: &Gpu, format: wgpu::TextureFormat, stage: &Stage) -> Renderer {

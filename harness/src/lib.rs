@@ -7,6 +7,7 @@
 //! - [`oracle`]: exact visibility, which shares no code with the library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
+//! - [`command_line`]: what the command lines of the examples share.
 //! - [`lab`]: the experiments of the report.
 //! - [`measure`]: what benches share.
 //! - [`pictures`]: charts and views from above.
@@ -14,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod baselines;
+pub mod command_line;
 pub mod drive;
 pub mod import;
 pub mod lab;

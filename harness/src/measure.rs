@@ -1,11 +1,19 @@
-//! What benches share: settled scenes, and ratios of what criterion measured.
+//! What measurements share: the time of a call, settled scenes, and ratios of what criterion measured.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use casca::{Error, Query, Settings, View};
 
 use crate::drive::{Driver, grid_for, view_of};
 use crate::world::World;
+
+/// What a call gives, and the time that it took.
+pub fn timed<T>(call: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let value = call();
+    (value, start.elapsed())
+}
 
 /// A scene whose hidden objects have settled in their volumes after a walk of all frames, as
 /// the world stands now.

@@ -3,8 +3,6 @@
 mod cell;
 mod point;
 
-use std::time::Instant;
-
 use glam::IVec3;
 
 use crate::error::Error;
@@ -248,7 +246,6 @@ impl Query {
 
     /// Finds what the view can see if more cells than the opaque ones count as such.
     pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
-        let start = Instant::now();
         let pvs = &mut self.pvs;
         pvs.reset(scene.slots.len());
         pvs.scene = scene.tag();
@@ -290,7 +287,6 @@ impl Query {
             Some(own) => own.clone_from(view),
             None => pvs.view = Some(view.clone()),
         }
-        pvs.stats.elapsed = start.elapsed();
         pvs
     }
 

@@ -6,6 +6,7 @@ use super::walker::{Walker, item_buffer};
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
 use crate::drive::view_of;
+use crate::measure::timed;
 use crate::oracle::NONE;
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::SceneKind;
@@ -87,12 +88,13 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             pixels += exact.items().len() as u64;
             let (driver, view) = (walker.driver(0), view_of(&frame.camera)?);
             for (opacity, sum) in opacities.iter().zip(&mut sums) {
-                let pvs = match opacity {
-                    None => query.run(&driver.scene, &view),
-                    Some(opacity) => query.run_aggressive(&driver.scene, &view, opacity)?,
-                };
+                let (pvs, time) = timed(|| match opacity {
+                    None => Ok(query.run(&driver.scene, &view)),
+                    Some(opacity) => query.run_aggressive(&driver.scene, &view, opacity),
+                });
+                let pvs = pvs?;
                 sum.cells = opacity.as_ref().map_or(0, |o| o.cells().count());
-                sum.ms.push(pvs.stats().elapsed.as_secs_f64() * 1e3);
+                sum.ms.push(time.as_secs_f64() * 1e3);
                 sum.found += driver.count(pvs, &walker.world.objects);
                 sum.lost += visible.iter().filter(|&&i| !driver.sees(pvs, i)).count();
                 let lost = exact.items().iter().filter(|&&i| i != NONE && !driver.sees(pvs, i as usize));

@@ -7,6 +7,7 @@ use super::walker::Walker;
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
 use crate::drive::view_of;
+use crate::measure::timed;
 use crate::scenes::SceneKind;
 
 /// Where the sun's light goes.
@@ -58,11 +59,12 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
         let over = over(hint.min, hint.max)?;
         let done = walker.walk::<LabError>(frames, |walker, _, frame| {
             let scene = &walker.driver(0).scene;
-            let pvs = eye.run(scene, &view_of(&frame.camera)?);
-            eye_ms.push(pvs.stats().elapsed.as_secs_f64() * 1e3);
-            let start = std::time::Instant::now();
-            sun.shadow_casters(scene, pvs, SUN, &mut casters)?;
-            sun_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            let view = view_of(&frame.camera)?;
+            let (pvs, time) = timed(|| eye.run(scene, &view));
+            eye_ms.push(time.as_secs_f64() * 1e3);
+            let (found, time) = timed(|| sun.shadow_casters(scene, pvs, SUN, &mut casters));
+            found?;
+            sun_ms.push(time.as_secs_f64() * 1e3);
             seen += pvs.len();
             cast += casters.len();
             lit += all.run(scene, &over).len();

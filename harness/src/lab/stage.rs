@@ -6,6 +6,7 @@ use casca::{GridSpec, ObjectDesc, ObjectId, Query, Settings, View};
 
 use super::LabError;
 use crate::drive::Driver;
+use crate::measure::timed;
 use crate::world::{Motion, Object, World};
 
 /// How the motion of hidden objects is told.
@@ -114,14 +115,14 @@ impl Stage {
     pub(super) fn look(&mut self, view: &View, times: usize) -> f64 {
         let mut least = f64::INFINITY;
         for _ in 0..times.max(1) {
-            least = least.min(ms(self.query.run(&self.driver.scene, view).stats().elapsed));
+            least = least.min(ms(timed(|| self.query.run(&self.driver.scene, view)).1));
         }
         least
     }
 
     /// Runs another query on the scene; returns the least milliseconds of so many runs.
     pub(super) fn ask(&self, query: &mut Query, view: &View, times: usize) -> f64 {
-        let runs = (0..times.max(1)).map(|_| ms(query.run(&self.driver.scene, view).stats().elapsed));
+        let runs = (0..times.max(1)).map(|_| ms(timed(|| query.run(&self.driver.scene, view)).1));
         runs.fold(f64::INFINITY, f64::min)
     }
 

@@ -3,131 +3,40 @@
 //!
 //! `cargo run --release --example walkthrough` needs no arguments; `--help` lists them.
 
+mod options;
+
 use std::collections::HashSet;
 use std::error::Error;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use casca::{Aabb, GridSpec, Method, Query, Settings};
+use casca::{Aabb, GridSpec, Method, Query};
 use casca_harness::baselines::{Hzb, RayBuffer};
+use casca_harness::command_line::{Outcome, PathError, finish, try_writing, try_writing_into};
 use casca_harness::drive::{Driver, grid_for, view_of};
+use casca_harness::import::ImportError;
+use casca_harness::measure::timed;
 use casca_harness::oracle::{ItemBuffer, Oracle, OracleOptions};
 use casca_harness::pictures::{
     FrameCounts, FramePicture, TopView, buffers, chart, frame as frame_picture, top_view,
 };
-use casca_harness::scenes::{SceneKind, SceneOptions};
+use casca_harness::scenes::SceneOptions;
 use casca_harness::world::{FRAME_SECONDS, World};
-use casca_harness::{import, scenes};
-use clap::{Parser, ValueEnum};
-use glam::UVec3;
 use indicatif::{ProgressBar, ProgressStyle};
+use options::{GridChoice, MethodName, Options};
 use serde_json::json;
 
 /// Width over height of all pictures.
 const ASPECT: f32 = 16.0 / 9.0;
+/// The pictures.
+const PICTURES: [&str; 4] = ["walk.png", "frame.png", "buffers.png", "top_view.png"];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MethodName {
-    /// Objects in the frustum
-    Frustum,
-    /// What the viewer's cell can see
-    Cell,
-    /// What the eye can see, at pixel precision
-    Point,
-    /// For comparison: a rasterised depth buffer, which loses objects
-    Hzb,
-    /// For comparison: a ray-cast depth buffer, which loses objects
-    Rays,
-}
-
-#[derive(Debug, Parser)]
-#[command(
-    about = "Walks through a scene and says frame by frame what can be seen, with proof that nothing is lost"
-)]
-struct Options {
-    /// spheres, city, rooms, forest, crowd or a glTF 2.0 file (.glb)
-    #[arg(long, default_value = "spheres")]
-    scene: String,
-    /// How visibility is decided
-    #[arg(long, value_enum, default_value = "point")]
-    method: MethodName,
-    /// Cells along x, y and z, such as 100x60x100, or fit: as many as suit the number of objects
-    /// [default: as the scene asks]
-    #[arg(long, value_parser = parse_grid)]
-    grid: Option<GridChoice>,
-    /// Frames to walk [default: the scene's path, 150 for procedural scenes]
-    #[arg(long)]
-    frames: Option<usize>,
-    /// Seed of procedural scenes
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Pixels along each side of the direction masks (a power of two)
-    #[arg(long, default_value_t = Settings::default().mask_resolution)]
-    mask: u32,
-    /// Width of a pixel of the occlusion buffers in degrees
-    #[arg(long, default_value_t = Settings::default().pixel_degrees)]
-    pixel: f32,
-    /// Squares examined again for one undecided object, at most
-    #[arg(long, default_value_t = Settings::default().refine_squares)]
-    refine: u32,
-    /// Patches of triangles drawn again in undecided pixels, in one query, at most
-    #[arg(long, default_value_t = Settings::default().refine_patches)]
-    patches: u32,
-    /// Rays to each object that the PVS leaves out, in every frame
-    #[arg(long, default_value_t = 16)]
-    samples: usize,
-    /// Left-out objects that get rays, in every frame
-    #[arg(long, default_value_t = 20_000)]
-    candidates: usize,
-    /// Width of the exact item buffer in pixels
-    #[arg(long, default_value_t = 1920)]
-    width: usize,
-    /// Writes all results to this file
-    #[arg(long)]
-    json: Option<PathBuf>,
-    /// Where the pictures go
-    #[arg(long, default_value = "target/walkthrough")]
-    out: PathBuf,
-    /// No progress bar
-    #[arg(long)]
-    quiet: bool,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum GridChoice {
-    Dims(UVec3),
-    Fit,
-}
-
-fn parse_grid(text: &str) -> Result<GridChoice, String> {
-    if text == "fit" {
-        return Ok(GridChoice::Fit);
-    }
-    let parts: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
-    match parts.as_deref() {
-        Ok(&[x, y, z]) => Ok(GridChoice::Dims(UVec3::new(x, y, z))),
-        _ => Err("expected three numbers such as 100x60x100, or fit".to_owned()),
-    }
-}
-
-fn build(options: &Options) -> Result<World, Box<dyn Error>> {
-    if let Ok(kind) = options.scene.parse::<SceneKind>() {
-        let frames = options.frames.unwrap_or(150);
-        return Ok(scenes::build(kind, &SceneOptions { seed: options.seed, frames, ..Default::default() }));
-    }
-    let path = PathBuf::from(&options.scene);
-    if path.extension().is_none_or(|e| e != "glb" && e != "gltf") {
-        return Err(format!(
-            "--scene {}: neither a procedural scene (spheres, city, rooms, forest, crowd) nor a .glb or .gltf file",
-            options.scene
-        )
-        .into());
-    }
-    let mut world = import::load(&path)?;
-    if let Some(frames) = options.frames {
-        world.frames = frames.min(world.frames);
-    }
+fn build(options: &Options) -> Result<World, ImportError> {
+    let frames = options.frames.map(|n| n as usize);
+    let mut scene_options = SceneOptions { seed: options.seed, ..SceneOptions::default() };
+    scene_options.frames = frames.unwrap_or(scene_options.frames);
+    let mut world = options.scene.open(&scene_options)?;
+    world.frames = world.frames.min(frames.unwrap_or(usize::MAX));
     Ok(world)
 }
 
@@ -152,7 +61,10 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / n
 }
 
-fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
+fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
+    // A walk takes minutes: what cannot be written is said before it.
+    try_writing_into(&options.out, &PICTURES)?;
+    options.json.as_deref().map_or(Ok(()), try_writing)?;
     let mut world = build(options)?;
     world.set_frame(0);
     let start = Instant::now();
@@ -170,21 +82,12 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     bar.finish_and_clear();
     let setup_ms = start.elapsed().as_secs_f64() * 1e3;
 
-    let mut settings = Settings::default();
-    settings.mask_resolution = options.mask;
-    settings.pixel_degrees = options.pixel;
-    settings.refine_squares = options.refine;
-    settings.refine_patches = options.patches;
+    let settings = options.settings();
     let mut recording = settings;
     recording.record_cells = true;
     recording.method = Method::Cell;
     let mut frustum_settings = settings;
     frustum_settings.method = Method::Frustum;
-    settings.method = match options.method {
-        MethodName::Frustum => Method::Frustum,
-        MethodName::Cell => Method::Cell,
-        _ => Method::Point,
-    };
     let mut query = Query::with_settings(settings)?;
     let height = |width: usize| (width as f32 / ASPECT).round() as usize;
     let mut hzb = Hzb::new(640, height(640));
@@ -193,10 +96,10 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let mut recorder = Query::with_settings(recording)?;
 
     let oracle_options = OracleOptions {
-        width: options.width,
-        height: (options.width as f32 / ASPECT).round() as usize,
-        samples_per_object: options.samples,
-        max_candidates: options.candidates,
+        width: options.width as usize,
+        height: height(options.width as usize),
+        samples_per_object: options.samples as usize,
+        max_candidates: options.candidates as usize,
         seed: options.seed,
     };
     let mut oracle = Oracle::new(&world.objects, oracle_options);
@@ -205,7 +108,6 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(world.frames as u64) };
     bar.set_style(ProgressStyle::with_template("{msg} {bar:40} frame {pos} of {len}, {eta} left")?);
     bar.set_message(world.name.clone());
-    std::fs::create_dir_all(&options.out)?;
     let mut frames: Vec<Frame> = Vec::with_capacity(world.frames);
     let (mut rays, mut pixels, mut unconfirmed) = (0u64, 0u64, 0);
     let mut losses = Vec::new();
@@ -218,22 +120,26 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
         driver.scene.begin_frame(number as f64 * FRAME_SECONDS)?;
         driver.update(&world.objects, &moved)?;
         let mut update = start.elapsed();
-        query.run(&driver.scene, &view);
+        let ((), mut time) = timed(|| {
+            query.run(&driver.scene, &view);
+        });
         let pvs = query.pvs();
         let in_frustum = frustum.run(&driver.scene, &view);
         let (pvs_count, frustum_count) =
             (driver.count(pvs, &world.objects), driver.count(in_frustum, &world.objects));
         let in_frustum: Vec<usize> =
             (0..world.objects.len()).filter(|&i| driver.sees(in_frustum, i)).collect();
-        let start = Instant::now();
+        let objects = &world.objects;
         let compared = match options.method {
-            MethodName::Hzb => Some(hzb.frame(&world.objects, &in_frustum, &camera)),
-            MethodName::Rays => Some(ray_buffer.frame(&world.objects, &in_frustum, &camera)),
+            MethodName::Hzb => Some(timed(|| hzb.frame(objects, &in_frustum, &camera))),
+            MethodName::Rays => Some(timed(|| ray_buffer.frame(objects, &in_frustum, &camera))),
             _ => None,
         };
-        let time = if compared.is_some() { start.elapsed() } else { pvs.stats().elapsed };
+        let compared: Option<HashSet<usize>> = compared.map(|(found, spent)| {
+            time = spent;
+            found.into_iter().collect()
+        });
         let query_us = time.as_secs_f64() * 1e6;
-        let compared: Option<HashSet<usize>> = compared.map(|found| found.into_iter().collect());
         let sees = |object: usize| match &compared {
             Some(found) => found.contains(&object),
             None => driver.sees(pvs, object),
@@ -306,7 +212,9 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let mean_of = |of: fn(&FrameCounts) -> usize| mean(counts.iter().map(|c| of(c) as f64));
     let (mean_frustum, mean_pvs, mean_exact) =
         (mean_of(|c| c.frustum), mean_of(|c| c.pvs), mean_of(|c| c.exact));
-    let ratio = mean_pvs / mean_exact.max(f64::MIN_POSITIVE);
+    // Rays look only at what the PVS leaves out: without an item buffer nothing counts what is visible.
+    let mean_exact = (options.width > 0).then_some(mean_exact);
+    let ratio = mean_exact.filter(|exact| *exact > 0.0).map(|exact| mean_pvs / exact);
     let mut query_us: Vec<f64> = frames.iter().map(|f| f.query_us).collect();
     let mut update_us: Vec<f64> = frames.iter().map(|f| f.update_us).collect();
     let (median_query, p99_query) = (percentile(&mut query_us, 0.5), percentile(&mut query_us, 0.99));
@@ -327,8 +235,9 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     row("objects", objects.to_string());
     row("in the frustum (mean)", format!("{mean_frustum:.1}"));
     row("PVS (mean)", format!("{mean_pvs:.1}"));
-    row("exactly visible (mean)", format!("{mean_exact:.1}"));
-    row("PVS / exactly visible", format!("{ratio:.3}"));
+    let unknown = || "unknown".to_owned();
+    row("exactly visible (mean)", mean_exact.map_or_else(unknown, |n| format!("{n:.1}")));
+    row("PVS / exactly visible", ratio.map_or_else(unknown, |n| format!("{n:.3}")));
     row("false negatives", losses.len().to_string());
     row("rays of proof", format!("{:.1} M", (rays + pixels) as f64 / 1e6));
     row("query time, median", format!("{median_query:.0} us"));
@@ -378,18 +287,18 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
                 "cells": f.cells,
             })).collect::<Vec<_>>(),
         });
-        std::fs::write(file, serde_json::to_vec_pretty(&report)?)?;
+        std::fs::write(file, serde_json::to_vec_pretty(&report)?).map_err(PathError::write(file))?;
     }
-    Ok(losses.is_empty())
+    Ok(match (losses.len(), objects, rays + pixels) {
+        (1.., _, _) => Outcome::Lost,
+        (0, 0, _) | (0, _, 0) => {
+            eprintln!("nothing was checked: no ray was shot at anything that could be lost");
+            Outcome::NothingChecked
+        }
+        _ => Outcome::Well,
+    })
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(2),
-        Err(e) => {
-            eprintln!("error: {e}");
-            ExitCode::FAILURE
-        }
-    }
+    finish(run(&Options::from_command_line()))
 }

@@ -1,0 +1,253 @@
+//! What the command lines of the examples share: scenes by name or file, the limits of what they take,
+//! places that are tried before the work and not after it, and exit codes.
+
+use std::fmt::Display;
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::str::FromStr;
+
+use crate::import::{self, ImportError};
+use crate::scenes::{self, SceneKind, SceneOptions};
+use crate::world::World;
+
+/// Frames that can be walked: as many as a file may give.
+pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
+/// Widths of item buffers in pixels. The largest takes 2 GB.
+pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
+/// Rays to one object, at most.
+pub const MOST_SAMPLES: i64 = 10_000;
+
+/// What the examples exit with, for their `--help`. Code 2 is given by clap.
+pub const EXIT_CODES: &str = "Exit codes:
+  0  all is well
+  1  something visible was lost
+  2  the command line is wrong
+  3  something else failed: a file, a scene, a device
+  4  nothing was checked";
+
+/// How work ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is well.
+    Well,
+    /// Something visible was lost.
+    Lost,
+    /// Nothing was looked at that could have been lost.
+    NothingChecked,
+}
+
+/// The exit code of an outcome or an error.
+fn code<E>(result: &Result<Outcome, E>) -> u8 {
+    match result {
+        Ok(Outcome::Well) => 0,
+        Ok(Outcome::Lost) => 1,
+        Ok(Outcome::NothingChecked) => 4,
+        Err(_) => 3,
+    }
+}
+
+/// Prints the error, if there is one; see [`EXIT_CODES`].
+pub fn finish<E: Display>(result: Result<Outcome, E>) -> ExitCode {
+    if let Err(error) = &result {
+        eprintln!("error: {error}");
+    }
+    ExitCode::from(code(&result))
+}
+
+/// A file or folder that cannot be had.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {act} {}: {why}", path.display())]
+pub struct PathError {
+    act: &'static str,
+    path: PathBuf,
+    why: io::Error,
+}
+
+impl PathError {
+    /// A file that cannot be written.
+    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::that("write", path)
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::that("read", path)
+    }
+
+    fn that(act: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |why| Self { act, path: path.to_owned(), why }
+    }
+}
+
+/// Makes a folder and those above it; an empty path is the current one.
+///
+/// # Errors
+/// It is not there and cannot be made.
+pub fn make_folder(path: &Path) -> Result<(), PathError> {
+    if path.as_os_str().is_empty() {
+        return Ok(());
+    }
+    std::fs::create_dir_all(path).map_err(PathError::that("make the folder", path))
+}
+
+/// Tries whether a file can be written, and makes the folders above it. A file that is there stays as it is;
+/// none is left where there was none.
+///
+/// # Errors
+/// It cannot be written.
+pub fn try_writing(path: &Path) -> Result<(), PathError> {
+    make_folder(path.parent().unwrap_or(Path::new("")))?;
+    // To open and close a pipe would end it for whoever reads it.
+    let special = std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+    if special {
+        return Ok(());
+    }
+    let is_new = std::fs::symlink_metadata(path).is_err();
+    OpenOptions::new().append(true).create(true).open(path).map_err(PathError::write(path))?;
+    if is_new {
+        std::fs::remove_file(path).map_err(PathError::write(path))?;
+    }
+    Ok(())
+}
+
+/// Tries whether files can be written into a folder, which is made.
+///
+/// # Errors
+/// As [`make_folder`] and [`try_writing`].
+pub fn try_writing_into(folder: &Path, names: &[&str]) -> Result<(), PathError> {
+    make_folder(folder)?;
+    names.iter().try_for_each(|name| try_writing(&folder.join(name)))
+}
+
+/// Tries whether a file can be read.
+///
+/// # Errors
+/// It is not there, is a folder, or may not be read.
+pub fn try_reading(path: &Path) -> Result<(), PathError> {
+    let file = File::open(path).map_err(PathError::read(path))?;
+    let is_folder = file.metadata().map_err(PathError::read(path))?.is_dir();
+    if is_folder { Err(PathError::read(path)(io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
+}
+
+/// A scene on a command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneName {
+    /// A procedural one.
+    Built(SceneKind),
+    /// A glTF 2.0 file.
+    File(PathBuf),
+}
+
+impl FromStr for SceneName {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if let Ok(kind) = name.parse() {
+            return Ok(Self::Built(kind));
+        }
+        let ending = Path::new(name).extension().unwrap_or_default();
+        if ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf") {
+            return Ok(Self::File(PathBuf::from(name)));
+        }
+        let kinds = SceneKind::ALL.map(SceneKind::name).join(", ");
+        Err(format!("neither a procedural scene ({kinds}) nor a .glb or .gltf file"))
+    }
+}
+
+impl SceneName {
+    /// Tries whether the file is there, before work that comes first.
+    ///
+    /// # Errors
+    /// As [`try_reading`].
+    pub fn check(&self) -> Result<(), PathError> {
+        match self {
+            Self::Built(_) => Ok(()),
+            Self::File(path) => try_reading(path),
+        }
+    }
+
+    /// Builds or loads the scene. A file has its own seed and frames.
+    ///
+    /// # Errors
+    /// As [`import::load`].
+    pub fn open(&self, options: &SceneOptions) -> Result<World, ImportError> {
+        match self {
+            Self::Built(kind) => Ok(scenes::build(*kind, options)),
+            Self::File(path) => import::load(path),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own for a test.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("casca-command-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn each_end_has_a_code_of_its_own() {
+        let ends = [Ok(Outcome::Well), Ok(Outcome::Lost), Err("a file"), Ok(Outcome::NothingChecked)];
+        let codes = ends.map(|end| code(&end));
+        assert_eq!(codes, [0, 1, 3, 4], "2 is for the command line");
+        for code in [0, 1, 2, 3, 4] {
+            assert!(EXIT_CODES.contains(&format!("\n  {code}  ")));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_found_by_trying_and_named() {
+        let folder = folder("write");
+        let file = folder.join("file");
+        std::fs::write(&file, "kept").unwrap();
+        // A file is no folder, and a folder no file.
+        for bad in [file.join("below"), file.join("below/far"), folder.clone()] {
+            let said = try_writing(&bad).unwrap_err().to_string();
+            assert!(said.starts_with("cannot ") && said.contains(file.parent().unwrap().to_str().unwrap()));
+        }
+        let said = try_writing_into(&file, &[]).unwrap_err().to_string();
+        assert!(
+            said.starts_with("cannot make the folder") && said.contains(file.to_str().unwrap()),
+            "{said}"
+        );
+        std::fs::create_dir(folder.join("walk.png")).unwrap();
+        let said = try_writing_into(&folder, &["frame.png", "walk.png"]).unwrap_err().to_string();
+        assert!(said.contains("walk.png"), "{said}");
+        // Nothing is left behind but folders, and what was there stays.
+        try_writing(&file).unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "kept");
+        try_writing(&folder.join("new/deep/report.json")).unwrap();
+        assert_eq!(std::fs::read_dir(folder.join("new/deep")).unwrap().count(), 0);
+        assert!(!folder.join("frame.png").exists());
+        assert!(make_folder(Path::new("")).is_ok());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn scenes_are_told_by_name_or_ending_and_missing_files_are_found_by_trying() {
+        assert_eq!("city".parse(), Ok(SceneName::Built(SceneKind::City)));
+        assert_eq!("a b/X.GLB".parse(), Ok(SceneName::File(PathBuf::from("a b/X.GLB"))));
+        for bad in ["", "house", "house.obj", ".glb"] {
+            let said = bad.parse::<SceneName>().unwrap_err();
+            assert!(said.contains("crowd") && said.contains(".gltf"), "{said}");
+        }
+        assert!(SceneName::Built(SceneKind::City).check().is_ok());
+        let folder = folder("scenes.glb");
+        let file = folder.join("none.glb");
+        for bad in [file.clone(), folder.clone()] {
+            let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();
+            assert!(said.starts_with(&format!("cannot read {}: ", bad.display())), "{said}");
+        }
+        std::fs::write(&file, "").unwrap();
+        assert!(SceneName::File(file).check().is_ok());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
