@@ -231,8 +231,8 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Op
         let n = own().map(|[a, b, c]| (b - a).cross(c - a)).sum::<DVec3>().normalize_or_zero();
         let least = own().flatten().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
         let h = lowered(least, reach);
-        // NaN is no face either.
-        if !(n.dot(middle) < h) {
+        let inwards = h - n.dot(middle);
+        if inwards.is_nan() || inwards <= 0.0 {
             return None;
         }
         faces.push((n, h));

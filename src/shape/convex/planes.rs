@@ -123,7 +123,7 @@ pub(super) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
     }
     let near = around(planes, center);
     let depth = near.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-    if !(depth > 0.0) || !center.is_finite() {
+    if depth.is_nan() || depth <= 0.0 || !center.is_finite() {
         return Err(NO_SOLID);
     }
     // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
