@@ -115,6 +115,22 @@ pub enum Error {
     /// The matrix has no inverse, or does not describe a camera.
     #[error("the view-projection matrix is not a camera's: {0}")]
     Matrix(&'static str),
+    /// The eye given is not that of the matrix: it may be an earlier frame's.
+    #[error(
+        "the eye {given} is not the matrix's, which is at {found}: it lies {off} world units beside a plane \
+         through that eye, but single precision explains {allowed} at most"
+    )]
+    EyeMismatch {
+        /// The eye given, in world units.
+        given: DVec3,
+        /// The eye of the matrix, in world units; NaN where the matrix hardly tells it.
+        found: DVec3,
+        /// The distance of the eye given from the planes on which x, y and w of clip space are zero and which meet
+        /// in the matrix's eye: the greatest of the three, in world units.
+        off: f64,
+        /// The greatest distance that single precision explains, in world units.
+        allowed: f64,
+    },
     /// A plane whose normal is zero or not finite.
     #[error("plane {0} has no direction: its normal is zero or not finite")]
     Plane(usize),

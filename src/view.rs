@@ -1,6 +1,6 @@
 //! The view: an eye or a direction, and the planes that bound what it sees.
 
-use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat3, DVec3, DVec4, Mat4, Vec3};
 use smallvec::SmallVec;
 
 use crate::error::{Error, finite3};
@@ -13,6 +13,35 @@ pub const MAX_PLANES: usize = 32;
 
 /// An element of a matrix is off by up to two roundings to single precision.
 const ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
+
+/// A plane through the eye is off by this share of the eye's distance from the origin, if the matrix is
+/// a product or an inverse in single precision: 16 roundings of 2^-24, of which a product of three matrices makes up to 14.
+const EYE_ROUNDING: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// A given eye is refused if it is farther than this from a plane that holds the matrix's, as a share of
+/// its distance from the origin plus that of what it looks at. Four times [`EYE_ROUNDING`]: in between, where longer
+/// chains of products lead and targets far from the origin, the eye is taken to be known roughly.
+const EYE_REFUSED: f64 = 4.0 * EYE_ROUNDING;
+
+/// What a camera looks at, such as the target of an orbit, lies no farther from it than this many times its near
+/// distance, or than its far plane: with the usual 0.1, a thousand units.
+const SIGHT: f64 = 1e4;
+
+/// What is left of two rows that cancel is rounding up to this share of them: 8 roundings of each. It is the far
+/// plane of an infinite projection then, or so far away that leaving it out makes little difference.
+const CANCELLED: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Rays are parallel if w changes across the view by this share of what x or y do. For a perspective it is about half
+/// the field of view in radians; zero, exactly, for products with an orthographic matrix.
+const PARALLEL: f64 = 1e-9;
+
+/// Three normals of length 1 whose volume is less are taken to lie in one plane. Nothing rests on the exact value:
+/// the error of an eye found grows with the inverse of the volume.
+const FLAT_VOLUME: f64 = 1e-9;
+
+/// Regions are cut at planes moved outwards by this share of the coordinates. Distances from planes err by a
+/// quarter of it, and so do crossings along the normal.
+const CUT_SLACK: f64 = 64.0 * f64::EPSILON;
 
 /// Half a space: the points `p` with `normal.dot(p) + offset >= 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +100,7 @@ pub struct View {
     pub(crate) planes: SmallVec<[HalfSpace; 6]>,
     /// One bit for each plane that cuts the eye off from what lies inside it.
     cutting: u32,
-    /// How far planes found from a matrix were moved outwards, at most.
+    /// How far planes found from a matrix that cut off the eye, or any of parallel rays, were moved outwards, at most.
     widened: f64,
     /// Whether it is known at which end parallel rays start.
     ordered: bool,
@@ -103,9 +132,15 @@ impl View {
 
     /// The view of a perspective camera whose eye is known exactly; depth 0 to 1.
     ///
+    /// Visibility is that from the eye given. Planes are moved outwards until they hold it. Where it differs from the
+    /// matrix's eye by more than products of matrices in single precision usually explain (a millionth of its
+    /// distance from the origin), it counts as known to within that difference.
+    ///
     /// # Errors
     /// As [`View::from_view_projection`]; also refuses an eye that is not
-    /// finite, and an orthographic matrix.
+    /// finite, an orthographic matrix, and with [`Error::EyeMismatch`] an eye that is not the matrix's: off by more
+    /// than about four millionths of twice its distance from the origin and of its sight (the distance of the far plane, at most
+    /// 10,000 times that of the near plane).
     pub fn perspective(eye: Vec3, matrix: Mat4) -> Result<Self, Error> {
         finite3("the eye", eye)?;
         Self::from_clip(matrix, false, Some(eye.as_dvec3()))
@@ -184,34 +219,46 @@ impl View {
         let m = matrix.as_dmat4();
         let rows = [m.row(0), m.row(1), m.row(2), m.row(3)];
         let [x, y, z, w] = rows;
+        let near = if gl_depth { w + z } else { z };
+        let mut beside = 0.0;
         let origin = match eye {
             Some(at) => {
-                if is_parallel(&m) {
+                if is_parallel(x, y, w) {
                     return Err(Error::Matrix("it is orthographic and has no eye"));
                 }
-                Origin::Eye { at, error: 0.0 }
+                let error;
+                (error, beside) = check_eye(at, [x, y, w], sight(at, [near, w - z], w))?;
+                Origin::Eye { at, error }
             }
-            None if is_parallel(&m) => Origin::Direction(direction(x, y, z, w)?),
+            None if is_parallel(x, y, w) => Origin::Direction(direction(x, y, z, w)?),
             None => find_eye(x, y, w)?,
         };
         let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
         let (mut cutting, mut widened) = (0, 0f64);
-        let near = if gl_depth { w + z } else { z };
         let sides = [(w + x, [w, x]), (w - x, [w, x]), (w + y, [w, y]), (w - y, [w, y])];
         for (i, (plane, parts)) in sides.into_iter().chain([(near, [w, z]), (w - z, [w, z])]).enumerate() {
-            // What remains of two rows that cancel is rounding: an infinite far plane.
             let size = parts[0].truncate().length() + parts[1].truncate().length();
-            if plane.truncate().length() > 1e-6 * size {
+            let length = plane.truncate().length();
+            if length > CANCELLED * size {
                 planes.extend(HalfSpace::new(plane).map(|mut space| {
-                    let reach = match origin {
-                        Origin::Eye { at, .. } => at.length(),
-                        Origin::Direction(_) => 0.0,
-                    };
-                    let unsure = ROUNDING * (reach + space.offset.abs());
-                    widened = unsure.max(widened);
-                    // Of near and far plane, whichever may lie between the eye and the rest.
-                    if let (Origin::Eye { at, .. }, true) = (origin, i >= 4) {
-                        cutting |= u32::from(space.distance(at) < unsure) << planes.len();
+                    // What cancels leaves the rounding of what it cancelled with: a far plane is known worse.
+                    let worse = (size / length).max(1.0);
+                    let mut unsure = ROUNDING * worse * space.offset.abs();
+                    let mut cuts = false;
+                    if let Origin::Eye { at, .. } = origin {
+                        unsure += ROUNDING * worse * at.length();
+                        if i < 4 {
+                            // The sides of a view meet in its eye.
+                            unsure += if eye.is_some() { (-space.distance(at)).max(0.0) } else { 0.0 };
+                        } else {
+                            unsure += beside;
+                            // Of near and far plane, whichever may lie between the eye and the rest.
+                            cuts = space.distance(at) < unsure;
+                        }
+                    }
+                    cutting |= u32::from(cuts) << planes.len();
+                    if cuts || matches!(origin, Origin::Direction(_)) {
+                        widened = unsure.max(widened);
                     }
                     space.offset += unsure;
                     space
@@ -322,40 +369,111 @@ impl View {
         })
     }
 
-    /// The corners of the view's half-spaces cut with a box: every vertex
-    /// of the convex region, found as the meeting points of three planes.
+    /// The corners of the view's half-spaces cut with a box, and some points of its surface: the region lies in
+    /// their hull. Rounded outwards.
     fn corners(&self, min: DVec3, max: DVec3) -> Vec<DVec3> {
-        let mut planes: Vec<HalfSpace> = self.planes.to_vec();
-        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-            planes.push(HalfSpace { normal: axis, offset: -axis.dot(min) });
-            planes.push(HalfSpace { normal: -axis, offset: axis.dot(max) });
+        let reach = min.abs().max(max.abs()).max_element();
+        let mut faces = sides_of_box(min, max);
+        for plane in &self.planes {
+            let slack = CUT_SLACK * (reach + plane.offset.abs());
+            cut(&mut faces, plane, slack);
         }
-        let slack = 1e-9 * (max - min).length() + planes.iter().map(|p| p.margin(1.0)).fold(0.0, f64::max);
-        let mut corners = Vec::new();
-        for i in 0..planes.len() {
-            for j in 0..i {
-                for k in 0..j {
-                    let [a, b, c] = [&planes[i], &planes[j], &planes[k]];
-                    let m = DMat3::from_cols(a.normal, b.normal, c.normal).transpose();
-                    if m.determinant().abs() < 1e-12 {
-                        continue;
-                    }
-                    let p = m.inverse() * -DVec3::new(a.offset, b.offset, c.offset);
-                    if planes.iter().all(|plane| plane.distance(p) >= -slack) {
-                        corners.push(p);
-                    }
-                }
-            }
-        }
-        corners
+        faces.concat()
     }
 }
 
-/// Whether w is the same everywhere: an orthographic projection.
-fn is_parallel(m: &DMat4) -> bool {
-    let w = m.row(3);
-    let reach = m.col(3).truncate().abs().max_element().max(1.0);
-    w.truncate().length() * reach <= 1e-9 * w.w.abs()
+/// The sides of a box, each with its corners in a ring.
+fn sides_of_box(min: DVec3, max: DVec3) -> Vec<Vec<DVec3>> {
+    let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
+    let side = |axis: usize, high: usize| {
+        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+        [0, u, u | v, v].map(|i| corner(i | high << axis)).to_vec()
+    };
+    (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).collect()
+}
+
+/// Takes from a convex solid, given by its faces, what lies outside of a half-space by more than `slack`.
+fn cut(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
+    let mut rim: Vec<DVec3> = Vec::new();
+    for face in faces.iter_mut() {
+        let mut kept = Vec::with_capacity(face.len() + 1);
+        for (i, &a) in face.iter().enumerate() {
+            let b = face[(i + 1) % face.len()];
+            let (da, db) = (plane.distance(a) + slack, plane.distance(b) + slack);
+            if da >= 0.0 {
+                kept.push(a);
+            }
+            if da == 0.0 {
+                rim.push(a);
+            } else if (da < 0.0) != (db < 0.0) {
+                let crossing = a.lerp(b, (da / (da - db)).clamp(0.0, 1.0));
+                kept.push(crossing);
+                rim.push(crossing);
+            }
+        }
+        *face = kept;
+    }
+    faces.retain(|face| !face.is_empty());
+    // The new face: what was cut, in a ring around its middle.
+    let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
+    let (u, v) = plane.normal.any_orthonormal_pair();
+    let turn = |p: &DVec3| v.dot(*p - middle).atan2(u.dot(*p - middle));
+    rim.sort_by(|p, q| turn(p).total_cmp(&turn(q)));
+    if !rim.is_empty() {
+        faces.push(rim);
+    }
+}
+
+/// Whether w is the same everywhere: an orthographic projection. However far the eye is, since distances from
+/// the origin do not count.
+fn is_parallel(x: DVec4, y: DVec4, w: DVec4) -> bool {
+    let across = x.truncate().length().max(y.truncate().length());
+    w.truncate().length() <= PARALLEL * across
+}
+
+/// How far a camera sees, as far as that says something about the coordinates that its matrix comes from.
+fn sight(at: DVec3, depths: [DVec4; 2], w: DVec4) -> f64 {
+    let distance = |plane: DVec4| {
+        let length = plane.truncate().length();
+        let known = length > CANCELLED * w.truncate().length();
+        if known { (plane.truncate().dot(at) + plane.w).abs() / length } else { f64::INFINITY }
+    };
+    let [a, b] = depths.map(distance);
+    let sight = a.max(b).min(SIGHT * a.min(b));
+    if sight.is_finite() { sight } else { 0.0 }
+}
+
+/// How far a given eye may be from the matrix's along each axis (0 where rounding explains it), and how far it
+/// lies beside the planes that hold the matrix's. In the matrix's eye x, y and w of clip space are zero; one that
+/// is off by a rounding lies next to these planes, however unsure it is where they meet.
+fn check_eye(at: DVec3, rows: [DVec4; 3], sight: f64) -> Result<(f64, f64), Error> {
+    let (mut sure, mut beside) = (true, 0f64);
+    let mut refused = None;
+    for row in rows {
+        let length = row.truncate().length();
+        let (off, far) = ((row.truncate().dot(at) + row.w).abs() / length, row.w.abs() / length);
+        // A row without direction says nothing.
+        if !off.is_finite() || !far.is_finite() {
+            continue;
+        }
+        let coordinates = at.length() + far;
+        let allowed = EYE_REFUSED * (coordinates + sight);
+        sure &= off <= EYE_ROUNDING * coordinates;
+        if off > allowed && off > refused.map_or(0.0, |r: (f64, f64)| r.0) {
+            refused = Some((off, allowed));
+        }
+        beside = beside.max(off);
+    }
+    let [x, y, w] = rows;
+    let found = || match find_eye(x, y, w) {
+        Ok(Origin::Eye { at, .. }) => Some(at),
+        _ => None,
+    };
+    if let Some((off, allowed)) = refused {
+        return Err(Error::EyeMismatch { given: at, found: found().unwrap_or(DVec3::NAN), off, allowed });
+    }
+    let unsure = || found().map_or(at.length() + sight, |found| (found - at).length());
+    Ok((if sure { 0.0 } else { unsure() }, beside))
 }
 
 /// The direction in which depth grows along the rays of an orthographic camera.
@@ -371,13 +489,12 @@ fn direction(x: DVec4, y: DVec4, z: DVec4, w: DVec4) -> Result<DVec3, Error> {
 
 /// The eye of a perspective camera: where x, y and w of clip space are all zero.
 fn find_eye(x: DVec4, y: DVec4, w: DVec4) -> Result<Origin, Error> {
-    let mut error = 0.0;
     let [a, b, c] = [x, y, w].map(|row| {
         let length = row.truncate().length();
         if length > 0.0 { row / length } else { row }
     });
     let m = DMat3::from_cols(a.truncate(), b.truncate(), c.truncate()).transpose();
-    if m.determinant().abs() < 1e-9 {
+    if m.determinant().abs() < FLAT_VOLUME {
         return Err(Error::Matrix("it maps space to a plane, a line or a point"));
     }
     let inverse = m.inverse();
@@ -385,9 +502,9 @@ fn find_eye(x: DVec4, y: DVec4, w: DVec4) -> Result<Origin, Error> {
     if !at.is_finite() {
         return Err(Error::Matrix("its eye is not at a finite point"));
     }
-    // Each element of a row may be off by two roundings to single precision.
+    // Each of the three planes may be off by its rounding; the more askew they meet, the farther their point is off.
     let spread: f64 = inverse.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt();
-    error += spread * 2.0 * 2f64.powi(-22) * 2.0 * at.length();
+    let error = spread * EYE_ROUNDING * at.length();
     Ok(Origin::Eye { at, error })
 }
 
@@ -484,5 +601,100 @@ mod tests {
         assert!(!wide.holds(&view(0.8, 0.2, Vec3::X), min, max));
         let around = View::around(Vec3::ZERO).unwrap();
         assert!(around.holds(&wide, min, max) && !wide.holds(&around, min, max));
+    }
+
+    /// Three planes so nearly parallel that their normals span no volume worth the name still meet in a corner.
+    #[test]
+    fn corners_of_nearly_parallel_planes_count() {
+        let (min, max) = (DVec3::splat(-1.0), DVec3::ONE);
+        for tilt in [1e-1f32, 1e-3, 1e-5, 1e-7, 1e-9] {
+            // A tent: y <= tilt (1 - ...) on three sides.
+            let side = |x: f32, z: f32| Plane { normal: Vec3::new(-x * tilt, -1.0, -z * tilt), offset: tilt };
+            let tent = [side(1.0, 0.5), side(-1.0, 0.5), side(0.0, -1.0)];
+            let tent = View::from_planes(Vec3::new(0.0, -0.9, 0.0), &tent).unwrap();
+            let below = |h: f32| {
+                let plane = Plane { normal: Vec3::NEG_Y, offset: h * tilt };
+                View::from_planes(Vec3::new(0.0, -0.9, 0.0), &[plane]).unwrap()
+            };
+            let top = DVec3::new(0.0, 0.99 * f64::from(tilt), 0.0);
+            assert!(tent.planes.iter().all(|p| p.distance(top) > 0.0));
+            assert!(!below(0.9).holds(&tent, min, max), "{tilt}");
+            assert!(below(1.1).holds(&tent, min, max) || tilt < 1e-8, "{tilt}");
+            // As a near plane that cuts off the eye: what it cuts away reaches as far.
+            let planes =
+                tent.planes.iter().copied().chain([HalfSpace { normal: DVec3::NEG_Y, offset: -3.0 }]);
+            let cut = View { planes: planes.collect(), cutting: 1 << 3, ..tent.clone() };
+            let (region, block) = cut.cut_regions(min, max).next().unwrap();
+            assert!(block.contains_point(top), "{tilt}");
+            assert!(region.may_see_block(&Block { min: top, max: top }));
+        }
+    }
+
+    /// Of narrow and wide views, all points that they see lie in the block around the view, and in views that hold it.
+    #[test]
+    fn regions_hold_what_is_in_all_of_their_planes() {
+        let mut state = 7u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
+        };
+        let mut held = 0;
+        for round in 0..200 {
+            let fov = [0.01f32, 0.1, 5.0, 170.0][round % 4].to_radians();
+            let eye = Vec3::new(next() as f32, next() as f32, next() as f32) * 10f32.powi(round as i32 % 5);
+            let dir = Vec3::new(next() as f32, next() as f32, -1.0).normalize();
+            let view = |fov: f32| {
+                let m = directx::perspective(fov, 1.5, 0.1, 1e3) * look_to_mat4(eye, dir, Vec3::Y);
+                View::perspective(eye, m).unwrap()
+            };
+            let (own, wider) = (view(fov), view((fov * 1.02).min(3.1)));
+            let (min, max) = (eye.as_dvec3() - 300.0, eye.as_dvec3() + 300.0);
+            let corners = own.corners(min, max);
+            let holds = wider.holds(&own, min, max);
+            held += usize::from(holds);
+            let (lo, hi) = corners
+                .iter()
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, c| (b.0.min(*c), b.1.max(*c)));
+            for _ in 0..300 {
+                let across = DVec3::new(next(), next(), 0.0) * (f64::from(fov) * 0.5).tan().min(5.0);
+                let d = DMat3::from_mat4(look_to_mat4(Vec3::ZERO, dir, Vec3::Y).as_dmat4()).transpose()
+                    * (across - DVec3::Z);
+                let p = eye.as_dvec3() + d * (next().abs() * 280.0);
+                let inside = p.cmpge(min).all() && p.cmple(max).all();
+                if inside && own.planes.iter().all(|h| h.distance(p) >= 0.0) {
+                    assert!(lo.cmple(p).all() && p.cmple(hi).all(), "{p}");
+                    assert!(!holds || wider.planes.iter().all(|h| h.distance(p) >= 0.0), "{p}");
+                }
+            }
+        }
+        assert!(held > 20, "{held}");
+    }
+
+    /// An infinite far plane cuts off nothing, through however many products the matrix went.
+    #[test]
+    fn what_rounding_leaves_of_an_infinite_far_plane_cuts_off_nothing() {
+        let flip = Mat4::from_cols_array(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., -1., 0., 0., 0., 1., 1.]);
+        let squeeze =
+            Mat4::from_cols_array(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0.7, 0., 0., 0., 0.3, 1.]);
+        let mut state = 9u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
+        };
+        for round in 0..600 {
+            let eye = Vec3::new(next() as f32, next() as f32, next() as f32) * 10f32.powi(round % 6);
+            let dir = Vec3::new(next() as f32, next() as f32, next() as f32 - 1.5).normalize();
+            let world = Mat4::from_rotation_z(next() as f32) * Mat4::from_rotation_x(next() as f32);
+            let p = directx::perspective_infinite(1.0, 1.5, 0.1);
+            let p = [p, flip * p, squeeze * p, flip * (squeeze * p)][round as usize % 4];
+            let own = world.as_dmat4().inverse().transform_point3(eye.as_dvec3());
+            let m = p * look_to_mat4(eye, dir, Vec3::Y) * world;
+            let view = View::from_view_projection(m).unwrap();
+            let ahead = world.as_dmat4().inverse().transform_vector3(dir.as_dvec3());
+            for far in [1.0, 1e2, 1e3, 1e4, 1e5] {
+                let q = own + ahead * (far + 3e-6 * own.length());
+                assert!(view.planes.iter().all(|h| h.distance(q) >= -1e-4 * far), "{round} {eye} {far}");
+            }
+        }
     }
 }

@@ -4,6 +4,9 @@
 //! Margin: sums of three products of coordinates err by less than 16 units in the last
 //! place of the largest; faces are moved by that.
 
+mod hull;
+mod planes;
+
 use glam::{DMat3, DVec3, Vec3};
 
 use super::{CellRun, Shape};
@@ -11,12 +14,30 @@ use crate::error::{Error, finite3};
 use crate::grid::Grid;
 use crate::occlusion::Polytope;
 use crate::{Obb, Plane};
+use hull::{Closed, closed};
 
 /// The most points or half-spaces of a [`Convex`].
 pub const MAX_CONVEX: usize = 64;
 
-/// Points this close to a face's plane, as a share of the solid's size, lie on it.
+/// Points this close to a face's plane, as a share of the solid's size, lie on it: far above the rounding of
+/// double precision, far below what single precision tells apart.
 const FLAT: f64 = 1e-9;
+
+/// Points this close to the hull of the others, as a share of its size, are left out of it: somewhat more than
+/// the few units in the last place by which copies of a corner differ in single precision.
+const KEPT: f64 = 1e-6;
+
+/// Distances from faces are off by this share of the greatest coordinate and offset: sums of three products err
+/// by less than 16 units in the last place.
+const DISTANCE: f64 = 16.0 * f64::EPSILON;
+
+/// Corners computed in double precision are off by this share of the greatest coordinate at most: by a
+/// rounding for each of their three coordinates, and as much again for what led to them.
+const ROUNDED: f64 = 4.0 * f64::EPSILON;
+
+/// Solids moved are pulled in by a share of themselves, to lie in the solid as moved exactly. A
+/// larger share is refused: hardly a solid is left between roundings.
+const MAX_MOVE_PULL: f64 = 1e-3;
 
 /// A convex polytope: a hull of points, or an intersection of half-spaces.
 ///
@@ -41,14 +62,19 @@ pub struct Convex {
     pub(crate) faces: Vec<(DVec3, f64)>,
     /// Two vertices, and the two faces that meet there.
     pub(crate) edges: Vec<[u16; 4]>,
+    /// The solid asked for reaches beyond faces and bounding box by this much at most, in world units.
+    pub(crate) lost: f64,
 }
 
 impl Convex {
-    /// The hull of points. Costs n^4 for n points: meant for hulls of tens of them, made once.
+    /// The hull of points. Costs about n^2 for n points.
+    ///
+    /// The solid lies inside the hull. Of points nearer than a millionth of the hull's size to the hull of
+    /// the others it may leave out any: corners may come several times, each a few roundings elsewhere.
     ///
     /// # Errors
-    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and
-    /// points that (nearly) lie in one plane.
+    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points that lie
+    /// in one plane to within a millionth of their size.
     pub fn from_points(points: &[Vec3]) -> Result<Self, Error> {
         for &p in points {
             finite3("a point of a convex solid", p)?;
@@ -57,157 +83,101 @@ impl Convex {
             return Err(Error::Convex("it needs 4 to 64 points"));
         }
         let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-        let size = size_of_hull(&points);
-        let flat = FLAT * size;
-        let mut faces: Vec<(DVec3, f64)> = Vec::new();
-        for k in 2..points.len() {
-            for j in 1..k {
-                for i in 0..j {
-                    let (a, b, c) = (points[i], points[j], points[k]);
-                    let n = (b - a).cross(c - a);
-                    // Thin triangles tell no direction.
-                    if n.length() <= 1e-7 * size * size {
-                        continue;
-                    }
-                    let n = n.normalize();
-                    let (mut least, mut most) = (0f64, 0f64);
-                    for &p in &points {
-                        let d = n.dot(p - a);
-                        (least, most) = (least.min(d), most.max(d));
-                    }
-                    if most <= flat {
-                        add_face(&mut faces, (n, n.dot(a)), size);
-                    }
-                    if least >= -flat {
-                        add_face(&mut faces, (-n, -n.dot(a)), size);
-                    }
-                }
-            }
-        }
-        Self::joined(points, faces, size)
+        Self::hull(&points, 0.0).ok_or(Error::Convex("its points lie in one plane, or too close together"))
     }
 
     /// The intersection of half-spaces, all of which hold the solid. Costs n^4 for n of them.
     ///
+    /// The solid lies inside the intersection: each of its corners satisfies every half-space exactly, and
+    /// so do all points behind its faces. Corners nearer than a millionth of the solid's size to the hull of
+    /// the others may be cut off.
+    ///
     /// # Errors
-    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], and
-    /// half-spaces whose intersection is empty, flat or unbounded.
+    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], half-spaces whose
+    /// intersection is empty, flat or unbounded, and solids so thin and so far from the origin that double
+    /// precision does not resolve them.
     pub fn from_planes(planes: &[Plane]) -> Result<Self, Error> {
         if !(4..=MAX_CONVEX).contains(&planes.len()) {
             return Err(Error::Convex("it needs 4 to 64 half-spaces"));
         }
-        let mut outward = Vec::new();
         for (i, plane) in planes.iter().enumerate() {
-            let n = plane.normal.as_dvec3();
-            let length = n.length();
+            let length = plane.normal.as_dvec3().length();
             if !(length > 0.0 && length.is_finite() && plane.offset.is_finite()) {
                 return Err(Error::Plane(i));
             }
-            outward.push((-n / length, f64::from(plane.offset) / length));
         }
-        let mut points: Vec<DVec3> = Vec::new();
-        for k in 2..outward.len() {
-            for j in 1..k {
-                for i in 0..j {
-                    let [(a, p), (b, q), (c, r)] = [outward[i], outward[j], outward[k]];
-                    let m = DMat3::from_cols(a, b, c).transpose();
-                    if m.determinant().abs() < 1e-7 {
-                        continue;
-                    }
-                    let x = m.inverse() * DVec3::new(p, q, r);
-                    let reach = x.abs().max_element().max(1e-30);
-                    let inside = outward.iter().all(|&(n, h)| n.dot(x) - h <= FLAT * (reach + h.abs()));
-                    if inside && !points.iter().any(|y| (*y - x).length() <= 10.0 * FLAT * reach) {
-                        points.push(x);
-                    }
-                }
-            }
+        let corners = planes::corners(planes)?;
+        let reach = corners.inside.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        if reach > f64::from(f32::MAX) {
+            return Err(Error::Convex("its corners lie beyond the range of single precision"));
         }
-        if points.len() < 4 {
-            return Err(Error::Convex("its half-spaces bound no solid"));
-        }
-        let size = size_of_hull(&points);
-        let mut faces = Vec::new();
-        for face in outward {
-            let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-            let on = |p: &&DVec3| (face.0.dot(**p) - face.1).abs() <= 100.0 * FLAT * (size + reach);
-            if points.iter().filter(on).count() >= 3 {
-                add_face(&mut faces, face, size);
-            }
-        }
-        Self::joined(points, faces, size)
+        let mut solid = Self::hull(&corners.inside, ROUNDED * reach).ok_or(planes::NO_SOLID)?;
+        solid.lost = solid.beyond(&corners.found) + FLAT * size_of_hull(&corners.found) + ROUNDED * reach;
+        Ok(solid)
     }
 
-    /// Finds the edges, and checks that the faces close.
-    fn joined(points: Vec<DVec3>, mut faces: Vec<(DVec3, f64)>, size: f64) -> Result<Self, Error> {
-        const OPEN: Error =
-            Error::Convex("its faces do not close: the points are flat, or too close together");
-        let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let on = |f: usize, p: DVec3| {
-            let (n, h) = faces[f];
-            (n.dot(p) - h).abs() <= 100.0 * FLAT * (size + reach)
+    /// The hull of points that are known to within `rounded`.
+    fn hull(points: &[DVec3], rounded: f64) -> Option<Self> {
+        let size = size_of_hull(points);
+        let Closed { vertices, faces, edges } = closed(points, KEPT * size, FLAT * size + 2.0 * rounded)?;
+        let mut solid = Self { vertices, faces, edges, lost: 0.0 };
+        solid.lost = solid.beyond(points);
+        Some(solid)
+    }
+
+    /// How far points reach beyond the faces or the bounding box.
+    fn beyond(&self, points: &[DVec3]) -> f64 {
+        let (min, max) = self.corner_bounds();
+        let over = |&p: &DVec3| {
+            let outside = (min - p).max(p - max).max_element();
+            self.faces.iter().map(|&(n, h)| n.dot(p) - h).fold(outside, f64::max)
         };
-        let mut edges = Vec::new();
-        for g in 0..faces.len() {
-            for f in 0..g {
-                let along = faces[f].0.cross(faces[g].0);
-                if along.length() < 1e-9 {
-                    continue;
-                }
-                let shared = (0..points.len()).filter(|&i| on(f, points[i]) && on(g, points[i]));
-                let place = |i: &usize| along.dot(points[*i]);
-                let least = shared.clone().min_by(|a, b| place(a).total_cmp(&place(b)));
-                let most = shared.max_by(|a, b| place(a).total_cmp(&place(b)));
-                if let (Some(a), Some(b)) = (least, most)
-                    && a != b
-                {
-                    edges.push([a as u16, b as u16, f as u16, g as u16]);
-                }
-            }
-        }
-        let mut used: Vec<usize> =
-            edges.iter().flat_map(|e| [usize::from(e[0]), usize::from(e[1])]).collect();
-        used.sort_unstable();
-        used.dedup();
-        // Each face is a ring: every vertex of it ends two of its edges. And Euler's formula holds.
-        let rings = (0..faces.len()).all(|f| {
-            let own: Vec<&[u16; 4]> =
-                edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f).collect();
-            let ends = |v: u16| own.iter().filter(|e| e[0] == v || e[1] == v).count();
-            own.len() >= 3 && own.iter().all(|e| ends(e[0]) == 2 && ends(e[1]) == 2)
-        });
-        if !rings || faces.len() < 4 || used.len() + faces.len() != edges.len() + 2 {
-            return Err(OPEN);
-        }
-        let mut renamed = vec![0u16; points.len()];
-        for (new, &old) in used.iter().enumerate() {
-            renamed[old] = new as u16;
-        }
-        for e in &mut edges {
-            (e[0], e[1]) = (renamed[usize::from(e[0])], renamed[usize::from(e[1])]);
-        }
-        let vertices: Vec<DVec3> = used.iter().map(|&i| points[i]).collect();
-        // Faces go no farther out than the corners of their own edges.
-        for (f, (n, h)) in faces.iter_mut().enumerate() {
-            let own = edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
-            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(vertices[usize::from(v)]));
-            *h = ends.fold(f64::INFINITY, f64::min);
-        }
-        Ok(Self { vertices, faces, edges })
+        points.iter().map(over).fold(0.0, f64::max)
     }
 
-    /// The same solid, moved.
+    /// The same solid, moved. Where sums round, it is smaller than the solid moved exactly, inside which it lies:
+    /// by a few units in the last place of its coordinates, more for corners far from its middle.
     ///
     /// # Errors
-    /// Refuses an offset that is not finite.
+    /// Refuses an offset that is not finite, and one that takes the solid where double precision hardly resolves it.
     pub fn translated(&self, offset: Vec3) -> Result<Self, Error> {
+        const TOO_FAR: Error = Error::Convex("it is too thin to be moved so far from the origin");
         finite3("the offset", offset)?;
         let by = offset.as_dvec3();
-        Ok(Self {
-            vertices: self.vertices.iter().map(|&v| v + by).collect(),
-            faces: self.faces.iter().map(|&(n, h)| (n, h + n.dot(by))).collect(),
-            edges: self.edges.clone(),
-        })
+        // What a sum of two numbers loses, exactly (Knuth's two-sum).
+        let lost = |a: f64, b: f64| {
+            let (sum, back) = (a + b, a + b - a);
+            (a - (sum - back)) + (b - back)
+        };
+        let exact = |v: &DVec3| (0..3).all(|i| lost(v[i], by[i]) == 0.0);
+        let mut moved = self.clone();
+        for v in &mut moved.vertices {
+            *v += by;
+        }
+        let reach = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        let mut pull = 0.0;
+        if !self.vertices.iter().all(exact) {
+            // A ball of the pull times the depth around each corner as pulled exactly lies in the solid: it
+            // has room for what rounds.
+            let middle = self.middle();
+            let depth = self.faces.iter().map(|&(n, h)| h - n.dot(middle)).fold(f64::INFINITY, f64::min);
+            let room = 2.0 * ROUNDED * (reach + self.reach());
+            pull = room / depth;
+            if !(0.0..MAX_MOVE_PULL).contains(&pull) {
+                return Err(TOO_FAR);
+            }
+            let center = middle + by;
+            for v in &mut moved.vertices {
+                *v = center + (*v - center) * (1.0 - pull);
+            }
+        }
+        moved.lost += pull * size_of_hull(&self.vertices) + ROUNDED * (reach + self.reach());
+        for (f, (n, h)) in moved.faces.iter_mut().enumerate() {
+            let own = moved.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
+            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(moved.vertices[usize::from(v)]));
+            *h = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
+        }
+        Ok(moved)
     }
 
     /// The corners.
@@ -234,8 +204,19 @@ impl Convex {
         }
     }
 
+    /// What the distance of a point from a face may be off by.
     fn margin(&self, p: DVec3, h: f64) -> f64 {
-        16.0 * f64::EPSILON * (p.abs().max_element() + h.abs())
+        DISTANCE * (p.abs().max_element() + h.abs())
+    }
+
+    /// The greatest coordinate.
+    fn reach(&self) -> f64 {
+        self.vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
+    }
+
+    fn corner_bounds(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)))
     }
 }
 
@@ -243,13 +224,6 @@ fn size_of_hull(points: &[DVec3]) -> f64 {
     let min = points.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
     let max = points.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
     (max - min).max_element()
-}
-
-fn add_face(faces: &mut Vec<(DVec3, f64)>, face: (DVec3, f64), size: f64) {
-    let same = |f: &(DVec3, f64)| (f.0 - face.0).length() < 1e-6 && (f.1 - face.1).abs() < 1e-6 * size;
-    if !faces.iter().any(same) {
-        faces.push(face);
-    }
 }
 
 fn corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
@@ -287,16 +261,15 @@ fn filtered(
 
 impl Shape for Convex {
     fn bounds(&self) -> (DVec3, DVec3) {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)))
+        let (min, max) = self.corner_bounds();
+        (min - self.lost, max + self.lost)
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
         let meets = |min: DVec3, max: DVec3| {
             self.faces.iter().all(|&(n, h)| {
                 let nearest = DVec3::select(n.cmpge(DVec3::ZERO), min, max);
-                n.dot(nearest)
-                    <= h + self.margin(min.abs().max(max.abs()), h) + FLAT * size_of_hull(&self.vertices)
+                n.dot(nearest) <= h + self.margin(min.abs().max(max.abs()), h) + self.lost
             })
         };
         filtered(grid, self.bounds(), meets, out);
@@ -307,17 +280,14 @@ impl Shape for Convex {
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-        let slack = FLAT * size_of_hull(&self.vertices);
         self.faces.iter().all(|&(n, h)| {
             let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
-            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h) - slack
+            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h)
         })
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
-        let reach = self.vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let slack = 1e-6 * (size_of_hull(&self.vertices) + reach);
-        self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + slack)
+        self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + self.lost)
     }
 }
 

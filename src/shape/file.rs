@@ -181,7 +181,7 @@ impl TriMesh {
             out.extend(chain.to_le_bytes());
         }
         count(out, self.parts.len());
-        for Convex { vertices, faces, edges } in &self.parts {
+        for Convex { vertices, faces, edges, .. } in &self.parts {
             let counts = [vertices.len(), faces.len(), edges.len()];
             out.extend(counts.iter().flat_map(|&n| (n as u16).to_le_bytes()));
             out.extend(vertices.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes));
@@ -443,7 +443,7 @@ impl Contents<'_> {
                 c.check(i, apart && there, "has an edge without two of its corners and two of its faces")?;
                 Ok(edge)
             })?;
-            Ok(Convex { vertices, faces, edges })
+            Ok(Convex { vertices, faces, edges, lost: 0.0 })
         })?;
         let holds = min.cmple(low).all() && max.cmpge(high).all();
         self.check(parts.len(), holds, "is missing: all parts together do not reach around the mesh")?;

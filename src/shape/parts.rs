@@ -270,7 +270,7 @@ impl Solid {
         for edge in &mut edges {
             (edge[0], edge[1]) = (number[usize::from(edge[0])], number[usize::from(edge[1])]);
         }
-        Convex { vertices, faces: self.faces.iter().map(|f| f.0).collect(), edges }
+        Convex { vertices, faces: self.faces.iter().map(|f| f.0).collect(), edges, lost: 0.0 }
     }
 }
 

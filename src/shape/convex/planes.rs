@@ -1,0 +1,154 @@
+//! Corners of an intersection of half-spaces, none of them outside.
+//!
+//! Everything is computed relative to a point inside, where numbers are as small as the solid is. Planes are
+//! points of the dual space: the triangles of their hull are the corners of the solid. In the end corners are pulled
+//! towards the point inside until each is proven to lie in every half-space.
+
+use glam::{DMat3, DVec3};
+
+use super::hull;
+use super::{FLAT, Plane};
+use crate::error::Error;
+
+/// Sums of four products by error-free transformations err by less than this share of the sum of their
+/// magnitudes, beyond one rounding (Ogita, Rump and Oishi 2005: (4 * 2^-53)^2 = 2^-102).
+const TWICE: f64 = 1.0 / (1u128 << 100) as f64;
+
+/// The first pull, in units of the greatest coordinate over the solid's depth: corners are off by a
+/// rounding along each axis, and the pull itself rounds as often.
+const FIRST_PULL: f64 = 4.0 * f64::EPSILON;
+
+/// Pulls of more than this share of the solid are refused: hardly a solid is left between roundings.
+const MAX_PULL: f64 = 1e-3;
+
+/// Three planes less askew than this (the volume between their normals) do not help to find the middle.
+const ASKEW: f64 = 1e-7;
+
+/// How often the middle is looked for, from ever nearer. Twice suffices for planes that all bound the
+/// solid, once more helps where far planes mislead the first guess.
+const PASSES: usize = 3;
+
+pub(super) const NO_SOLID: Error = Error::Convex("its half-spaces bound no solid");
+const TOO_THIN: Error = Error::Convex(
+    "between its half-spaces is less room than double precision resolves so far from the origin",
+);
+
+/// Corners of a solid.
+pub(super) struct Corners {
+    /// Proven to lie in every half-space.
+    pub(super) inside: Vec<DVec3>,
+    /// As computed, possibly outside by a rounding.
+    pub(super) found: Vec<DVec3>,
+}
+
+/// `normal . x + offset` as if computed in twice the precision, and a bound of its error: zero if nothing
+/// was rounded.
+fn value(plane: &Plane, x: DVec3) -> (f64, f64) {
+    let n = plane.normal.as_dvec3();
+    let (mut sum, mut rest, mut all) = (f64::from(plane.offset), 0.0, f64::from(plane.offset).abs());
+    let mut exact = true;
+    for i in 0..3 {
+        let product = n[i] * x[i];
+        let low = n[i].mul_add(x[i], -product);
+        let next = sum + product;
+        let back = next - sum;
+        let lost = (sum - (next - back)) + (product - back);
+        exact &= low == 0.0 && lost == 0.0;
+        (sum, rest, all) = (next, rest + (low + lost), all + product.abs());
+    }
+    (sum + rest, if exact { 0.0 } else { TWICE * all })
+}
+
+fn surely_holds(plane: &Plane, x: DVec3) -> bool {
+    let (value, error) = value(plane, x);
+    value >= error
+}
+
+/// Outward normals of length 1, and distances from a point.
+fn around(planes: &[Plane], center: DVec3) -> Vec<(DVec3, f64)> {
+    let scaled = |p: &Plane| {
+        let n = p.normal.as_dvec3();
+        (-n / n.length(), value(p, center).0 / n.length())
+    };
+    planes.iter().map(scaled).collect()
+}
+
+/// Where three planes meet.
+fn meet([(a, p), (b, q), (c, r)]: [(DVec3, f64); 3], askew: f64) -> Option<DVec3> {
+    let (u, v, w) = (b.cross(c), c.cross(a), a.cross(b));
+    let volume = a.dot(u);
+    if volume.abs() <= askew {
+        return None;
+    }
+    let solve = |p: f64, q: f64, r: f64| (u * p + v * q + w * r) / volume;
+    let x = solve(p, q, r);
+    // Once more with what is left over: then x is on all three planes but for rounding, however askew they are.
+    Some(x + solve(p - a.dot(x), q - b.dot(x), r - c.dot(x))).filter(|x| x.is_finite())
+}
+
+/// The middle of the corners, counted as often as three planes meet there; `None` if there are none.
+fn middle(near: &[(DVec3, f64)]) -> Option<DVec3> {
+    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+    for k in 2..near.len() {
+        for j in 1..k {
+            for i in 0..j {
+                let Some(x) = meet([near[i], near[j], near[k]], ASKEW) else { continue };
+                let reach = x.abs().max_element();
+                if near.iter().all(|&(n, h)| n.dot(x) - h <= FLAT * (reach + h.abs())) {
+                    (sum, count) = (sum + x, count + 1.0);
+                }
+            }
+        }
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
+/// The point with the least sum of squares of distances from all planes: near the solid, unless some planes
+/// are far from it.
+fn first_guess(planes: &[Plane]) -> DVec3 {
+    let (mut m, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for (n, h) in around(planes, DVec3::ZERO) {
+        m += DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        right += n * h;
+    }
+    let guess = m.inverse() * right;
+    if guess.is_finite() { guess } else { DVec3::ZERO }
+}
+
+/// The corners of the intersection of half-spaces, each of which has a direction.
+pub(super) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
+    let mut center = first_guess(planes);
+    for _ in 0..PASSES {
+        center += middle(&around(planes, center)).ok_or(NO_SOLID)?;
+    }
+    let near = around(planes, center);
+    let depth = near.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    if depth.is_nan() || depth <= 0.0 || !center.is_finite() {
+        return Err(NO_SOLID);
+    }
+    // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
+    let dual: Vec<DVec3> = near.iter().map(|&(n, h)| n * (depth / h)).collect();
+    let triangles = hull::triangles(&dual, 0.0).ok_or(NO_SOLID)?;
+    if !hull::surrounds(&dual, &triangles, DVec3::ZERO) {
+        return Err(NO_SOLID);
+    }
+    let found: Vec<DVec3> = triangles.iter().filter_map(|t| meet(t.map(|i| near[i]), 0.0)).collect();
+    // Whatever rounding made of a corner, on its way to the middle it enters the solid.
+    let entered = |&x: &DVec3| {
+        let shares = near.iter().map(|&(n, h)| if n.dot(x) > h { h / n.dot(x) } else { 1.0 });
+        x * shares.fold(1.0, f64::min)
+    };
+    let drawn_in: Vec<DVec3> = found.iter().map(entered).collect();
+    let reach = drawn_in.iter().map(|x| (center.abs() + x.abs()).max_element()).fold(0.0, f64::max);
+    let mut pull = 0.0;
+    loop {
+        let inside: Vec<DVec3> = drawn_in.iter().map(|&x| center + x * (1.0 - pull)).collect();
+        if inside.iter().all(|&x| planes.iter().all(|p| surely_holds(p, x))) {
+            return Ok(Corners { inside, found: found.iter().map(|&x| center + x).collect() });
+        }
+        pull = f64::max(2.0 * pull, FIRST_PULL * reach / depth);
+        if pull.is_nan() || pull > MAX_PULL {
+            return Err(TOO_THIN);
+        }
+    }
+}
