@@ -193,7 +193,8 @@ impl Grid {
         IVec3::from_array([0, 1, 2].map(|axis| self.cell_along(axis, point[axis])))
     }
 
-    fn cell_along(&self, axis: usize, p: f64) -> i32 {
+    /// [`Grid::cell_of`] along one axis.
+    pub(crate) fn cell_along(&self, axis: usize, p: f64) -> i32 {
         let guess = ((p - self.origin[axis]) / self.cell).floor().clamp(-FAR_CELLS, FAR_CELLS);
         let i = guess as i32;
         // The quotient may be off by one rounding: the planes decide.

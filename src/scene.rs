@@ -904,6 +904,7 @@ impl Scene {
         object.in_cells = small;
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
         let dynamic = !object.is_static();
+        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
         if small {
             bounds.touched(&grid, &mut |run| run.cells().for_each(|c| self.ids.insert(c, slot)));
         }
@@ -929,6 +930,7 @@ impl Scene {
         let in_cells = std::mem::take(&mut object.in_cells);
         let dynamic = !object.is_static();
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
+        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
         if in_cells {
             bounds.touched(&grid, &mut |run| run.cells().for_each(|c| self.ids.remove(c, slot)));
         }

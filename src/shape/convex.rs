@@ -190,6 +190,13 @@ impl Convex {
         self.faces.len()
     }
 
+    /// Bytes on the heap.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.vertices.capacity() * size_of::<DVec3>()
+            + self.faces.capacity() * size_of::<(DVec3, f64)>()
+            + self.edges.capacity() * size_of::<[u16; 4]>()
+    }
+
     /// A point inside.
     pub(crate) fn middle(&self) -> DVec3 {
         self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64

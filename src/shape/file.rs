@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `cascamsh` |
-//! | 4 | version, 1 |
+//! | 4 | version, 2 |
 //! | 8 | length of the contents |
 //! | | contents: the sections below, in this order |
 //! | 8 | checksum of all before: FNV-1a of 64 bits |
@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | positions | 12 | x, y, z (f32) |
 //! | triangles | 12 | three positions (u32) |
-//! | flags | 9 | one entry: closed (u8, 0 or 1); sine of the greatest angle in a patch if triangles hide from their front, else -1 (f64) |
+//! | flags | 10 | one entry: closed (u8, 0 or 1); occludes (u8, 0 or 1); sine of the greatest angle in a patch if triangles hide from their front, else -1 (f64) |
 //! | sides | 33 | from, to (f32 x 3), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
 //! | patches | 68 | number of its sides (u32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
 //! | clusters | 4 | number of its patches (u32) |
@@ -24,21 +24,22 @@
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces (f64 x 4), edges (u16 x 4) |
 //!
 //! Sides lie in the order of their patches, patches in that of their clusters. What follows from the
-//! rest is computed when read: the bounds, and slack and boxes of patches and clusters.
+//! rest is computed when read: the bounds, and slack and boxes of patches and clusters. A mesh that occludes nothing has
+//! no sides, patches, clusters and open sides.
 //! What is read and written again gives the same bytes.
 
 use std::io::{self, Read, Write};
 
 use glam::{DVec3, Vec3};
 
-use super::mesh::{is_closed, is_wound_alike, middle_of};
+use super::mesh::is_closed;
 use super::{Convex, TriMesh};
 use crate::Aabb;
 use crate::error::FileError;
 use crate::surface::{Cluster, NONE, Patch, Side, Surface, slack};
 
 const MAGIC: [u8; 8] = *b"cascamsh";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes before the contents.
 const HEADER: usize = 20;
 /// Bytes after the contents.
@@ -155,6 +156,7 @@ impl TriMesh {
         out.extend(self.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
         count(out, 1);
         out.push(u8::from(self.closed));
+        out.push(u8::from(self.occludes));
         out.extend(self.surface.front.unwrap_or(-1.0).to_le_bytes());
         let Surface { sides, patches, clusters, open, .. } = &self.surface;
         count(out, sides.len());
@@ -309,24 +311,27 @@ impl Contents<'_> {
         let Some(bounds) = Aabb::from_points(corners) else {
             return Err(self.broken(0, "is missing: a mesh has at least one"));
         };
-        let flags = self.section(FLAGS, 9, |c, i| {
+        let flags = self.section(FLAGS, 10, |c, i| {
             c.check(i, i == 0, "is one too many")?;
-            let (closed, front) = (c.flag(i)?, c.f64()?);
+            let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.f64()?);
             let sine = front == -1.0 || (0.0..=1.0).contains(&front);
             c.check(i, sine, "has a sine that is neither -1 nor in [0, 1]")?;
+            let two_sided = occludes || front == -1.0;
+            c.check(i, two_sided, "has a sine, though the mesh occludes nothing")?;
             // Only a mesh that is closed can have opaque cells.
             let holds = !closed || is_closed(&positions, &triangles);
             c.check(i, holds, "says that the mesh is closed, which it is not")?;
-            Ok((closed, (front != -1.0).then_some(front)))
+            Ok((closed, occludes, (front != -1.0).then_some(front)))
         })?;
-        let &[(closed, front)] = flags.as_slice() else {
+        let &[(closed, occludes, front)] = flags.as_slice() else {
             return Err(self.broken(0, "is missing"));
         };
         let surface = self.surface(bounds, front)?;
+        let empty = occludes || surface.sides.is_empty();
+        self.section = SIDES;
+        self.check(0, empty, "is one too many: the mesh occludes nothing")?;
         let parts = self.parts(bounds)?;
-        let middle = middle_of(&parts);
-        let solid = closed && (front.is_none() || is_wound_alike(&positions, &triangles));
-        Ok(TriMesh { positions, triangles, bounds, closed, solid, surface, parts, middle })
+        Ok(TriMesh::from_prepared(positions, triangles, bounds, (closed, occludes), surface, parts))
     }
 
     fn surface(&mut self, bounds: Aabb, front: Option<f64>) -> Result<Surface, FileError> {
@@ -530,7 +535,7 @@ mod tests {
     /// Where the count of each section is.
     fn places(bytes: &[u8]) -> [usize; 8] {
         let mut at = HEADER;
-        [12, 12, 9, 33, 68, 4, 12, 0].map(|size| {
+        [12, 12, 10, 33, 68, 4, 12, 0].map(|size| {
             let here = at;
             at += 8 + size * u64::from_le_bytes(*bytes[at..].first_chunk().unwrap()) as usize;
             here
@@ -607,7 +612,9 @@ mod tests {
                 let refused = read(&damaged).unwrap_err();
                 let named = match at {
                     0..8 => matches!(refused, FileError::Magic { .. }),
-                    8..12 => matches!(refused, FileError::Version { found, known: 1 } if found != 1),
+                    8..12 => {
+                        matches!(refused, FileError::Version { found, known: VERSION } if found != VERSION)
+                    }
                     12..20 => {
                         matches!(refused, FileError::Truncated { .. } | FileError::Checksum { .. })
                     }
@@ -654,7 +661,7 @@ mod tests {
 
     #[test]
     fn other_versions_are_refused() {
-        for found in [0, 2, u32::MAX] {
+        for found in [0, 1, 3, u32::MAX] {
             let mut other = bytes(&corner());
             other[8..12].copy_from_slice(&found.to_le_bytes());
             mend(&mut other);
@@ -718,8 +725,10 @@ mod tests {
             (triangles + 8, &none, TRIANGLES, "not there"),
             (flags + 8, &[1], FLAGS, "which it is not"),
             (flags + 8, &[2], FLAGS, "neither 0 nor 1"),
-            (flags + 9, &two, FLAGS, "sine"),
-            (flags + 9, &nan64, FLAGS, "sine"),
+            (flags + 9, &[3], FLAGS, "neither 0 nor 1"),
+            (flags + 9, &[0], SIDES, "occludes nothing"),
+            (flags + 10, &two, FLAGS, "sine"),
+            (flags + 10, &nan64, FLAGS, "sine"),
             (sides + 8, &nan, PATCHES, "leaves its box"),
             (sides + 20, &100f32.to_le_bytes(), PATCHES, "leaves its box"),
             (sides + 32, &nan, SIDES, "slack"),
@@ -781,7 +790,7 @@ mod tests {
             read(&made).unwrap_err().to_string()
         };
         assert!(cut(triangles, 48, 0).contains("triangles of the mesh is missing"));
-        assert!(cut(flags, 9, 0).contains("flags of the mesh is missing"));
+        assert!(cut(flags, 10, 0).contains("flags of the mesh is missing"));
         assert!(cut(clusters, 4, 0).contains("without a cluster"));
         assert!(cut(parts, whole.len() - CHECKSUM - parts - 8, 0).contains("around the mesh"));
         let mut twice = whole.clone();

@@ -10,14 +10,18 @@
 //! Where triangles hide from their front only, the triangles must be wound alike, and the component must have
 //! a positive winding number: then a ray from where it is zero passes a front.
 
-use glam::{DVec3, IVec3, Vec3};
+use std::sync::{Arc, OnceLock};
 
+use glam::{DVec3, Vec3};
+
+use super::cells::{Held, Holder, SurfaceCells};
+use super::index::Index;
+use super::raster::margin;
 use super::{CellRun, Convex, Shape, parts};
 use crate::Aabb;
 use crate::error::{Error, finite3, not_negative};
 use crate::geometry::Block;
 use crate::grid::Grid;
-use crate::matrix::BitMatrix;
 use crate::surface::{Rules, Surface};
 
 /// How the triangles of a [`TriMesh`] are prepared for hiding.
@@ -52,6 +56,9 @@ pub struct Preparation {
     pub max_angle: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,
+    /// Whether the mesh will hide others. One that will not is prepared faster and takes less memory, but
+    /// serves as bounds only: as an occluder it is refused.
+    pub occludes: bool,
 }
 
 /// From which side triangles hide what is behind them: where the renderer draws them.
@@ -67,7 +74,7 @@ pub enum Facing {
 
 impl Default for Preparation {
     fn default() -> Self {
-        Self { tolerance: None, least_radius: None, max_angle: None, facing: Facing::Both }
+        Self { tolerance: None, least_radius: None, max_angle: None, facing: Facing::Both, occludes: true }
     }
 }
 
@@ -104,9 +111,14 @@ pub struct TriMesh {
     pub(super) closed: bool,
     /// Whether it can have opaque cells.
     pub(super) solid: bool,
+    /// Whether it may hide others: else its surface is empty.
+    pub(super) occludes: bool,
     pub(super) surface: Surface,
     pub(super) parts: Vec<Convex>,
     pub(super) middle: DVec3,
+    /// Made when it is first asked.
+    pub(super) index: OnceLock<Index>,
+    pub(super) cells: Holder,
 }
 
 impl TriMesh {
@@ -119,6 +131,31 @@ impl TriMesh {
     /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         Self::prepare(positions, triangles, &Preparation::default(), &mut |_| ())
+    }
+
+    /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested only (see
+    /// [`Preparation::occludes`]).
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use casca::{Error, ObjectDesc, TriMesh};
+    /// use glam::Vec3;
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let pane = TriMesh::bounds_only(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+    /// assert!(!pane.occludes());
+    /// let desc = ObjectDesc::fixed(Arc::new(pane));
+    /// # let _ = desc;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`TriMesh::new`].
+    pub fn bounds_only(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
+        let how = Preparation { occludes: false, ..Preparation::default() };
+        Self::prepare(positions, triangles, &how, &mut |_| ())
     }
 
     /// As [`TriMesh::new`], prepared as asked; `progress` is told what share of the work is done.
@@ -141,14 +178,32 @@ impl TriMesh {
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
         let closed = is_closed(&positions, &triangles);
-        let solid = closed && (how.facing == Facing::Both || is_wound_alike(&positions, &triangles));
         progress(0.2);
-        let surface = Surface::new(&positions, &triangles, &rules);
+        let surface = match how.occludes {
+            true => Surface::new(&positions, &triangles, &rules),
+            false => Surface::default(),
+        };
         progress(0.7);
         let parts = parts::parts(&positions, &triangles);
         progress(1.0);
+        Ok(Self::from_prepared(positions, triangles, bounds, (closed, how.occludes), surface, parts))
+    }
+
+    /// The mesh from what was prepared, and what follows from that. Says whether it is closed, and whether it
+    /// hides others.
+    pub(super) fn from_prepared(
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        bounds: Aabb,
+        (closed, occludes): (bool, bool),
+        surface: Surface,
+        parts: Vec<Convex>,
+    ) -> Self {
+        let front = surface.front.is_some();
+        let solid = closed && occludes && (!front || is_wound_alike(&positions, &triangles));
         let middle = middle_of(&parts);
-        Ok(Self { positions, triangles, bounds, closed, solid, surface, parts, middle })
+        let (index, cells) = (OnceLock::new(), Holder::default());
+        Self { positions, triangles, bounds, closed, solid, occludes, surface, parts, middle, index, cells }
     }
 
     /// The positions given.
@@ -170,6 +225,22 @@ impl TriMesh {
     /// has an inside. Others make no opaque cells.
     pub fn is_closed(&self) -> bool {
         self.closed
+    }
+
+    /// Whether it was prepared to hide others (see [`Preparation::occludes`]).
+    pub fn occludes(&self) -> bool {
+        self.occludes
+    }
+
+    /// Bytes that it holds on the heap. Some of them are taken only once they are
+    /// needed: an index of the triangles, when it is first asked whether something lies inside.
+    pub fn memory_bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<Vec3>()
+            + self.triangles.capacity() * size_of::<[u32; 3]>()
+            + self.surface.bytes()
+            + self.parts.capacity() * size_of::<Convex>()
+            + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
+            + self.index.get().map_or(0, Index::bytes)
     }
 
     /// How many patches of triangles are kept for hiding.
@@ -197,54 +268,64 @@ impl TriMesh {
         &self.surface
     }
 
-    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
-        self.triangles.iter().map(|t| t.map(|v| self.positions[v as usize].as_dvec3()))
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// The block of grid cells that holds the mesh, and its surface as bits
-    /// relative to the block's first cell.
-    fn surface_cells(&self, grid: &Grid) -> Option<(IVec3, BitMatrix)> {
-        let (lo, hi) = grid.cover(self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3());
-        let (lo, hi) = grid.clip(lo, hi)?;
-        let mut bits = BitMatrix::new(hi - lo + 1);
-        for t in self.corners() {
-            let (min, max) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
-            let margin = margin(&t);
-            let (a, b) = grid.cover(min - margin, max + margin);
-            let (a, b) = (a.max(lo), b.min(hi));
-            if a.cmpgt(b).any() {
-                continue;
-            }
-            let single = a == b;
-            for z in a.z..=b.z {
-                for y in a.y..=b.y {
-                    for x in a.x..=b.x {
-                        let cell = IVec3::new(x, y, z);
-                        if single || triangle_meets_box(&t, grid.cell_bounds(cell), margin) {
-                            bits.set(cell - lo);
-                        }
-                    }
-                }
-            }
-        }
-        Some((lo, bits))
+    fn all_corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        (0..self.triangles.len() as u32).map(|t| self.corners(t))
+    }
+
+    fn index(&self) -> &Index {
+        let corners = |t: u32| self.triangles[t as usize].map(|v| self.positions[v as usize]);
+        self.index.get_or_init(|| Index::new(self.triangles.len(), &corners))
+    }
+
+    /// The block of grid cells that holds the mesh, and its surface there.
+    fn surface_cells(&self, grid: &Grid) -> Option<Arc<SurfaceCells>> {
+        self.cells.get(grid, || SurfaceCells::new(self.all_corners(), grid, self.bounds()))
+    }
+
+    /// While the result lives, the mesh's cells in a grid are found once, and then known.
+    pub(super) fn hold_cells(&self, grid: &Grid) -> Arc<Held> {
+        self.cells.hold(grid)
+    }
+
+    /// The greatest margin of its triangles.
+    fn greatest_margin(&self) -> f64 {
+        let (min, max) = self.bounds();
+        margin(&[min, max, max])
     }
 
     /// Whether triangles may meet a box.
     pub(crate) fn surface_meets(&self, block: &Block) -> bool {
-        self.corners().any(|t| triangle_meets_box(&t, (block.min, block.max), margin(&t)))
+        let (min, max) = (block.min, block.max);
+        self.index().any_in_box((min, max), self.greatest_margin(), |t| {
+            let t = self.corners(t);
+            triangle_meets_box(&t, (min, max), margin(&t))
+        })
     }
 
-    /// Where the line along `axis` through `point` crosses the mesh.
-    fn crossings(&self, axis: usize, point: DVec3, out: &mut Vec<(f64, i32)>) {
-        out.clear();
-        out.extend(self.corners().filter_map(|t| crossing(&t, axis, point)));
+    /// Where the line along `axis` through `point` crosses the mesh before that: how often, and the sum of
+    /// the changes of the winding number.
+    fn crossings_before(&self, axis: usize, point: DVec3) -> (u32, i32) {
+        let (mut count, mut winding) = (0, 0);
+        let (mut min, mut max) = (point, point);
+        min[axis] = f64::NEG_INFINITY;
+        max[axis] = point[axis];
+        // Triangles that are left out would give no crossing, or one that comes later.
+        self.index().any_in_box((min, max), self.greatest_margin(), |t| {
+            if let Some((_, change)) = crossing(&self.corners(t), axis, point).filter(|c| c.0 < point[axis]) {
+                (count, winding) = (count + 1, winding + change);
+            }
+            false
+        });
+        (count, winding)
     }
 
     /// Whether what lies beyond crossings of a line is behind the mesh's triangles as seen
     /// from outside.
-    fn is_behind(&self, crossed: impl Iterator<Item = (f64, i32)>) -> bool {
-        let (count, winding) = crossed.fold((0u32, 0), |(n, sum), c| (n + 1, sum + c.1));
+    fn is_behind(&self, (count, winding): (u32, i32)) -> bool {
         count % 2 == 1 && (winding > 0 || self.surface.front.is_none())
     }
 }
@@ -282,13 +363,6 @@ pub(super) fn is_wound_alike(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool
     }
     edges.sort_unstable();
     edges.windows(2).all(|w| w[0] != w[1])
-}
-
-/// How much a triangle is widened: roundings of the separating-axis test stay
-/// below a few units in the last place of the products.
-fn margin(t: &[DVec3; 3]) -> f64 {
-    let largest = t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    largest * 1e-12
 }
 
 /// Separating-axis test of a triangle against a closed box widened by `margin`.
@@ -343,44 +417,14 @@ fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<(f64, i32)> {
     Some((if along.is_nan() { lo } else { along.clamp(lo, hi) }, winding))
 }
 
-/// A run of cells without surface in one row of the block.
-struct Gap {
-    x0: i32,
-    x1: i32,
-    parent: u32,
-}
-
-fn root(gaps: &mut [Gap], mut i: u32) -> u32 {
-    while gaps[i as usize].parent != i {
-        let up = gaps[gaps[i as usize].parent as usize].parent;
-        gaps[i as usize].parent = up;
-        i = up;
-    }
-    i
-}
-
-/// Joins the gaps of two neighbouring rows that overlap.
-fn join(gaps: &mut [Gap], a: std::ops::Range<usize>, b: std::ops::Range<usize>) {
-    let (mut i, mut j) = (a.start, b.start);
-    while i < a.end && j < b.end {
-        if gaps[i].x0 <= gaps[j].x1 && gaps[j].x0 <= gaps[i].x1 {
-            let (ri, rj) = (root(gaps, i as u32), root(gaps, j as u32));
-            gaps[ri.max(rj) as usize].parent = ri.min(rj);
-        }
-        if gaps[i].x1 < gaps[j].x1 { i += 1 } else { j += 1 }
-    }
-}
-
 impl Shape for TriMesh {
     fn bounds(&self) -> (DVec3, DVec3) {
         (self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3())
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let Some((lo, bits)) = self.surface_cells(grid) else { return };
-        for c in bits.iter() {
-            let c = c + lo;
-            out(CellRun { x0: c.x, x1: c.x, y: c.y, z: c.z });
+        if let Some(cells) = self.surface_cells(grid) {
+            cells.runs.iter().for_each(|&run| out(run));
         }
     }
 
@@ -388,99 +432,26 @@ impl Shape for TriMesh {
         if !self.solid {
             return;
         }
-        let Some((lo, surface)) = self.surface_cells(grid) else { return };
-        let dims = surface.dims();
-        let mut gaps: Vec<Gap> = Vec::new();
-        let mut behind: Vec<bool> = Vec::new();
-        let mut rows = Vec::with_capacity((dims.y * dims.z) as usize + 1);
-        let mut crossed = Vec::new();
-        let mut by_row: Vec<Vec<u32>> = vec![Vec::new(); (dims.y * dims.z) as usize];
-        for (i, t) in self.corners().enumerate() {
-            let (min, max) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
-            let (a, b) = grid.cover(min, max);
-            let (a, b) = ((a - lo).max(IVec3::ZERO), (b - lo).min(dims - 1));
-            for z in a.z..=b.z {
-                for y in a.y..=b.y {
-                    by_row[(z * dims.y + y) as usize].push(i as u32);
-                }
-            }
-        }
-        for z in 0..dims.z {
-            for y in 0..dims.y {
-                rows.push(gaps.len());
-                let (min, max) = grid.cell_bounds(lo + IVec3::new(0, y, z));
-                let middle = (min + max) * 0.5;
-                crossed.clear();
-                crossed.extend(by_row[(z * dims.y + y) as usize].iter().filter_map(|&i| {
-                    let t = self.triangles[i as usize].map(|v| self.positions[v as usize].as_dvec3());
-                    crossing(&t, 0, middle)
-                }));
-                let mut x = 0;
-                while x < dims.x {
-                    if surface.get(IVec3::new(x, y, z)) {
-                        x += 1;
-                        continue;
-                    }
-                    let x0 = x;
-                    while x < dims.x && !surface.get(IVec3::new(x, y, z)) {
-                        x += 1;
-                    }
-                    let start = grid.plane(0, lo.x + x0);
-                    behind.push(self.is_behind(crossed.iter().copied().filter(|c| c.0 < start)));
-                    let parent = gaps.len() as u32;
-                    gaps.push(Gap { x0, x1: x - 1, parent });
-                }
-                let (here, end) = (rows.len() - 1, gaps.len());
-                if y > 0 {
-                    join(&mut gaps, rows[here - 1]..rows[here], rows[here]..end);
-                }
-                if z > 0 {
-                    let below = here - dims.y as usize;
-                    join(&mut gaps, rows[below]..rows[below + 1], rows[here]..end);
-                }
-            }
-        }
-        rows.push(gaps.len());
-        let mut solid = behind;
-        for i in 0..gaps.len() {
-            let r = root(&mut gaps, i as u32) as usize;
-            solid[r] &= solid[i];
-        }
-        for (row, range) in rows.windows(2).enumerate() {
-            let (y, z) = (row as i32 % dims.y, row as i32 / dims.y);
-            for i in range[0]..range[1] {
-                if solid[root(&mut gaps, i as u32) as usize] {
-                    let (x0, x1) = (gaps[i].x0 + lo.x, gaps[i].x1 + lo.x);
-                    out(CellRun { x0, x1, y: y + lo.y, z: z + lo.z });
-                }
-            }
-        }
+        let Some(cells) = self.surface_cells(grid) else { return };
+        let crossed = cells.crossings(self.all_corners(), grid, |t, point| crossing(t, 0, point));
+        cells.inside(grid, &crossed, |count, winding| self.is_behind((count, winding)), out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-        if !self.solid || !Block::from(self.bounds).contains(&Block { min, max }) {
-            return false;
-        }
-        if self.corners().any(|t| triangle_meets_box(&t, (min, max), margin(&t))) {
+        let block = Block { min, max };
+        if !self.solid || !Block::from(self.bounds).contains(&block) || self.surface_meets(&block) {
             return false;
         }
         let middle = (min + max) * 0.5;
-        let mut crossed = Vec::new();
-        (0..3).all(|axis| {
-            self.crossings(axis, middle, &mut crossed);
-            self.is_behind(crossed.iter().copied().filter(|c| c.0 < middle[axis]))
-        })
+        (0..3).all(|axis| self.is_behind(self.crossings_before(axis, middle)))
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
         if !self.closed || !Block::from(self.bounds).contains_point(point) {
             return false;
         }
-        let mut crossed = Vec::new();
         (0..3).any(|axis| {
-            self.crossings(axis, point, &mut crossed);
-            let before = crossed.iter().filter(|c| c.0 < point[axis]);
-            let (count, winding) = before.fold((0u32, 0), |(n, sum), c| (n + 1, sum + c.1));
+            let (count, winding) = self.crossings_before(axis, point);
             count % 2 == 1 || winding != 0 && self.surface.front.is_some()
         })
     }
@@ -490,7 +461,7 @@ impl Shape for TriMesh {
 mod tests {
     use std::collections::BTreeSet;
 
-    use glam::UVec3;
+    use glam::{IVec3, UVec3};
 
     use super::*;
     use crate::grid::GridSpec;

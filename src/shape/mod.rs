@@ -5,17 +5,21 @@
 //! cells wholly inside the solid. A new kind of shape joins by implementing [`Shape`].
 
 mod aabb;
+mod cells;
 mod convex;
 mod file;
+mod index;
 mod instance;
 mod mesh;
 mod parts;
+mod raster;
 mod sphere;
 
 use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
+pub(crate) use cells::Held;
 pub use convex::{Convex, MAX_CONVEX};
 pub use instance::Instance;
 pub(crate) use instance::Placement;
@@ -103,7 +107,7 @@ pub enum Occluder {
 }
 
 macro_rules! shapes {
-    ($name:ident, $what:literal, $($convex:ident)?) => {
+    ($name:ident, $what:literal, $check_mesh:expr, $($convex:ident)?) => {
         impl $name {
             fn shape(&self) -> &dyn Shape {
                 match self {
@@ -122,7 +126,8 @@ macro_rules! shapes {
                     Self::Box(b) => b.check($what),
                     Self::Oriented(b) => b.check($what),
                     $(Self::$convex(_) => Ok(()),)?
-                    Self::Mesh(_) | Self::Instance(_) => Ok(()),
+                    Self::Mesh(m) => $check_mesh(m),
+                    Self::Instance(i) => $check_mesh(i.mesh()),
                 }
             }
 
@@ -199,8 +204,13 @@ macro_rules! shapes {
     };
 }
 
-shapes!(Bounds, "the bounds",);
-shapes!(Occluder, "the occluder", Convex);
+shapes!(Bounds, "the bounds", |_: &TriMesh| Ok(()),);
+shapes!(Occluder, "the occluder", check_hides, Convex);
+
+/// Refuses a mesh that was not prepared to hide anything.
+fn check_hides(mesh: &TriMesh) -> Result<(), Error> {
+    if mesh.occludes() { Ok(()) } else { Err(Error::BoundsOnly) }
+}
 
 impl From<Arc<Convex>> for Occluder {
     fn from(c: Arc<Convex>) -> Self {
@@ -215,6 +225,15 @@ impl Occluder {
             Self::Mesh(m) => m.is_closed(),
             Self::Instance(_) => false,
             _ => true,
+        }
+    }
+
+    /// While the result lives, the cells of a mesh in a grid are found once, and then known: for the bounds too, if
+    /// those are the same mesh.
+    pub(crate) fn hold_cells(&self, grid: &Grid) -> Option<Arc<Held>> {
+        match self {
+            Self::Mesh(m) => Some(m.hold_cells(grid)),
+            _ => None,
         }
     }
 

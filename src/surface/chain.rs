@@ -12,6 +12,13 @@ use super::{Cluster, NONE, Patch, Rules, Side, Surface};
 /// Patches in a cluster, at most.
 const CLUSTER: usize = 12;
 
+/// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and then at its middle. Few
+/// chains get that far: cuts at the farthest point are mostly balanced.
+const DEPTH: u32 = 4;
+
+/// Chains of up to this many points are cut at their farthest points only.
+const SHORT: u32 = 16;
+
 /// How often each patch runs along an edge, in the edge's direction less against it.
 type Runs = SmallVec<[(u32, i32); 2]>;
 
@@ -40,19 +47,17 @@ pub(super) fn outline(mesh: &Welded, patches: &Patches, rules: &Rules) -> Surfac
 /// The edges of triangles that do not cancel inside a patch.
 fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
     let mut rims = Vec::new();
+    let mut steps: Vec<(u32, i32)> = Vec::new();
     for beside in mesh.edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let mut runs: Runs = SmallVec::new();
-        for &(_, _, t, up) in beside {
+        steps.clear();
+        steps.extend(beside.iter().map(|&(_, _, t, up)| {
             let (patch, turned) = patches.of[t as usize];
-            let step = if up != turned { 1 } else { -1 };
-            match runs.iter_mut().find(|r| r.0 == patch) {
-                Some(run) => run.1 += step,
-                None => runs.push((patch, step)),
-            }
-        }
-        runs.retain(|r| r.1 != 0);
+            (patch, if up != turned { 1 } else { -1 })
+        }));
+        steps.sort_unstable();
+        let sums = steps.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|r| r.1).sum()));
+        let runs: Runs = sums.filter(|&(_, sum)| sum != 0).collect();
         if !runs.is_empty() {
-            runs.sort_unstable();
             rims.push(Rim { ends: [beside[0].0, beside[0].1], runs });
         }
     }
@@ -133,11 +138,13 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     (p - a - d * t).length()
 }
 
-/// Cuts a chain where it is farthest from a straight line, until it is close enough.
+/// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points that costs n
+/// log n: what has been cut too often is halved.
 fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
     let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
-    let mut spans = vec![(0, chain.len() - 1)];
-    while let Some((a, b)) = spans.pop() {
+    let deepest = SHORT + DEPTH * chain.len().ilog2();
+    let mut spans = vec![(0, chain.len() - 1, 0)];
+    while let Some((a, b, depth)) = spans.pop() {
         let (mut farthest, mut slack) = (a, 0.0f64);
         for i in a + 1..b {
             let d = distance_to_segment(at(i), at(a), at(b));
@@ -148,7 +155,8 @@ fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &m
         // A ring must not collapse.
         let ring = chain[a] == chain[b];
         if b > a + 1 && farthest > a && (slack > tolerance || ring) {
-            spans.extend([(farthest, b), (a, farthest)]);
+            let cut = if depth < deepest { farthest } else { a.midpoint(b) };
+            spans.extend([(cut, b, depth + 1), (a, cut, depth + 1)]);
             continue;
         }
         let chain_hash = hash(mesh, &chain[a..=b]);
@@ -212,6 +220,26 @@ fn in_rings(outline: &mut Vec<u32>, straight: &[Straight]) {
     }
 }
 
+/// The patches that run along an edge.
+enum Beside {
+    One,
+    /// Two of them, and whether they run in opposite directions.
+    Two([u32; 2], bool),
+    /// None, more than two, or one several times.
+    More,
+}
+
+impl Beside {
+    fn new(edge: &Straight, number: &[u32]) -> Self {
+        let mut kept = edge.runs.iter().map(|r| (number[r.0 as usize], r.1)).filter(|r| r.0 != NONE);
+        match (kept.next(), kept.next(), kept.next()) {
+            (Some((_, x)), None, None) if x.abs() == 1 => Self::One,
+            (Some((p, x)), Some((q, y)), None) if x.abs() == 1 && y.abs() == 1 => Self::Two([p, q], x == -y),
+            _ => Self::More,
+        }
+    }
+}
+
 /// Patches with their slabs, boxes and outlines, in clusters.
 fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
     let count = grown.normals.len();
@@ -248,6 +276,8 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
         number[old as usize] = new as u32;
     }
 
+    // What lies at each edge, of what is kept.
+    let beside: Vec<Beside> = straight.iter().map(|edge| Beside::new(edge, &number)).collect();
     let sine = (1.0 - rules.cosine * rules.cosine).max(0.0).sqrt();
     let mut surface = Surface { front: rules.front.then_some(sine), ..Surface::default() };
     for &old in &order {
@@ -258,17 +288,13 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
             let edge = &straight[(directed >> 1) as usize];
             let ends = edge.ends.map(|v| mesh.positions[v as usize]);
             let [from, to] = if directed & 1 == 0 { ends } else { [ends[1], ends[0]] };
-            let kept: Runs =
-                edge.runs.iter().map(|r| (number[r.0 as usize], r.1)).filter(|r| r.0 != NONE).collect();
-            let (twin, opposite) = match kept.as_slice() {
-                [(p, x), (q, y)] if x.abs() == 1 && y.abs() == 1 => {
-                    (if *p == patch { *q } else { *p }, *x == -y)
-                }
-                [(_, x)] if x.abs() == 1 => {
+            let (twin, opposite) = match beside[(directed >> 1) as usize] {
+                Beside::Two([p, q], opposite) => (if p == patch { q } else { p }, opposite),
+                Beside::One => {
                     surface.open.push((surface.sides.len() as u32, edge.chain));
                     (NONE, false)
                 }
-                _ => (NONE, false),
+                Beside::More => (NONE, false),
             };
             let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
             surface.sides.push(Side { from, to, slack, twin, opposite });

@@ -98,6 +98,14 @@ impl Surface {
         chain::outline(&welded, &patch_of, rules)
     }
 
+    /// Bytes on the heap.
+    pub(crate) fn bytes(&self) -> usize {
+        self.sides.capacity() * size_of::<Side>()
+            + self.patches.capacity() * size_of::<Patch>()
+            + self.clusters.capacity() * size_of::<Cluster>()
+            + self.open.capacity() * size_of::<(u32, u64)>()
+    }
+
     /// The sides of a patch.
     pub(crate) fn outline(&self, patch: &Patch) -> &[Side] {
         &self.sides[patch.first as usize..patch.last as usize]

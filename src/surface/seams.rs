@@ -1,6 +1,8 @@
 //! Seams: where the surfaces of different static objects meet.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
+
+use smallvec::SmallVec;
 
 use super::weld::key;
 use super::{NONE, Surface};
@@ -18,6 +20,13 @@ struct Open {
     /// Whether the patch runs along it from its lesser end.
     upwards: bool,
 }
+
+/// A link of an object's side that comes, or goes: object, side, number of the other patch and whether
+/// the two run in opposite directions.
+type Change = (u32, u32, Option<(u32, bool)>);
+
+/// Up to this many changes of an object's links are made one by one; more are merged into the list.
+const FEW: usize = 4;
 
 /// What is known of the surface of one object.
 #[derive(Debug, Clone, Default)]
@@ -37,7 +46,9 @@ pub(crate) struct Seams {
     owners: Vec<u32>,
     /// Ranges given back, by the logarithm of their length.
     free: Vec<Vec<u32>>,
-    open: HashMap<Chain, Vec<Open>>,
+    /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
+    /// Thousands may share one.
+    open: BTreeMap<(Chain, u32, u32), (u32, bool)>,
 }
 
 impl Seams {
@@ -77,18 +88,51 @@ impl Seams {
         if !fixed {
             return;
         }
+        let mut changes = Vec::new();
         for (chain, open) in opens(slot, surface, base) {
-            let all = self.open.entry(chain).or_default();
-            all.push(open);
+            self.open.insert((chain, slot, open.side), (open.number, open.upwards));
+            let all = self.at(chain);
             match *all.as_slice() {
-                [a, b] if a.slot != b.slot => link(&mut self.places, a, b),
+                [a, b] => link(a, b, &mut changes),
                 // More than two: none of them cancels any other.
-                [a, b, _] if a.slot != b.slot => {
-                    unlink(&mut self.places, a);
-                    unlink(&mut self.places, b);
-                }
+                [_, _, _] => unlink(all.into_iter().filter(|o| *o != open), &mut changes),
                 _ => {}
             }
+        }
+        self.apply(changes);
+    }
+
+    /// The open sides at a chain: four of them, if there are more.
+    fn at(&self, chain: Chain) -> SmallVec<[Open; 4]> {
+        let all = self.open.range((chain, 0, 0)..=(chain, u32::MAX, u32::MAX)).take(4);
+        all.map(|(&(_, slot, side), &(number, upwards))| Open { slot, side, number, upwards }).collect()
+    }
+
+    /// Changes links; of several changes of one the last counts.
+    fn apply(&mut self, mut changes: Vec<Change>) {
+        changes.sort_by_key(|c| (c.0, c.1));
+        for own in changes.chunk_by(|a, b| a.0 == b.0) {
+            let links = &mut self.places[own[0].0 as usize].links;
+            let last = own.chunk_by(|a, b| a.1 == b.1).filter_map(|same| same.last());
+            if own.len() <= FEW {
+                for &(_, side, new) in last {
+                    let at = links.partition_point(|l| l.0 < side);
+                    let there = links.get(at).is_some_and(|l| l.0 == side);
+                    links.splice(at..at + usize::from(there), new.map(|(number, way)| (side, number, way)));
+                }
+                continue;
+            }
+            let mut merged = Vec::with_capacity(links.len() + own.len());
+            let mut rest = links.as_slice();
+            for &(_, side, new) in last {
+                let before = rest.partition_point(|l| l.0 < side);
+                merged.extend_from_slice(&rest[..before]);
+                let there = rest.get(before).is_some_and(|l| l.0 == side);
+                rest = &rest[before + usize::from(there)..];
+                merged.extend(new.map(|(number, way)| (side, number, way)));
+            }
+            merged.extend_from_slice(rest);
+            *links = merged;
         }
     }
 
@@ -99,45 +143,40 @@ impl Seams {
         if !fixed {
             return;
         }
+        let mut changes = Vec::new();
         for (chain, open) in opens(slot, surface, place.base) {
-            let Some(all) = self.open.get_mut(&chain) else { continue };
-            let pair = all.len() == 2;
-            all.retain(|o| *o != open);
+            self.open.remove(&(chain, slot, open.side));
+            let all = self.at(chain);
             match *all.as_slice() {
-                [] => {
-                    self.open.remove(&chain);
-                }
-                [rest] if pair => unlink(&mut self.places, rest),
-                [a, b] if a.slot != b.slot => link(&mut self.places, a, b),
+                [_] => unlink(all.into_iter(), &mut changes),
+                [a, b] => link(a, b, &mut changes),
                 _ => {}
             }
         }
+        // Its own links are gone already.
+        changes.retain(|c| c.0 != slot);
+        self.apply(changes);
     }
 
     pub(crate) fn bytes(&self) -> usize {
         self.owners.capacity() * 4
             + self.places.capacity() * size_of::<Place>()
             + self.places.iter().map(|p| p.links.capacity() * 12).sum::<usize>()
-            + self.open.capacity() * size_of::<(Chain, Vec<Open>)>()
-            + self.open.values().map(|v| v.capacity() * size_of::<Open>()).sum::<usize>()
+            // Nodes of the tree are at least half full.
+            + 2 * self.open.len() * size_of::<((Chain, u32, u32), (u32, bool))>()
     }
 }
 
-fn link(places: &mut [Place], a: Open, b: Open) {
-    let opposite = a.upwards != b.upwards;
-    for (own, other) in [(a, b), (b, a)] {
-        let links = &mut places[own.slot as usize].links;
-        let at = links.partition_point(|l| l.0 < own.side);
-        links.insert(at, (own.side, other.number, opposite));
+/// Two open sides of different objects run along each other.
+fn link(a: Open, b: Open, changes: &mut Vec<Change>) {
+    if a.slot != b.slot {
+        let opposite = a.upwards != b.upwards;
+        changes.extend([(a, b), (b, a)].map(|(o, other)| (o.slot, o.side, Some((other.number, opposite)))));
     }
 }
 
-fn unlink(places: &mut [Place], open: Open) {
-    let links = &mut places[open.slot as usize].links;
-    let at = links.partition_point(|l| l.0 < open.side);
-    if links.get(at).is_some_and(|l| l.0 == open.side) {
-        links.remove(at);
-    }
+fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
+    changes.extend(sides.map(|o| (o.slot, o.side, None)));
 }
 
 /// The open sides of a surface.
