@@ -1,5 +1,7 @@
 //! What calls are refused with: every refusal says which argument and why. Files have reasons of their own.
 
+use std::fmt;
+
 use glam::{DVec3, Quat, UVec3, Vec3};
 
 use crate::ObjectId;
@@ -9,15 +11,15 @@ use crate::ObjectId;
 #[non_exhaustive]
 pub enum Error {
     /// A number that must be finite is not.
-    #[error("{what} must be finite, but is {value}")]
+    #[error("{what} must be finite, not {}", Components(*value))]
     NotFinite {
         /// The argument.
         what: &'static str,
-        /// Its value, component by component where it is a vector.
+        /// Its value, component by component where it is a vector; a number stands there three times.
         value: DVec3,
     },
     /// A box whose least corner lies beyond its greatest.
-    #[error("{what} is inverted: min {min} is not below max {max} on every axis")]
+    #[error("{what} must not be inverted: the corner {min} must lie below the corner {max} on every axis")]
     InvertedBox {
         /// The argument.
         what: &'static str,
@@ -27,7 +29,7 @@ pub enum Error {
         max: Vec3,
     },
     /// A rotation that is zero or not finite.
-    #[error("{what} has no rotation: the quaternion {rotation} is zero or not finite")]
+    #[error("{what} must have a rotation: the quaternion {rotation} is zero or not finite")]
     Rotation {
         /// The argument.
         what: &'static str,
@@ -35,7 +37,7 @@ pub enum Error {
         rotation: Quat,
     },
     /// A direction without length.
-    #[error("{what} is zero")]
+    #[error("{what} must not be zero")]
     NoDirection {
         /// The argument.
         what: &'static str,
@@ -44,7 +46,7 @@ pub enum Error {
     #[error("the convex solid cannot be made: {0}")]
     Convex(&'static str),
     /// A length that must not be negative.
-    #[error("{what} must not be negative, but is {value}")]
+    #[error("{what} must not be negative: {}", Short(*value))]
     Negative {
         /// The argument.
         what: &'static str,
@@ -95,6 +97,21 @@ pub enum Error {
     /// An object that may go unreported needs a promised greatest speed.
     #[error("an object that is only reported on expiry needs a greatest speed")]
     SpeedNeeded,
+    /// A speed, or reports on expiry, for an object that does not move.
+    #[error("a fixed object has no speed and no reports: describe it by ObjectDesc::dynamic")]
+    FixedMoves,
+    /// An occluder that sticks out of its bounds: it would hide more than the object does.
+    #[error("the occluder sticks out of the box of its bounds by {} world units", Short(*by))]
+    OccluderOutside {
+        /// By how much along an axis, in world units.
+        by: f64,
+    },
+    /// An update without occluder of an object that has one.
+    #[error("{0} has an occluder: update it with the occluder, or take that away by Scene::set_occluder")]
+    OccluderMissing(ObjectId),
+    /// A mesh in world space, which an offset cannot move.
+    #[error("{0} has a mesh in world space: what moves is an Instance of a mesh")]
+    FixedMesh(ObjectId),
     /// The matrix has no inverse, or does not describe a camera.
     #[error("the view-projection matrix is not a camera's: {0}")]
     Matrix(&'static str),
@@ -119,7 +136,7 @@ pub enum Error {
     #[error("aggressive queries need Method::Cell")]
     AggressiveMethod,
     /// A setting is out of its range.
-    #[error("{what} must lie between {min} and {max}, but is {value}")]
+    #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]
     Setting {
         /// The setting.
         what: &'static str,
@@ -192,6 +209,30 @@ pub enum FileError {
     /// The contents are longer than their sections.
     #[error("{0} bytes follow the last section of the mesh")]
     Trailing(u64),
+}
+
+/// A number as short as it can be told from its neighbours: most were given in single precision.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let single = self.0 as f32;
+        if f64::from(single) == self.0 { single.fmt(f) } else { self.0.fmt(f) }
+    }
+}
+
+/// A vector, or the number that all its components are.
+struct Components(DVec3);
+
+impl fmt::Display for Components {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0.to_array();
+        if x.to_bits() == y.to_bits() && y.to_bits() == z.to_bits() {
+            Short(x).fmt(f)
+        } else {
+            write!(f, "[{}, {}, {}]", Short(x), Short(y), Short(z))
+        }
+    }
 }
 
 /// Refuses a vector with a component that is not finite.

@@ -24,6 +24,7 @@ mod mask;
 pub mod matrix;
 mod object;
 mod occlusion;
+mod outer;
 mod pvs;
 mod query;
 pub mod reference;

@@ -69,7 +69,7 @@ pub struct Stats {
 pub struct Pvs {
     pub(crate) scene: u32,
     pub(crate) revision: u64,
-    /// [`Scene::moves`] when the query ran.
+    /// The last move that the query knew of.
     pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
@@ -107,6 +107,11 @@ impl Pvs {
     /// them in the order of their indices.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
+    }
+
+    /// Whether it is the result of a query.
+    pub(crate) fn has_run(&self) -> bool {
+        self.scene != 0
     }
 
     /// Empties the set for a scene of `slots` slots.
@@ -181,11 +186,12 @@ impl Pvs {
     /// Aggressive results never hold. Costs the planes of both views, and the cells before the near plane.
     pub fn holds(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
-        // A volume's surface stands for what moves in it; an object that was revealed and left out was
-        // tested itself, so that its own motion counts.
-        let by_objects = self.method == Method::Frustum || self.revealed.iter().any(|&id| !self.contains(id));
-        let moved = if by_objects { scene.moves() != self.moves } else { scene.revision() != self.revision };
-        if self.aggressive || scene.tag() != self.scene || moved {
+        let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
+        if self.aggressive || scene.tag() != self.scene || revision != self.revision {
+            return false;
+        }
+        // A volume that was hidden stands for all that moves in it; one that was seen does not.
+        if self.revealed.iter().any(|&id| scene.moved_since(id, self.moves)) {
             return false;
         }
         if own == view {

@@ -11,29 +11,53 @@ use crate::fused::Fused;
 use crate::geometry::Block;
 use crate::grid::{Grid, GridSpec};
 use crate::matrix::{BitMatrix, IdMatrix, OpacityMatrix, TbvMatrix};
-use crate::object::{Motion, ObjectDesc, ObjectId, Reports};
+use crate::object::{Motion, ObjectDesc, ObjectId, Reports, check_pair};
 use crate::pvs::Pvs;
 use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
 use crate::surface::Seams;
-use crate::tbv::{Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
+use crate::tbv::{Border, Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
 
 /// An object whose bounds span more cells than this is not written into I: it
 /// is tested against the frustum in every query.
 const MAX_SPANNED_CELLS: u64 = 1 << 22;
 
+/// When even the shortest volume beyond the grid was revealed, this many volumes stay inside: for
+/// [`crate::Method::Cell`], whose masks end with the grid, all of the former in the frustum are in sight.
+const CONFINED: u8 = 8;
+
+/// The queue of expiries is looked through for old entries when it is longer than this and twice the objects.
+const MANY_EXPIRIES: usize = 64;
+
 /// Beyond this many cells before the near plane all occluders are asked instead.
 const MAX_NEAR_CELLS: u64 = 4096;
 
 static SCENES: AtomicU32 = AtomicU32::new(1);
+
+/// Tells scenes apart. A copy of a scene goes its own way, so that cloning makes a new tag.
+#[derive(Debug, PartialEq, Eq)]
+struct Tag(u32);
+
+impl Tag {
+    fn new() -> Self {
+        Self(SCENES.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+impl Clone for Tag {
+    fn clone(&self) -> Self {
+        Self::new()
+    }
+}
 
 /// Where an object is kept.
 #[derive(Debug, Clone, Copy)]
 enum State {
     /// In I and O.
     Listed,
-    /// In a temporal bounding volume. `expires` counts for objects that are reported on expiry.
-    Hidden { tbv: Tbv, expires: f64 },
+    /// In a temporal bounding volume. `expires` counts for objects that are reported on expiry; `queued` is
+    /// the time of their entry in the queue, which is never later.
+    Hidden { tbv: Tbv, expires: f64, queued: f64 },
     /// Its volume expired and nobody told where it is: visible to all. The
     /// volume stays where it is, for the case that the object is still inside.
     Unlocated { tbv: Option<Tbv> },
@@ -52,13 +76,24 @@ pub(crate) struct Object {
     always_at: u32,
     /// Whether its cells are in I; objects with too many cells are not.
     in_cells: bool,
+    /// The time of the last report.
+    reported: f64,
+    /// Listed and reported on expiry, but not since the clock last moved: it may be anywhere.
+    stale: bool,
+    /// The frame that last ended with the object in sight.
+    seen_in: u64,
+    /// The number of the move that last changed it.
+    moved: u64,
+    /// So many of its next volumes stay inside the grid.
+    confined: u8,
 }
 
 const NOWHERE: u32 = u32::MAX;
 
 impl Object {
+    /// Whether nobody told where it is: it counts as visible and hides nothing.
     pub(crate) fn is_unlocated(&self) -> bool {
-        matches!(self.state, State::Unlocated { .. })
+        self.stale || matches!(self.state, State::Unlocated { .. })
     }
 
     /// Whether it is in a volume.
@@ -91,6 +126,8 @@ impl Object {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Slot {
     generation: u32,
+    /// The scene that the object was inserted into: this one, or one that this is a copy of.
+    scene: u32,
     pub(crate) object: Option<Object>,
 }
 
@@ -153,7 +190,7 @@ pub struct FrameReport {
 /// ```
 #[derive(Clone)]
 pub struct Scene {
-    tag: u32,
+    tag: Tag,
     pub(crate) grid: Grid,
     /// Os.
     pub(crate) opacity_static: OpacityMatrix,
@@ -176,6 +213,10 @@ pub struct Scene {
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
     now: f64,
+    /// Number of the frame, counted by [`Scene::begin_frame`].
+    frame: u64,
+    /// How many stale objects have occluders: while any does, O is Os.
+    stale_occluders: u32,
     revision: u64,
     moves: u64,
     seen: Vec<u64>,
@@ -191,7 +232,7 @@ impl Scene {
     pub fn new(spec: &GridSpec) -> Result<Self, Error> {
         let grid = Grid::new(spec)?;
         Ok(Self {
-            tag: SCENES.fetch_add(1, Ordering::Relaxed),
+            tag: Tag::new(),
             grid,
             opacity_static: BitMatrix::new(grid.dims()),
             opacity_dynamic: BitMatrix::new(grid.dims()),
@@ -207,6 +248,8 @@ impl Scene {
             expiries: BinaryHeap::new(),
             viewers: Vec::new(),
             now: 0.0,
+            frame: 1,
+            stale_occluders: 0,
             revision: 0,
             moves: 0,
             seen: Vec::new(),
@@ -266,7 +309,12 @@ impl Scene {
 
     /// Whether a cell is opaque (O).
     pub fn is_opaque(&self, cell: IVec3) -> bool {
-        self.opacity_static.get(cell) || self.opacity_dynamic.get(cell)
+        self.opacity_static.get(cell) || self.known_dynamic_opacity().is_some_and(|o| o.get(cell))
+    }
+
+    /// The opaque cells of visible dynamic objects, unless the place of one of those is unknown.
+    pub(crate) fn known_dynamic_opacity(&self) -> Option<&OpacityMatrix> {
+        (self.stale_occluders == 0).then_some(&self.opacity_dynamic)
     }
 
     /// Whether objects are known to touch a cell (I).
@@ -279,7 +327,8 @@ impl Scene {
         &self.opacity_static
     }
 
-    /// The opaque cells of visible dynamic objects; with Os they make O.
+    /// The opaque cells of visible dynamic objects; with Os they make O. Not so while an occluder that is
+    /// [reported on expiry](Reports::OnExpiry) is due for a report: then O is Os.
     pub fn dynamic_opacity(&self) -> &OpacityMatrix {
         &self.opacity_dynamic
     }
@@ -325,6 +374,7 @@ impl Scene {
             }
             None => return Err(Error::SceneFull(self.len)),
         };
+        self.slots[slot as usize].scene = self.tag.0;
         self.slots[slot as usize].object = Some(Object {
             bounds: desc.bounds,
             occluder: None,
@@ -334,10 +384,15 @@ impl Scene {
             listed_at: NOWHERE,
             always_at: NOWHERE,
             in_cells: false,
+            reported: self.now,
+            stale: false,
+            seen_in: 0,
+            moved: self.moves,
+            confined: 0,
         });
         self.len += 1;
         self.revision += 1;
-        self.set_occluder(slot, desc.occluder);
+        self.exchange_occluder(slot, desc.occluder);
         self.list(slot);
         Ok(self.id(slot))
     }
@@ -356,32 +411,52 @@ impl Scene {
         bounds: impl Into<Bounds>,
         occluder: Option<Occluder>,
     ) -> Result<(), Error> {
-        let (bounds, now) = (bounds.into(), self.now);
-        bounds.check()?;
-        occluder.as_ref().map_or(Ok(()), Occluder::check)?;
-        self.find(id)?;
-        let slot = id.slot;
-        let object = self.object(slot);
-        if !(object.is_unlocated())
-            && object.bounds.same(&bounds)
-            && same_occluder(&object.occluder, &occluder)
+        let bounds = bounds.into();
+        check_pair(&bounds, occluder.as_ref())?;
+        let (_, object) = self.find(id)?;
+        if occluder.is_none() && object.occluder.is_some() {
+            return Err(Error::OccluderMissing(id));
+        }
+        self.set_shape(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay.
+    ///
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
+    pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
+        let bounds = self.bounds(id)?.clone();
+        check_pair(&bounds, occluder.as_ref())?;
+        self.set_shape(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Puts an object where it is reported to be.
+    fn set_shape(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        let now = self.now;
+        self.locate(slot);
+        let object = self.object_mut(slot);
+        object.reported = now;
+        if !object.is_unlocated() && object.bounds.same(&bounds) && same_occluder(&object.occluder, &occluder)
         {
-            return Ok(());
+            return;
         }
         self.moves += 1;
+        self.object_mut(slot).moved = self.moves;
         match self.object(slot).state {
-            State::Hidden { tbv, .. } => {
+            State::Hidden { tbv, queued, .. } => {
                 let block = bounds.block();
-                self.set_occluder(slot, occluder);
+                self.exchange_occluder(slot, occluder);
                 let object = self.object_mut(slot);
                 object.bounds = bounds;
                 if tbv.block.contains(&block) {
                     if object.on_expiry() {
-                        let room = (block.min - tbv.block.min).min(tbv.block.max - block.max);
-                        let expires = now + seconds(room.min_element(), object.speed());
-                        object.state = State::Hidden { tbv, expires };
+                        self.stay_in_volume(slot, tbv, tbv.room(&block), queued);
                     }
-                    return Ok(());
+                    return;
                 }
                 object.lengthen();
                 self.volumes.remove(slot);
@@ -391,17 +466,17 @@ impl Scene {
             State::Unlocated { tbv } => {
                 let block = bounds.block();
                 self.object_mut(slot).bounds = bounds;
-                self.set_occluder(slot, occluder);
+                self.exchange_occluder(slot, occluder);
                 self.forget_always(slot);
                 self.revision += 1;
                 self.object_mut(slot).lengthen();
                 let next = self.lay_volume(slot);
                 if let (Some(tbv), Some((wished, _))) = (tbv, &next) {
                     // Where a new volume would not hold much longer, the old one stays.
-                    let room = (block.min - tbv.block.min).min(tbv.block.max - block.max).min_element();
+                    let room = tbv.room(&block);
                     if room >= 0.5 * wished.slack {
-                        self.stay_in_volume(slot, tbv, room);
-                        return Ok(());
+                        self.stay_in_volume(slot, tbv, room, f64::INFINITY);
+                        return;
                     }
                 }
                 if tbv.is_some() {
@@ -417,7 +492,32 @@ impl Scene {
                 self.relist(slot, bounds, occluder);
             }
         }
-        Ok(())
+    }
+
+    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides
+    /// nothing. Its cells stay as they are, since the report mostly comes at once.
+    fn lose(&mut self, slot: u32) {
+        let object = self.object_mut(slot);
+        if !object.stale {
+            object.stale = true;
+            self.stale_occluders += u32::from(self.object(slot).occluder.is_some());
+            self.remember_always(slot);
+            self.revision += 1;
+        }
+    }
+
+    /// The place of an object is known again, or does not matter any more.
+    fn locate(&mut self, slot: u32) {
+        let grid = self.grid;
+        let object = self.object_mut(slot);
+        if std::mem::take(&mut object.stale) {
+            self.stale_occluders -= u32::from(self.object(slot).occluder.is_some());
+            let (fits, small) = placement(&grid, &self.object(slot).bounds.block());
+            if fits && small {
+                self.forget_always(slot);
+            }
+            self.revision += 1;
+        }
     }
 
     /// Moves an object by an offset. Each coordinate is rounded to single
@@ -432,7 +532,7 @@ impl Scene {
         let sphere = |s: &Sphere| Sphere::new(s.center + offset, s.radius);
         let aabb = |b: &Aabb| Aabb::new(b.min + offset, b.max + offset);
         let oriented = |b: &Obb| Obb { center: b.center + offset, ..*b };
-        let mesh = || Error::NotFinite { what: "a mesh as moved by an offset", value: DVec3::NAN };
+        let mesh = || Error::FixedMesh(id);
         let bounds = match &object.bounds {
             Bounds::Sphere(s) => Bounds::Sphere(sphere(s)),
             Bounds::Box(b) => Bounds::Box(aabb(b)),
@@ -459,6 +559,7 @@ impl Scene {
     pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
         self.find(id)?;
         self.revision += 1;
+        self.locate(id.slot);
         match self.object(id.slot).state {
             State::Listed => self.unlist(id.slot),
             State::Hidden { .. } => self.volumes.remove(id.slot),
@@ -469,7 +570,7 @@ impl Scene {
                 }
             }
         }
-        self.set_occluder(id.slot, None);
+        self.exchange_occluder(id.slot, None);
         let slot = &mut self.slots[id.slot as usize];
         slot.object = None;
         self.len -= 1;
@@ -501,39 +602,49 @@ impl Scene {
         let backwards = now < self.now;
         self.now = now;
         let mut due = Vec::new();
-        while let Some(next) = self.expiries.peek() {
+        while let Some(&next) = self.expiries.peek() {
             if !backwards && next.at > now {
                 break;
             }
-            let next = *next;
             self.expiries.pop();
             let slot = &mut self.slots[next.slot as usize];
             if slot.generation != next.generation {
                 continue;
             }
             let Some(object) = &mut slot.object else { continue };
-            let tbv = match object.state {
-                State::Hidden { expires, .. } if !backwards && expires > now => {
-                    self.expiries.push(Expiry { at: expires, ..next });
-                    continue;
+            match &mut object.state {
+                // Queued again since: that entry counts.
+                State::Hidden { queued, .. } if *queued != next.at => {}
+                State::Hidden { expires, queued, .. } if !backwards && *expires > now => {
+                    *queued = *expires;
+                    self.expiries.push(Expiry { at: *expires, ..next });
                 }
-                State::Hidden { tbv, .. } => Some(tbv),
-                // Listed, but not seen in the last frame: nobody reports it either.
-                State::Listed if next.at == f64::NEG_INFINITY => {
-                    self.unlist(next.slot);
-                    None
+                State::Hidden { tbv, .. } => {
+                    object.state = State::Unlocated { tbv: Some(*tbv) };
+                    object.unconfine();
+                    self.remember_always(next.slot);
+                    self.revision += 1;
+                    due.push(self.id(next.slot));
                 }
                 // Revealed in the last frame: its bounds are old.
-                State::Unlocated { .. } if next.at == f64::NEG_INFINITY => {
-                    due.push(self.id(next.slot));
-                    continue;
+                State::Unlocated { .. } if next.at == f64::NEG_INFINITY => due.push(self.id(next.slot)),
+                _ => {}
+            }
+        }
+        // Objects in the matrices were where they are only when they were last reported.
+        let frame = self.frame;
+        self.frame += 1;
+        for i in 0..self.listed.len() {
+            let slot = self.listed[i];
+            let object = self.object(slot);
+            if object.on_expiry() && object.reported != now {
+                self.object_mut(slot).unconfine();
+                // An object that the last frame showed is reported unasked.
+                if self.object(slot).seen_in != frame {
+                    due.push(self.id(slot));
                 }
-                _ => continue,
-            };
-            self.object_mut(next.slot).state = State::Unlocated { tbv };
-            self.remember_always(next.slot);
-            self.revision += 1;
-            due.push(self.id(next.slot));
+                self.lose(slot);
+            }
         }
         Ok(due)
     }
@@ -547,8 +658,8 @@ impl Scene {
     /// # Errors
     /// Refuses a result of another scene.
     pub fn end_frame<'a>(&mut self, views: impl IntoIterator<Item = &'a Pvs>) -> Result<FrameReport, Error> {
-        let views: Vec<&Pvs> = views.into_iter().collect();
-        if views.iter().any(|p| p.scene != self.tag) {
+        let views: Vec<&Pvs> = views.into_iter().filter(|p| p.has_run()).collect();
+        if views.iter().any(|p| p.scene != self.tag.0) {
             return Err(Error::ForeignPvs);
         }
         let mut report = FrameReport::default();
@@ -566,14 +677,19 @@ impl Scene {
             }
         }
         let is_seen = |slot: u32| seen[slot as usize / 64] >> (slot % 64) & 1 != 0;
+        let frame = self.frame;
         for &id in views.iter().flat_map(|p| &p.revealed) {
             if self.find(id).is_err() || !matches!(self.object(id.slot).state, State::Hidden { .. }) {
                 continue;
             }
             report.revealed += 1;
+            let outer = self.volumes.is_outer(id.slot);
             self.volumes.remove(id.slot);
             let object = self.object_mut(id.slot);
             object.validity = (object.validity * SHORTER).max(VALIDITY_RANGE.0);
+            if outer && object.validity <= VALIDITY_RANGE.0 {
+                object.confined = CONFINED;
+            }
             if object.on_expiry() {
                 let generation = id.generation;
                 object.state = State::Unlocated { tbv: None };
@@ -590,17 +706,17 @@ impl Scene {
         let mut i = 0;
         while i < self.listed.len() {
             let slot = self.listed[i];
-            if !is_seen(slot) && self.try_hide(slot) {
+            if is_seen(slot) {
+                self.object_mut(slot).seen_in = frame;
+                i += 1;
+            } else if self.try_hide(slot) {
                 report.hidden += 1;
             } else {
-                if !is_seen(slot) && self.object(slot).on_expiry() {
-                    let generation = self.slots[slot as usize].generation;
-                    self.expiries.push(Expiry { at: f64::NEG_INFINITY, slot, generation });
-                }
                 i += 1;
             }
         }
         self.seen = seen;
+        self.compact_expiries();
         Ok(report)
     }
 
@@ -616,27 +732,39 @@ impl Scene {
         self.moves + self.revision
     }
 
-    /// Corners of a box that holds all objects whose place is known.
+    /// Corners of a box that holds all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
-        self.always.iter().fold((self.grid.min(), self.grid.max()), |(min, max), &slot| {
-            let block = self.object(slot).bounds.block();
+        let always = self.always.iter().map(|&slot| self.object(slot).bounds.block());
+        let outer = self.volumes.outer().map(|bucket| bucket.around);
+        always.chain(outer).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
             (min.min(block.min), max.max(block.max))
         })
     }
 
+    /// The number of the last move that [`Scene::update`] was told of, hidden objects included.
+    pub(crate) fn last_move(&self) -> u64 {
+        self.moves
+    }
+
+    /// Whether an object was moved or changed since a number of [`Scene::last_move`], or is gone.
+    pub(crate) fn moved_since(&self, id: ObjectId, last: u64) -> bool {
+        !self.find(id).is_ok_and(|(_, object)| object.moved <= last)
+    }
+
     pub(crate) fn tag(&self) -> u32 {
-        self.tag
+        self.tag.0
     }
 
     pub(crate) fn id(&self, slot: u32) -> ObjectId {
-        ObjectId { scene: self.tag, slot, generation: self.slots[slot as usize].generation }
+        let Slot { scene, generation, .. } = self.slots[slot as usize];
+        ObjectId { scene, slot, generation }
     }
 
     /// The object that an id names.
     pub(crate) fn find(&self, id: ObjectId) -> Result<(u32, &Object), Error> {
         self.slots
             .get(id.slot as usize)
-            .filter(|s| id.scene == self.tag && s.generation == id.generation)
+            .filter(|s| s.scene == id.scene && s.generation == id.generation)
             .and_then(|s| s.object.as_ref())
             .map(|o| (id.slot, o))
             .ok_or(Error::UnknownObject(id))
@@ -731,7 +859,7 @@ impl Scene {
     }
 
     /// Gives an object another occluder, in no matrix.
-    fn set_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
+    fn exchange_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
         let object = self.slots[slot as usize].object.as_mut();
         let object = object.expect("the matrices and lists hold living objects only");
         let motion = object.motion;
@@ -820,14 +948,14 @@ impl Scene {
             && ![&object.occluder, &occluder].iter().any(|o| matches!(o, Some(Occluder::Mesh(_))));
         if !simple {
             self.unlist(slot);
-            self.set_occluder(slot, occluder);
+            self.exchange_occluder(slot, occluder);
             self.object_mut(slot).bounds = bounds;
             self.list(slot);
             return;
         }
         let old_bounds = std::mem::replace(&mut self.object_mut(slot).bounds, bounds.clone());
         let old_occluder = self.object(slot).occluder.clone();
-        self.set_occluder(slot, occluder.clone());
+        self.exchange_occluder(slot, occluder.clone());
         let (mut old, mut new) = (std::mem::take(&mut self.old_runs), std::mem::take(&mut self.new_runs));
         old.clear();
         new.clear();
@@ -936,6 +1064,10 @@ impl Scene {
 
     /// Puts a listed dynamic object into a volume, if it can be.
     fn try_hide(&mut self, slot: u32) -> bool {
+        // A volume around an old place holds nothing.
+        if self.object(slot).stale {
+            return false;
+        }
         let Some((tbv, expires)) = self.lay_volume(slot) else { return false };
         self.unlist(slot);
         self.enter_volume(slot, tbv, expires);
@@ -955,29 +1087,56 @@ impl Scene {
         let speed = object.speed();
         let nominal = if speed > 0.0 || object.has_speed() { speed } else { self.grid.cell_size() };
         let far = way(nominal, object.validity);
-        let tbv = lay(&self.grid, &object.bounds.block(), far, &self.viewers, object.on_expiry())?;
-        Some((tbv, self.now + seconds(tbv.slack, speed)))
+        let border = match (object.on_expiry(), object.confined) {
+            (false, _) => Border::Cut,
+            (true, 0) => Border::Beyond,
+            (true, _) => Border::Inside,
+        };
+        let tbv = lay(&self.grid, &object.bounds.block(), far, &self.viewers, border)?;
+        Some((tbv, after(self.now, tbv.room(&object.bounds.block()), speed)))
     }
 
     fn enter_volume(&mut self, slot: u32, tbv: Tbv, expires: f64) {
-        self.volumes.insert(slot, &tbv.cells);
+        self.volumes.insert(slot, &tbv);
         self.revision += 1;
-        self.set_hidden(slot, tbv, expires);
+        self.set_hidden(slot, tbv, expires, f64::INFINITY);
     }
 
-    /// Leaves an object in the volume that it has, `room` away from its walls.
-    fn stay_in_volume(&mut self, slot: u32, tbv: Tbv, room: f64) {
-        let expires = self.now + seconds(room, self.object(slot).speed());
-        self.set_hidden(slot, tbv, expires);
+    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time of its
+    /// entry in the queue, if it has one.
+    fn stay_in_volume(&mut self, slot: u32, tbv: Tbv, room: f64, queued: f64) {
+        let expires = after(self.now, room, self.object(slot).speed());
+        self.set_hidden(slot, tbv, expires, queued);
     }
 
-    fn set_hidden(&mut self, slot: u32, tbv: Tbv, expires: f64) {
+    fn set_hidden(&mut self, slot: u32, tbv: Tbv, expires: f64, mut queued: f64) {
         let generation = self.slots[slot as usize].generation;
         let object = self.object_mut(slot);
-        object.state = State::Hidden { tbv, expires };
-        if object.on_expiry() && expires.is_finite() {
+        let early = object.on_expiry() && expires < queued;
+        if early {
+            queued = expires;
+        }
+        object.state = State::Hidden { tbv, expires, queued };
+        if early {
             self.expiries.push(Expiry { at: expires, slot, generation });
         }
+    }
+
+    /// Drops entries that were queued again since, once there are many of them.
+    fn compact_expiries(&mut self) {
+        if self.expiries.len() <= 2 * self.len + MANY_EXPIRIES {
+            return;
+        }
+        let slots = &self.slots;
+        self.expiries.retain(|e| {
+            let slot = &slots[e.slot as usize];
+            let object = slot.object.as_ref().filter(|_| slot.generation == e.generation);
+            object.is_some_and(|o| match o.state {
+                State::Hidden { queued, .. } => queued == e.at,
+                State::Unlocated { .. } => e.at == f64::NEG_INFINITY,
+                State::Listed => false,
+            })
+        });
     }
 }
 
@@ -993,8 +1152,16 @@ impl Object {
         matches!(self.motion, Motion::Dynamic { max_speed: Some(_), .. })
     }
 
+    /// One of its volumes, or a try to lay one, is over.
+    fn unconfine(&mut self) {
+        self.confined = self.confined.saturating_sub(1);
+    }
+
     fn lengthen(&mut self) {
-        self.validity = (self.validity * LONGER).min(VALIDITY_RANGE.1);
+        // Confined volumes tell nothing about larger ones.
+        if self.confined == 0 {
+            self.validity = (self.validity * LONGER).min(VALIDITY_RANGE.1);
+        }
     }
 }
 
@@ -1006,10 +1173,16 @@ fn same_occluder(a: &Option<Occluder>, b: &Option<Occluder>) -> bool {
     }
 }
 
-/// The time an object needs at least for a distance, rounded down by a part in 2^40 so that
-/// rounding cannot promise more than the distance holds.
-fn seconds(distance: f64, speed: f64) -> f64 {
-    if speed > 0.0 { (distance.max(0.0) / speed) * (1.0 - 2f64.powi(-40)) } else { f64::INFINITY }
+/// The time before which an object that is somewhere `now` has not moved by a distance.
+///
+/// Three operations round by half a unit in the last place each; their results are taken down by one each, so
+/// that rounding cannot promise more than the distance holds.
+fn after(now: f64, distance: f64, speed: f64) -> f64 {
+    if speed > 0.0 {
+        (now + (distance.next_down().max(0.0) / speed).next_down().max(0.0)).next_down()
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Whether a block lies inside the grid, and whether it spans few enough of its cells.

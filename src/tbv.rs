@@ -14,6 +14,7 @@ use glam::IVec3;
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::matrix::{CellBox, TbvMatrix};
+use crate::outer::{Bucket, Outer};
 
 /// Validity of the first volume of an object, in seconds.
 pub(crate) const FIRST_VALIDITY: f64 = 0.5;
@@ -32,25 +33,42 @@ const MOST_CELLS: f64 = 8.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tbv {
     pub(crate) cells: CellBox,
-    /// Its cells as a box in world units.
+    /// Its cells as a box in world units; no more than is needed where it leaves the grid.
     pub(crate) block: Block,
     /// How far the object can move and stay inside.
     pub(crate) slack: f64,
 }
 
+impl Tbv {
+    /// How far something inside is from the nearest wall.
+    pub(crate) fn room(&self, inside: &Block) -> f64 {
+        (inside.min - self.block.min).min(self.block.max - inside.max).min_element()
+    }
+}
+
+/// A volume that the border of the grid leaves less than this share of the way asked for leaves the grid instead.
+const CRAMPED: f64 = 0.5;
+
+/// Volumes beyond this many cells from the grid are not laid: their cells could not be counted.
+const FARTHEST: i32 = 1 << 20;
+
+/// How a volume meets the border of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Border {
+    /// It is cut off there: the object is reported when it leaves.
+    Cut,
+    /// It ends there, and the object does not get there while it is valid.
+    Inside,
+    /// It goes on beyond it where it would be cramped inside.
+    Beyond,
+}
+
 /// Lays the volume of an object with the given bounds, or none: the object
 /// leaves the grid, is too large or too close to a viewer.
-///
-/// `keep_inside` forbids to cut the volume off at the border of the grid.
-pub(crate) fn lay(
-    grid: &Grid,
-    bounds: &Block,
-    way: f64,
-    viewers: &[IVec3],
-    keep_inside: bool,
-) -> Option<Tbv> {
+pub(crate) fn lay(grid: &Grid, bounds: &Block, way: f64, viewers: &[IVec3], border: Border) -> Option<Tbv> {
     let (lo, hi) = grid.cover(bounds.min, bounds.max);
-    if !(grid.contains(lo) && grid.contains(hi)) {
+    let inside = grid.contains(lo) && grid.contains(hi);
+    if !inside && border != Border::Beyond {
         return None;
     }
     let cell = grid.cell_size();
@@ -68,20 +86,29 @@ pub(crate) fn lay(
         }
         slack = slack.min(f64::from(gap - 1) * cell);
     }
-    if keep_inside {
-        let room = (bounds.min - grid.min()).min(grid.max() - bounds.max).min_element();
+    let room = (bounds.min - grid.min()).min(grid.max() - bounds.max).min_element();
+    let beyond = border == Border::Beyond && room < CRAMPED * slack;
+    if border != Border::Cut && !beyond {
         slack = slack.min(room);
         if slack < 0.0 {
             return None;
         }
     }
     let (a, b) = grid.cover(bounds.min - slack, bounds.max + slack);
-    let (lo, hi) = grid.clip(a, b)?;
+    let (lo, hi) = if beyond { (a, b) } else { grid.clip(a, b)? };
+    if lo.cmplt(IVec3::splat(-FARTHEST)).any() || hi.cmpgt(grid.dims() + FARTHEST).any() {
+        return None;
+    }
     let cells = CellBox { lo, hi };
     if viewers.iter().any(|&v| cells.contains(v)) {
         return None;
     }
-    Some(Tbv { cells, block: Block::new(grid.range_bounds(lo, hi)), slack })
+    let block = if beyond {
+        Block { min: bounds.min - slack, max: bounds.max + slack }
+    } else {
+        Block::new(grid.range_bounds(lo, hi))
+    };
+    Some(Tbv { cells, block, slack })
 }
 
 /// Finds the volumes that hold a cell, to keep the rule that a hollow volume
@@ -156,25 +183,65 @@ pub(crate) struct Volumes {
     /// By slot; only read for slots in the matrix.
     cells: Vec<CellBox>,
     containing: Containing,
+    /// Those that leave the grid are not in the matrix.
+    outer: Outer,
+    /// All cells of the grid.
+    whole: CellBox,
 }
 
 impl Volumes {
     pub(crate) fn new(grid: &Grid) -> Self {
-        Self { matrix: TbvMatrix::new(grid.dims()), cells: Vec::new(), containing: Containing::default() }
+        Self {
+            matrix: TbvMatrix::new(grid.dims()),
+            cells: Vec::new(),
+            containing: Containing::default(),
+            outer: Outer::default(),
+            whole: CellBox { lo: IVec3::ZERO, hi: grid.dims() - 1 },
+        }
     }
 
-    pub(crate) fn insert(&mut self, slot: u32, volume: &CellBox) {
+    pub(crate) fn insert(&mut self, slot: u32, tbv: &Tbv) {
+        let volume = &tbv.cells;
         if self.cells.len() <= slot as usize {
             self.cells.resize(slot as usize + 1, CellBox::default());
         }
         self.cells[slot as usize] = *volume;
-        self.matrix.insert(volume, slot);
+        if self.leaves(volume) {
+            self.outer.insert(&tbv.block, volume, slot);
+        } else {
+            self.matrix.insert(volume, slot);
+        }
         self.containing.insert(volume, slot);
+    }
+
+    /// Whether a volume reaches beyond the grid.
+    fn leaves(&self, volume: &CellBox) -> bool {
+        !(self.whole.contains(volume.lo) && self.whole.contains(volume.hi))
+    }
+
+    /// Whether the volume of an object reaches beyond the grid.
+    pub(crate) fn is_outer(&self, slot: u32) -> bool {
+        self.leaves(self.cells(slot))
+    }
+
+    /// The box of an object's volume.
+    pub(crate) fn block(&self, grid: &Grid, slot: u32) -> Block {
+        let CellBox { lo, hi } = *self.cells(slot);
+        if self.is_outer(slot) { self.outer.block(slot) } else { Block::new(grid.range_bounds(lo, hi)) }
+    }
+
+    /// The volumes that reach beyond the grid.
+    pub(crate) fn outer(&self) -> impl Iterator<Item = &Bucket> {
+        self.outer.buckets()
     }
 
     pub(crate) fn remove(&mut self, slot: u32) {
         let volume = self.cells[slot as usize];
-        self.matrix.remove(&volume, slot);
+        if self.leaves(&volume) {
+            self.outer.remove(&volume, slot);
+        } else {
+            self.matrix.remove(&volume, slot);
+        }
         self.containing.remove(&volume, slot);
     }
 
@@ -193,7 +260,10 @@ impl Volumes {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.matrix.bytes() + self.cells.capacity() * size_of::<CellBox>() + self.containing.bytes()
+        self.matrix.bytes()
+            + self.cells.capacity() * size_of::<CellBox>()
+            + self.containing.bytes()
+            + self.outer.bytes()
     }
 }
 
@@ -256,18 +326,23 @@ mod tests {
     fn a_volume_holds_the_way_and_no_viewer() {
         let g = grid();
         let b = bounds([50.5, 30.5, 50.5], 1.0);
-        let v = lay(&g, &b, 4.0, &[], false).unwrap();
+        let v = lay(&g, &b, 4.0, &[], Border::Cut).unwrap();
         assert!(v.block.contains(&grown(&b, 4.0)));
         let viewer = IVec3::new(55, 30, 50);
-        let near = lay(&g, &b, 4.0, &[viewer], false).unwrap();
+        let near = lay(&g, &b, 4.0, &[viewer], Border::Cut).unwrap();
         assert!(!near.cells.contains(viewer) && near.block.contains(&grown(&b, near.slack)));
-        assert!(lay(&g, &b, 4.0, &[IVec3::new(50, 30, 50)], false).is_none());
-        let far = lay(&g, &b, 1e9, &[], false).unwrap();
+        assert!(lay(&g, &b, 4.0, &[IVec3::new(50, 30, 50)], Border::Cut).is_none());
+        let far = lay(&g, &b, 1e9, &[], Border::Cut).unwrap();
         assert!(far.slack < 24.0 && (far.cells.hi - far.cells.lo).max_element() < 50);
-        assert!(lay(&g, &bounds([50.0; 3], 30.0), 1.0, &[], false).is_none());
-        assert!(lay(&g, &bounds([0.5, 30.0, 30.0], 1.0), 1.0, &[], false).is_none());
-        let edge = lay(&g, &bounds([3.5, 30.0, 30.0], 1.0), 9.0, &[], true).unwrap();
+        assert!(lay(&g, &bounds([50.0; 3], 30.0), 1.0, &[], Border::Cut).is_none());
+        assert!(lay(&g, &bounds([0.5, 30.0, 30.0], 1.0), 1.0, &[], Border::Cut).is_none());
+        let edge = lay(&g, &bounds([3.5, 30.0, 30.0], 1.0), 9.0, &[], Border::Inside).unwrap();
         assert!(edge.slack <= 2.5 && edge.slack > 2.0);
+        let beyond = lay(&g, &bounds([3.5, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).unwrap();
+        assert!(beyond.slack == 8.0 && beyond.cells.lo.x == -6 && beyond.block.min.x == -5.5);
+        let roomy = lay(&g, &bounds([6.5, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).unwrap();
+        assert!(roomy.slack == 5.5 && roomy.cells.lo.x == 0);
+        assert!(lay(&g, &bounds([1e7, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).is_none());
     }
 
     #[test]
@@ -283,7 +358,8 @@ mod tests {
             let lo = IVec3::new(next(90), next(50), next(90));
             let hi = (lo + IVec3::new(next(30), next(9), next(20))).min(IVec3::new(99, 59, 99));
             boxes.push(CellBox { lo, hi });
-            volumes.insert(slot, &boxes[slot as usize]);
+            let block = Block::new(grid().range_bounds(lo, hi));
+            volumes.insert(slot, &Tbv { cells: CellBox { lo, hi }, block, slack: 0.0 });
         }
         for slot in (0..400).step_by(3) {
             volumes.remove(slot);

@@ -3,9 +3,8 @@
 use glam::IVec3;
 
 use super::{FAR_VIEWER, Scratch, Settings};
-use crate::geometry::Block;
 use crate::mask::{ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
-use crate::matrix::{BitMatrix, CellBox, TbvMatrix};
+use crate::matrix::{BitMatrix, TbvMatrix};
 use crate::pvs::{Pvs, Stats};
 use crate::scene::{Object, Scene};
 use crate::shape::Shape;
@@ -28,6 +27,8 @@ pub(super) struct Walk<'a> {
     frustum: CellFrustum,
     /// Whether the frustum is widened to hold the eye and all of the viewer's cell.
     holds_eye: bool,
+    /// The opaque cells of visible dynamic objects, if they are known.
+    dynamic: Option<&'a BitMatrix>,
     /// Cells that count as opaque beside those that are.
     more: Option<&'a BitMatrix>,
     stats: Stats,
@@ -58,6 +59,7 @@ impl<'a> Walk<'a> {
             cell,
             frustum,
             holds_eye: true,
+            dynamic: scene.known_dynamic_opacity(),
             more: None,
             stats: Stats::default(),
         }
@@ -90,12 +92,17 @@ impl<'a> Walk<'a> {
                 let scene = self.scene;
                 for slot in 0..scene.slots.len() as u32 {
                     if scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden) {
-                        let CellBox { lo, hi } = *scene.volumes.cells(slot);
-                        if self.view.may_see_block(&Block::new(grid.range_bounds(lo, hi))) {
+                        if self.view.may_see_block(&scene.volumes.block(&grid, slot)) {
                             self.reveal(slot, 0);
                         }
                     }
                 }
+            }
+        }
+        // Nothing is known to hide what is beyond the grid.
+        for &slot in self.scene.volumes.outer().flat_map(|bucket| &bucket.slots) {
+            if self.view.may_see_volume(&self.scene.volumes.block(&self.scene.grid, slot)) {
+                self.reveal(slot, 0);
             }
         }
         for &slot in &self.scene.always {
@@ -346,7 +353,7 @@ impl<'a> Walk<'a> {
                     let mut brick = IVec3::ZERO;
                     (brick[axes.normal], brick[axes.row], brick[axes.col]) = (at >> 3, top >> 3, b);
                     let opaque = self.scene.opacity_static.tile(brick, &axes, at)
-                        | self.scene.opacity_dynamic.tile(brick, &axes, at)
+                        | self.dynamic.map_or(0, |o| o.tile(brick, &axes, at))
                         | self.more.map_or(0, |m| m.tile(brick, &axes, at));
                     let objects = self.scene.ids.tile(brick, &axes, at) & tile;
                     if objects != 0 {

@@ -260,13 +260,14 @@ impl Query {
         let pvs = &mut self.pvs;
         pvs.reset(scene.slots.len());
         pvs.scene = scene.tag();
-        (pvs.revision, pvs.moves) = (scene.revision(), scene.moves());
+        pvs.moves = scene.last_move();
         pvs.method = self.settings.method;
         pvs.aggressive = more.is_some();
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid.cell_of(e));
         match self.settings.method {
             Method::Frustum => {
+                pvs.revision = scene.moves();
                 for slot in 0..scene.slots.len() as u32 {
                     let Some(object) = &scene.slots[slot as usize].object else { continue };
                     pvs.stats.objects_tested += 1;
@@ -280,6 +281,7 @@ impl Query {
                 }
             }
             Method::Cell => {
+                pvs.revision = scene.revision();
                 let dims = scene.grid.dims();
                 let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
@@ -288,6 +290,7 @@ impl Query {
                 walk.with_more(more).run();
             }
             Method::Point => {
+                pvs.revision = scene.revision();
                 point::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch).run();
             }
         }

@@ -147,6 +147,7 @@ impl<'a> Walk<'a> {
             }
             Origin::Direction(d) => self.everywhere(d),
         }
+        self.meet_outer_volumes();
         self.decide();
         self.pvs.stats = self.stats;
     }
@@ -371,15 +372,25 @@ impl<'a> Walk<'a> {
         self.scratch.point.volumes = bricks;
     }
 
+    /// Tests the volumes that leave the grid, which the walk does not meet.
+    fn meet_outer_volumes(&mut self) {
+        let scene = self.scene;
+        for bucket in scene.volumes.outer() {
+            if self.view.may_see_volume(&bucket.around) && !self.hides(&bucket.around) {
+                bucket.slots.iter().for_each(|&slot| self.meet_volume(slot));
+            }
+        }
+        self.settle();
+    }
+
     fn meet_volume(&mut self, slot: u32) {
         if self.scratch.is_revealed(slot) {
             return;
         }
-        let CellBox { lo, hi } = *self.scene.volumes.cells(slot);
-        let bounds = Block::new(self.scene.grid.range_bounds(lo, hi));
+        let bounds = self.scene.volumes.block(&self.scene.grid, slot);
         // A hollow volume that rays start in does not stand for what it holds.
         let starts = self.scratch.point.buffers.direction().is_some_and(|d| self.view.cuts_front(d, &bounds));
-        if self.view.may_see_block(&bounds) && (starts || !self.hides(&bounds)) {
+        if self.view.may_see_volume(&bounds) && (starts || !self.hides(&bounds)) {
             self.reveal(slot);
         }
     }
