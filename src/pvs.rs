@@ -161,19 +161,25 @@ impl Pvs {
         self.aggressive
     }
 
-    /// The cell of the grid (or beyond it) whose every point it is valid for, where
-    /// there is one.
+    /// The cell of the grid (or beyond it) for which the set is valid, where there is one:
+    /// it holds all that any eye in this cell sees inside the view's half-spaces, as
+    /// [`Method::Cell`] says. `None` for other methods, for parallel rays, and where nothing was
+    /// taken to be hidden: then the set holds all that lies inside the half-spaces.
     pub fn view_cell(&self) -> Option<IVec3> {
         self.cell
     }
 
-    /// Whether this result still holds for a new view: nothing moved, the eye
-    /// is in the same cell and inside no occluder ([`Method::Point`]: at the same point), and sees
-    /// nothing outside the frustum of this result, nor into solids through its near plane.
-    /// In doubt, no.
+    /// Whether this result still holds for a new view. In doubt, no.
     ///
-    /// Aggressive results never hold. Results of [`Method::Frustum`] hold for any eye. A result for all
-    /// directions ([`View::around`]) holds for every view from its cell.
+    /// For all methods, nothing moved that matters, and the new view sees nothing outside the
+    /// half-spaces of this result's. [`Method::Frustum`] asks no more; nor does [`Method::Cell`]
+    /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
+    /// (nor does any other plane that lies between its eye and what it sees), and
+    /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
+    /// - [`Method::Point`]: the new eye is at the same point.
+    ///
+    /// So a result of [`Method::Cell`] in all directions ([`View::around`]) holds for every view from its cell.
+    /// Aggressive results never hold. Costs the planes of both views, and the cells before the near plane.
     pub fn holds(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
         let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
@@ -191,21 +197,23 @@ impl Pvs {
         if !own.holds(view, min, max) {
             return false;
         }
-        if self.method == Method::Frustum || (self.method == Method::Cell && self.stats.eye_in_occluder) {
-            return true;
-        }
-        if self.method == Method::Point {
+        match self.method {
+            Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
-            return own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view);
+            Method::Point => {
+                own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view)
+            }
+            // Nothing was taken to be hidden.
+            Method::Cell if self.stats.eye_in_occluder => true,
+            // The half-spaces were widened to hold the whole cell: every point of it will do.
+            Method::Cell => {
+                let Origin::Eye { at, error } = view.origin else { return false };
+                let cell_of = |p| Some(scene.grid().cell_of(p));
+                cell_of(at - error) == self.cell
+                    && cell_of(at + error) == self.cell
+                    && !scene.inside_occluder(at)
+                    && !scene.near_plane_cuts(view)
+            }
         }
-        let (Origin::Eye { at, error }, Origin::Eye { at: old, .. }) = (view.origin, own.origin) else {
-            return false;
-        };
-        let same_cell = [at - error, at + error].iter().all(|&e| Some(scene.grid().cell_of(e)) == self.cell);
-        let seen_from = own.planes.iter().all(|p| {
-            at == old
-                || p.distance(at) - error + (-p.distance(old)).max(0.0) >= p.margin(at.abs().max_element())
-        });
-        same_cell && seen_from && !scene.inside_occluder(at) && !scene.near_plane_cuts(view)
     }
 }

@@ -800,34 +800,39 @@ impl Scene {
     }
 
     /// Whether the near plane of a view may cut into an occluder: then one sees
-    /// through it, since its front is cut away.
+    /// through it, since its front is cut away. So one does where an eye that is not known exactly may lie
+    /// inside.
     pub(crate) fn near_plane_cuts(&self, view: &View) -> bool {
         let (min, max) = self.extent();
-        view.cut_regions(min, max).any(|(region, block)| {
-            let meets = |slot: u32| match &self.object(slot).occluder {
-                Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
-                Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
-                Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
-                Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
-                Some(Occluder::Mesh(m)) => m.surface_meets(&block),
-                Some(Occluder::Instance(i)) => region.may_see_block(&Block::new(i.bounds())),
-                None => false,
-            };
-            let (lo, hi) = self.grid.cover(block.min, block.max);
-            let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
-            let cells = (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>();
-            if cells > MAX_NEAR_CELLS {
-                let living = |i: &u32| self.slots[*i as usize].object.is_some();
-                return (0..self.slots.len() as u32).filter(living).any(meets);
-            }
-            let in_cell = |c: IVec3| {
-                let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
-                self.is_opaque(c) && opaque() || self.ids.get(c).iter().any(|&s| meets(s))
-            };
-            self.always.iter().any(|&s| meets(s))
-                || (lo.z..=hi.z)
-                    .any(|z| (lo.y..=hi.y).any(|y| (lo.x..=hi.x).any(|x| in_cell(IVec3::new(x, y, z)))))
-        })
+        let meets = |(region, block): (View, Block)| self.occluder_meets(&region, &block);
+        view.cut_regions(min, max).any(meets) || view.eye_region().is_some_and(meets)
+    }
+
+    /// Whether an occluder, or an opaque cell, may meet a convex region with its bounding box.
+    fn occluder_meets(&self, region: &View, block: &Block) -> bool {
+        let meets = |slot: u32| match &self.object(slot).occluder {
+            Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
+            Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
+            Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
+            Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
+            Some(Occluder::Mesh(m)) => m.surface_meets(block),
+            Some(Occluder::Instance(i)) => region.may_see_block(&Block::new(i.bounds())),
+            None => false,
+        };
+        let (lo, hi) = self.grid.cover(block.min, block.max);
+        let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
+        let cells = (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>();
+        if cells > MAX_NEAR_CELLS {
+            let living = |i: &u32| self.slots[*i as usize].object.is_some();
+            return (0..self.slots.len() as u32).filter(living).any(meets);
+        }
+        let in_cell = |c: IVec3| {
+            let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+            self.is_opaque(c) && opaque() || self.ids.get(c).iter().any(|&s| meets(s))
+        };
+        self.always.iter().any(|&s| meets(s))
+            || (lo.z..=hi.z)
+                .any(|z| (lo.y..=hi.y).any(|y| (lo.x..=hi.x).any(|x| in_cell(IVec3::new(x, y, z)))))
     }
 
     fn remember_always(&mut self, slot: u32) {

@@ -302,6 +302,15 @@ impl View {
         })
     }
 
+    /// Where an eye that is not known exactly may lie, as a region with its box.
+    pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
+        let Origin::Eye { at, error } = self.origin else { return None };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
+        let planes = axes.map(|n| HalfSpace { normal: n, offset: error - n.dot(at) }).collect();
+        let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+        (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
+    }
+
     /// The eye; `None` for parallel rays.
     pub fn eye(&self) -> Option<DVec3> {
         match self.origin {

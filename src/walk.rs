@@ -19,37 +19,58 @@ struct CellPlane {
     offset: f64,
 }
 
+/// Where segments into the frustum may start: each half-space is widened until it holds that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Start {
+    /// Nowhere: the frustum stays as it is.
+    None,
+    /// At the eye.
+    Eye,
+    /// At the eye, or at any point of the viewer's cell.
+    Cell,
+}
+
 /// The cells that may meet the frustum, relative to the viewer's cell V.
 ///
-/// Every half-space is widened until it holds the eye. The region is then convex
-/// and holds the eye, so segments from the eye to anything in it stay in it.
+/// Every half-space is widened until it holds the eye, or all of V. The region is then convex
+/// and holds that, so segments from there to anything in it stay in it.
 #[derive(Debug, Clone)]
 pub(crate) struct CellFrustum {
     planes: SmallVec<[CellPlane; 6]>,
 }
 
 impl CellFrustum {
+    /// For segments from the eye.
     pub(crate) fn new(grid: &Grid, view: &View, cell: IVec3) -> Self {
-        Self::around(grid, view, cell, true)
+        Self::around(grid, view, cell, Start::Eye)
+    }
+
+    /// For segments from any point of `cell`, and from the eye where it may lie outside.
+    pub(crate) fn with_cell(grid: &Grid, view: &View, cell: IVec3) -> Self {
+        Self::around(grid, view, cell, Start::Cell)
     }
 
     /// The frustum as it is, for a walk that starts elsewhere.
     pub(crate) fn without_eye(grid: &Grid, view: &View, cell: IVec3) -> Self {
-        Self::around(grid, view, cell, false)
+        Self::around(grid, view, cell, Start::None)
     }
 
-    fn around(grid: &Grid, view: &View, cell: IVec3, hold_eye: bool) -> Self {
+    fn around(grid: &Grid, view: &View, cell: IVec3, start: Start) -> Self {
         let (lo, hi) = grid.cell_bounds(cell);
         let center = (lo + hi) * 0.5;
         let widened = |plane: &HalfSpace| {
             let mut offset = plane.offset;
-            if let (Origin::Eye { at, error }, true) = (view.origin, hold_eye) {
-                let reach = plane.normal.abs().element_sum() * error;
-                offset += (reach - plane.distance(at)).max(0.0);
+            let reach = plane.normal.abs().element_sum();
+            if let (Origin::Eye { at, error }, true) = (view.origin, start != Start::None) {
+                offset += (reach * error - plane.distance(at)).max(0.0);
             }
-            let half = plane.normal.abs().element_sum() * 0.5;
-            let offset = (plane.normal.dot(center) + offset) / grid.cell_size() + half + MARGIN;
-            CellPlane { normal: plane.normal.to_array(), offset }
+            let half = reach * 0.5;
+            let mut at_center = (plane.normal.dot(center) + offset) / grid.cell_size();
+            if start == Start::Cell {
+                // From here on the farthest corner of the cell lies in the half-space.
+                at_center = at_center.max(half);
+            }
+            CellPlane { normal: plane.normal.to_array(), offset: at_center + half + MARGIN }
         };
         Self { planes: view.planes.iter().map(widened).collect() }
     }
@@ -160,6 +181,7 @@ mod tests {
                 let Ok(view) = View::from_planes(Vec3::splat(7.5), &[plane]) else { continue };
                 for frustum in [
                     CellFrustum::new(&grid, &view, IVec3::splat(7)),
+                    CellFrustum::with_cell(&grid, &view, IVec3::splat(7)),
                     CellFrustum::without_eye(&grid, &view, IVec3::splat(7)),
                 ] {
                     for side in &Side::ALL {

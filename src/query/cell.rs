@@ -25,7 +25,7 @@ pub(super) struct Walk<'a> {
     /// The viewer's cell.
     cell: IVec3,
     frustum: CellFrustum,
-    /// Whether the frustum is widened to hold the eye, in the viewer's cell.
+    /// Whether the frustum is widened to hold the eye and all of the viewer's cell.
     holds_eye: bool,
     /// The opaque cells of visible dynamic objects, if they are known.
     dynamic: Option<&'a BitMatrix>,
@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
         let eye = view.eye().unwrap_or((grid.min() + grid.max()) * 0.5);
         let cell = grid.cell_of(eye);
         scratch.begin(scene.slots.len());
-        let frustum = CellFrustum::new(grid, view, cell);
+        let frustum = CellFrustum::with_cell(grid, view, cell);
         Self {
             scene,
             view,

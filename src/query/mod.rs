@@ -23,7 +23,15 @@ const FAR_VIEWER: i32 = 1 << 20;
 pub enum Method {
     /// Objects whose bounds may meet the frustum. Costs all objects.
     Frustum,
-    /// What can be seen from anywhere in the viewer's cell, inside the frustum.
+    /// What can be seen from anywhere in the viewer's cell: for every eye in the cell of the view's eye that is
+    /// inside no occluder, every object of which that eye sees a point inside all half-spaces of the view.
+    ///
+    /// The half-spaces stay where they are; they bound what is seen, and need not hold the other eyes. The rays of
+    /// those start at the eye, so that what lies outside the half-spaces, as before a near plane, hides too. Only for the
+    /// view itself do rays start at its near plane: where that cuts into an occluder, or the eye may be in one,
+    /// nothing is taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`Pvs::holds`] asks the same of the near plane of
+    /// another view.
+    ///
     /// Costs what is visible. Orthographic views get the cells of the frustum without occlusion.
     Cell,
     /// What can be seen from the eye, at pixel precision: the tightest. Costs what is visible.
