@@ -1,6 +1,6 @@
 //! The scene: objects and the matrices that hold them.
 
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -143,6 +143,9 @@ pub struct MemoryUse {
     pub tbvs: usize,
     /// Objects and lists of them.
     pub objects: usize,
+    /// Meshes and convex solids. One that several objects share counts once; other scenes and the
+    /// application may share it too.
+    pub shapes: usize,
 }
 
 impl MemoryUse {
@@ -153,7 +156,7 @@ impl MemoryUse {
 
     /// All of it.
     pub fn total(&self) -> usize {
-        self.grid() + self.objects
+        self.grid() + self.objects + self.shapes
     }
 }
 
@@ -349,7 +352,7 @@ impl Scene {
         &self.volumes.matrix
     }
 
-    /// Memory held. Walks over all bricks.
+    /// Memory held. Walks over all bricks and objects.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse {
             opacity: self.opacity_static.bytes() + self.opacity_dynamic.bytes() + self.fused.bytes(),
@@ -360,7 +363,22 @@ impl Scene {
                 + self.seams.bytes()
                 + self.expiries.capacity() * size_of::<Expiry>()
                 + self.seen.capacity() * 8,
+            shapes: self.shape_bytes(),
         }
+    }
+
+    /// Bytes of the shapes that objects share.
+    fn shape_bytes(&self) -> usize {
+        let mut counted = HashSet::new();
+        let mut once = |at: *const u8, bytes: usize| if counted.insert(at) { bytes } else { 0 };
+        let objects = self.slots.iter().filter_map(|slot| slot.object.as_ref());
+        objects
+            .map(|object| {
+                let (bounds, occluder) =
+                    (object.bounds.shared(), object.occluder.as_ref().and_then(Occluder::shared));
+                bounds.into_iter().chain(occluder).map(|(at, bytes)| once(at, bytes)).sum::<usize>()
+            })
+            .sum()
     }
 
     /// Inserts an object. A dynamic one counts as visible until a frame ends without it.

@@ -103,6 +103,24 @@ fn an_offset_moves_instances_and_no_meshes() {
 }
 
 #[test]
+fn memory_counts_a_shared_mesh_once() {
+    let mut scene = scene();
+    let corners: Vec<Vec3> =
+        (0..3000).map(|i| Vec3::new((i % 31) as f32, (i % 29) as f32, (i % 23) as f32)).collect();
+    let triangles: Vec<[u32; 3]> = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = Arc::new(TriMesh::new(corners, triangles).unwrap());
+    let (bytes, empty) = (mesh.memory_bytes(), scene.memory());
+    assert!(bytes > 3000 * 12 + 1000 * 12 && empty.shapes == 0);
+    scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh.clone())).unwrap();
+    let instance = Instance::new(mesh.clone(), Affine3A::IDENTITY).unwrap();
+    scene.insert(ObjectDesc::dynamic(instance)).unwrap();
+    // What finds its triangles is made when it is first asked for.
+    let held = scene.memory();
+    assert!(held.shapes >= bytes && held.shapes == mesh.memory_bytes() && held.shapes < 2 * bytes);
+    assert!(held.total() >= empty.total() + bytes);
+}
+
+#[test]
 fn messages_read_as_they_were_meant() {
     let mut scene = scene();
     let mut settings = Settings::default();

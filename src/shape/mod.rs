@@ -144,6 +144,17 @@ macro_rules! shapes {
                 }
             }
 
+            /// What other objects may share of it: its place in memory, and its bytes.
+            pub(crate) fn shared(&self) -> Option<(*const u8, usize)> {
+                let mesh = |m: &Arc<TriMesh>| (Arc::as_ptr(m).cast::<u8>(), m.memory_bytes());
+                match self {
+                    Self::Sphere(_) | Self::Box(_) | Self::Oriented(_) => None,
+                    $(Self::$convex(c) => Some((Arc::as_ptr(c).cast::<u8>(), c.memory_bytes())),)?
+                    Self::Mesh(m) => Some(mesh(m)),
+                    Self::Instance(i) => Some(mesh(i.mesh())),
+                }
+            }
+
             /// A box that holds the shape.
             pub(crate) fn block(&self) -> Block {
                 Block::new(self.shape().bounds())
