@@ -140,6 +140,7 @@ fn what_moves_may_change_its_mesh() {
                 fresh.insert(ObjectDesc::dynamic(instance(mesh, x)).occluder(instance(mesh, x))).unwrap();
             }
             None => {
+                scene.set_occluder(id, None).unwrap();
                 scene.update(id, ball, None).unwrap();
                 fresh.insert(ObjectDesc::dynamic(ball)).unwrap();
             }
