@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use casca::{FileError, Preparation, TriMesh};
-use casca_harness::command_line::{EXIT_CODES, Outcome, PathError, finish, try_writing};
+use casca_harness::command_line::{EXIT_CODES, Outcome, PathError, finish, say, try_writing};
 use casca_harness::import;
 use casca_harness::world::{Mesh, Shape};
 use clap::Parser;
@@ -146,7 +146,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
         }
     }
 
-    let row = |name: &str, value: String| println!("{name:<26}{value:>12}");
+    let row = |name: &str, value: String| say(format_args!("{name:<26}{value:>12}"));
     row("meshes", prepared.len().to_string());
     row("closed", prepared.iter().filter(|m| m.is_closed()).count().to_string());
     row("triangles", total.to_string());
@@ -159,7 +159,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     if prepared.is_empty() {
         return Ok(Outcome::NothingChecked);
     }
-    println!("\nall meshes are the same after loading: {}", options.out.display());
+    say(format_args!("\nall meshes are the same after loading: {}", options.out.display()));
     Ok(Outcome::Well)
 }
 

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use casca_harness::command_line::{EXIT_CODES, Outcome, finish, make_folder, try_reading, try_writing_into};
+use casca_harness::command_line::{EXIT_CODES, Outcome, finish, make_folder, say, try_writing_into};
+use casca_harness::import;
 use casca_harness::lab::{
     Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
 };
@@ -74,7 +75,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     let folder = out.join("report");
     let files = options.files.clone().unwrap_or_else(|| files_in("../shared/scenes"));
     // The experiments take minutes: what cannot be read or written is said before them.
-    files.iter().try_for_each(|file: &PathBuf| try_reading(file))?;
+    files.iter().try_for_each(|file: &PathBuf| import::load(file).map(|_| ()))?;
     try_writing_into(&out, &["report.md"])?;
     make_folder(&folder)?;
     let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
@@ -91,7 +92,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
         bar.set_prefix(*name);
         let began = Instant::now();
         sections.push(experiment(&lab)?);
-        bar.suspend(|| println!("{name}: {:.0} s", began.elapsed().as_secs_f64()));
+        bar.suspend(|| say(format_args!("{name}: {:.0} s", began.elapsed().as_secs_f64())));
     }
     let names = |f: &PathBuf| f.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let files: Vec<String> = lab.files.iter().map(names).collect();
@@ -106,7 +107,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     let path = out.join("report.md");
     write(&path, &lab, &sections, &command, &settings)?;
     bar.finish_and_clear();
-    println!("{}", path.display());
+    say(path.display());
     Ok(Outcome::Well)
 }
 
@@ -140,6 +141,8 @@ mod tests {
         let name = place.to_str().unwrap();
         assert!(failure(&["--quiet", "--out", name]).contains(name));
         assert!(failure(&["--quiet", "--files", "no/such.glb"]).contains("no/such.glb"));
+        // The file is there, but no scene.
+        assert!(failure(&["--quiet", "--files", name]).contains(name));
         std::fs::remove_file(&place).unwrap();
     }
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use casca_harness::command_line::{
-    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, finish, try_writing_into,
+    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, finish, say, try_writing_into,
 };
 use casca_harness::lab::LabError;
 use casca_harness::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
@@ -47,13 +47,16 @@ struct Options {
 }
 
 fn print(scene: &SceneTradeoff) {
-    println!(
+    say(format_args!(
         "\n{}: {} frames, {:.1} objects in the frustum, {:.1} visible",
         scene.scene, scene.frames, scene.in_frustum, scene.visible
-    );
-    println!("{:<34}{:<32}{:>9}{:>9}{:>9}{:>9}  front", "method", "setting", "ms", "PVS", "PVS/EVS", "lost");
+    ));
+    say(format_args!(
+        "{:<34}{:<32}{:>9}{:>9}{:>9}{:>9}  front",
+        "method", "setting", "ms", "PVS", "PVS/EVS", "lost"
+    ));
     for p in &scene.points {
-        println!(
+        say(format_args!(
             "{:<34}{:<32}{:>9.3}{:>9.1}{:>9.3}{:>9.3}{}",
             p.method,
             p.setting,
@@ -62,9 +65,12 @@ fn print(scene: &SceneTradeoff) {
             p.ratio,
             p.lost,
             if p.front { "  *" } else { "" }
-        );
+        ));
     }
-    println!("the automatic settings are {:.1}% behind the front", scene.automatic_distance() * 100.0);
+    say(format_args!(
+        "the automatic settings are {:.1}% behind the front",
+        scene.automatic_distance() * 100.0
+    ));
 }
 
 fn run(options: &Options) -> Result<Outcome, LabError> {
@@ -97,7 +103,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     for file in &charts {
         chart(file, &scenes)?;
     }
-    println!("\nchart and table: {}", options.out.join("tradeoff.{png,svg,csv}").display());
+    say(format_args!("\nchart and table: {}", options.out.join("tradeoff.{png,svg,csv}").display()));
     Ok(Outcome::Well)
 }
 

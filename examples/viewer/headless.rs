@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use casca_harness::command_line::make_folder;
+use casca_harness::command_line::{make_folder, say};
 use casca_harness::world::{Camera, Shape};
 use glam::Vec3;
 
@@ -85,14 +85,14 @@ pub fn pictures(gpu: &Gpu, stage: &mut Stage, plan: &Plan<'_>) -> Result<(), Box
             panel.draw(gpu, &view, 1.0, &numbers, &overlays, &images);
             let path = plan.out.join(format!("{name}-{at:04}-{}.png", plan.method));
             write_png(&path, canvas.size, &gpu.read(&canvas.picture)?)?;
-            println!(
+            say(format_args!(
                 "{}: {} of {} objects drawn, {} visible in pixels, {} lost",
                 path.display(),
                 frame.visible.len(),
                 frame.objects.len(),
                 check.shown.len(),
                 check.lost.len()
-            );
+            ));
             Ok(())
         })?;
     }

@@ -20,7 +20,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use casca_harness::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder};
+use casca_harness::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder, say};
 use casca_harness::scenes::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
@@ -108,7 +108,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
         return Ok(Outcome::Well);
     }
     let gpu = Gpu::headless(options.software)?;
-    println!("drawing on {}", gpu.name);
+    say(format_args!("drawing on {}", gpu.name));
     let mut holds = true;
     if options.bench {
         bench::bench(&gpu, options.size)?;

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use casca::{Aabb, GridSpec, Method, Query};
 use casca_harness::baselines::{Hzb, RayBuffer};
-use casca_harness::command_line::{Outcome, PathError, finish, try_writing, try_writing_into};
+use casca_harness::command_line::{Outcome, PathError, finish, say, try_writing, try_writing_into};
 use casca_harness::drive::{Driver, grid_for, view_of};
 use casca_harness::import::ImportError;
 use casca_harness::measure::timed;
@@ -226,8 +226,8 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     let method = format!("{:?}", options.method).to_lowercase();
     let objects = world.objects.iter().filter(|o| o.tested).count();
 
-    let row = |name: &str, value: String| println!("{name:<34}{value:>16}");
-    println!();
+    let row = |name: &str, value: String| say(format_args!("{name:<34}{value:>16}"));
+    say("");
     row("scene", world.name.clone());
     row("method", method.clone());
     row("grid (cells)", format!("{}x{}x{}", dims.x, dims.y, dims.z));
@@ -248,7 +248,10 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     row("scene update, median", format!("{median_update:.0} us"));
     row("preparation and setup", format!("{setup_ms:.0} ms"));
     row("grid memory", format!("{:.2} MiB", memory.grid() as f64 / (1 << 20) as f64));
-    println!("\npictures: walk.png, frame.png, buffers.png and top_view.png in {}", options.out.display());
+    say(format_args!(
+        "\npictures: walk.png, frame.png, buffers.png and top_view.png in {}",
+        options.out.display()
+    ));
 
     if let Some(file) = &options.json {
         let report = json!({

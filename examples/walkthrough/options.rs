@@ -8,6 +8,9 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
+/// Cells of a grid. So many take half a minute to fill and 2 GB.
+const MOST_CELLS: u64 = 1 << 30;
+
 /// How visibility is decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MethodName {
@@ -95,7 +98,11 @@ fn parse_grid(text: &str) -> Result<GridChoice, String> {
     let range = 1..=MAX_CELLS_PER_AXIS;
     match parts.as_deref() {
         Ok(&[x, y, z]) if [x, y, z].iter().all(|n| range.contains(n)) => {
-            Ok(GridChoice::Dims(UVec3::new(x, y, z)))
+            let cells = [x, y, z].map(u64::from).iter().product::<u64>();
+            let dims = GridChoice::Dims(UVec3::new(x, y, z));
+            (cells <= MOST_CELLS)
+                .then_some(dims)
+                .ok_or_else(|| format!("{cells} cells are more than {MOST_CELLS}"))
         }
         _ => Err(format!("expected three numbers from 1 to {MAX_CELLS_PER_AXIS} such as 100x60x100, or fit")),
     }
@@ -185,6 +192,7 @@ mod tests {
             ("--seed NaN", "--seed"),
             ("--grid 0x0x0", "from 1 to 8192"),
             ("--grid 9999x1x1", "from 1 to 8192"),
+            ("--grid 8192x8192x8192", "549755813888 cells"),
             ("--grid 1x1", "three numbers"),
             ("--grid NaNx1x1", "three numbers"),
             ("--grid=-1x1x1", "three numbers"),

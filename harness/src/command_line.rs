@@ -2,8 +2,8 @@
 //! places that are tried before the work and not after it, and exit codes.
 
 use std::fmt::Display;
-use std::fs::{File, OpenOptions};
-use std::io;
+use std::fs::OpenOptions;
+use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -122,14 +122,9 @@ pub fn try_writing_into(folder: &Path, names: &[&str]) -> Result<(), PathError> 
     names.iter().try_for_each(|name| try_writing(&folder.join(name)))
 }
 
-/// Tries whether a file can be read.
-///
-/// # Errors
-/// It is not there, is a folder, or may not be read.
-pub fn try_reading(path: &Path) -> Result<(), PathError> {
-    let file = File::open(path).map_err(PathError::read(path))?;
-    let is_folder = file.metadata().map_err(PathError::read(path))?.is_dir();
-    if is_folder { Err(PathError::read(path)(io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
+/// Prints a line. That nobody reads it, as behind `| head`, is no reason to stop.
+pub fn say(line: impl Display) {
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 /// A scene on a command line.
@@ -158,14 +153,14 @@ impl FromStr for SceneName {
 }
 
 impl SceneName {
-    /// Tries whether the file is there, before work that comes first.
+    /// Tries whether a file can be taken, before work that comes first. Costs loading it.
     ///
     /// # Errors
-    /// As [`try_reading`].
-    pub fn check(&self) -> Result<(), PathError> {
+    /// As [`import::load`].
+    pub fn check(&self) -> Result<(), ImportError> {
         match self {
             Self::Built(_) => Ok(()),
-            Self::File(path) => try_reading(path),
+            Self::File(path) => import::load(path).map(|_| ()),
         }
     }
 
@@ -244,10 +239,11 @@ mod tests {
         let file = folder.join("none.glb");
         for bad in [file.clone(), folder.clone()] {
             let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();
-            assert!(said.starts_with(&format!("cannot read {}: ", bad.display())), "{said}");
+            assert!(said.starts_with(&format!("{}: cannot be read", bad.display())), "{said}");
         }
-        std::fs::write(&file, "").unwrap();
-        assert!(SceneName::File(file).check().is_ok());
+        std::fs::write(&file, "no scene").unwrap();
+        let said = SceneName::File(file.clone()).check().unwrap_err().to_string();
+        assert!(said.starts_with(&format!("{}: is not a valid", file.display())), "{said}");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
