@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Facing, GridSpec, Instance, Method, ObjectDesc, Preparation, Query, Scene, Settings, TriMesh, View,
+    Aabb, Bounds, Error, Facing, GridSpec, Instance, Method, ObjectDesc, Occluder, Preparation, Query, Scene,
+    Settings, TriMesh, View,
 };
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
@@ -14,14 +15,84 @@ use libfuzzer_sys::fuzz_target;
 mod coordinates;
 use coordinates::{Coordinate, Point};
 
+/// Many triangles that once cost far more than their number.
+#[derive(Debug, Clone, Copy, Arbitrary)]
+enum Worst {
+    /// Large slanted triangles across the grid.
+    Slanted(u8),
+    /// Triangles around a vertex.
+    Around(u8),
+    /// Triangles that share an edge.
+    Leaves(u8),
+    /// Long teeth in a row.
+    Comb(u8),
+    /// One triangle again and again, with vertices of its own or not.
+    Same(u8, bool),
+}
+
+impl Worst {
+    /// Corners that lie around the grid, and triangles.
+    fn make(self) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let turn = |i: u32, n: u32| std::f32::consts::TAU * i as f32 / n as f32;
+        match self {
+            Self::Slanted(n) => {
+                let n = 1 + u32::from(n);
+                let corner =
+                    |i: u32| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i * 29 % 103) as f32);
+                let corners = (0..3 * n).map(|i| corner(i) * 0.3 - 3.0).collect();
+                (corners, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+            }
+            Self::Around(n) => {
+                let n = 3 + u32::from(n);
+                let rim = |i| {
+                    Vec3::new(
+                        12.0 + 9.0 * turn(i, n).cos(),
+                        12.0 + (i % 3) as f32,
+                        12.0 + 9.0 * turn(i, n).sin(),
+                    )
+                };
+                let corners = [Vec3::splat(12.0)].into_iter().chain((0..n).map(rim)).collect();
+                (corners, (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect())
+            }
+            Self::Leaves(n) => {
+                let n = 1 + u32::from(n);
+                let tip = |i| Vec3::new(12.0 + 9.0 * turn(i, n).cos(), 12.0, 12.0 + 9.0 * turn(i, n).sin());
+                let edge = [Vec3::new(12.0, 2.0, 12.0), Vec3::new(12.0, 22.0, 12.0)];
+                (edge.into_iter().chain((0..n).map(tip)).collect(), (0..n).map(|i| [0, 1, i + 2]).collect())
+            }
+            Self::Comb(n) => {
+                let n = 1 + u32::from(n);
+                let at = |i: f32| 1.0 + 22.0 * i / n as f32;
+                let ridge = (0..=n).flat_map(|i| [2.0, 1.0].map(|y| Vec3::new(at(i as f32), y, 10.0)));
+                let tips = (0..n).map(|i| Vec3::new(at(i as f32 + 0.5), 23.0 - 0.03 * i as f32, 10.0));
+                let tip = 2 * n + 2;
+                let tooth = |i: u32| {
+                    let (a, b, c, d) = (2 * i, 2 * i + 2, 2 * i + 1, 2 * i + 3);
+                    [[a, b, tip + i], [b, a, c], [b, c, d]]
+                };
+                (ridge.chain(tips).collect(), (0..n).flat_map(tooth).collect())
+            }
+            Self::Same(n, apart) => {
+                let n = 1 + u32::from(n);
+                let corners =
+                    [Vec3::new(2.0, 3.0, 9.0), Vec3::new(21.0, 4.0, 11.0), Vec3::new(9.0, 20.0, 14.0)];
+                let first = |i: u32| if apart { 3 * i } else { 0 };
+                (corners.repeat(n as usize), (0..n).map(|i| [0, 1, 2].map(|k| first(i) + k)).collect())
+            }
+        }
+    }
+}
+
 #[derive(Debug, Arbitrary)]
 struct Mesh {
+    worst: Option<Worst>,
     positions: Vec<Point>,
     triangles: Vec<[u8; 3]>,
     tolerance: Option<Coordinate>,
     least: Option<Coordinate>,
     angle: Option<Coordinate>,
     front: bool,
+    bounds_only: bool,
     transform: Option<[Coordinate; 12]>,
     dynamic: bool,
 }
@@ -72,16 +143,21 @@ fuzz_target!(|play: Play| {
     let mut walls: Vec<Wall> = Vec::new();
     let mut points: Vec<Vec<DVec3>> = Vec::new();
     for mesh in play.meshes.iter().take(6) {
-        let positions: Vec<Vec3> = mesh.positions.iter().take(64).map(|p| p.value()).collect();
+        let mut positions: Vec<Vec3> = mesh.positions.iter().take(64).map(|p| p.value()).collect();
         let n = positions.len() as u32;
         // Indices are valid but for a few.
         let index = |v: u8| if v == 255 { u32::from(v) } else { u32::from(v) % n.max(1) };
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().take(128).map(|t| t.map(index)).collect();
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().take(128).map(|t| t.map(index)).collect();
+        if let Some(worst) = mesh.worst {
+            (positions, triangles) = worst.make();
+        }
+        let n = positions.len() as u32;
         let mut how = Preparation::default();
         how.tolerance = mesh.tolerance.map(Coordinate::value);
         how.least_radius = mesh.least.map(Coordinate::value);
         how.max_angle = mesh.angle.map(Coordinate::value);
         how.facing = if mesh.front { Facing::Front } else { Facing::Both };
+        how.occludes = !mesh.bounds_only;
         let broken = positions.iter().any(|p| !p.is_finite())
             || triangles.is_empty()
             || triangles.iter().flatten().any(|&v| v >= n);
@@ -96,18 +172,25 @@ fuzz_target!(|play: Play| {
         let transform = mesh.transform.map(|t| Affine3A::from_cols_array(&t.map(Coordinate::value)));
         let place = transform.map_or(DAffine3::IDENTITY, |a| a.as_daffine3());
         let owner = ids.len();
-        let id = match transform {
+        let occluder = match transform {
             Some(transform) => {
                 let Ok(instance) = Instance::new(made, transform) else { continue };
-                let desc = if mesh.dynamic {
-                    ObjectDesc::dynamic(instance.clone())
-                } else {
-                    ObjectDesc::fixed(instance.clone())
-                };
-                scene.insert(desc.occluder(instance))
+                Occluder::from(instance)
             }
-            None if mesh.dynamic => scene.insert(ObjectDesc::dynamic(made.clone()).occluder(made)),
-            None => scene.insert(ObjectDesc::fixed(made.clone()).occluder(made)),
+            None => Occluder::from(made),
+        };
+        let bounds = match occluder.clone() {
+            Occluder::Instance(instance) => Bounds::from(instance),
+            Occluder::Mesh(mesh) => Bounds::from(mesh),
+            other => unreachable!("{other:?} is no mesh"),
+        };
+        let desc = if mesh.dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
+        let hiding = scene.insert(desc.clone().occluder(occluder));
+        let id = if mesh.bounds_only {
+            assert_eq!(hiding, Err(Error::BoundsOnly));
+            scene.insert(desc)
+        } else {
+            hiding
         };
         ids.push(id.expect("a checked mesh"));
         let corner = |v: u32| place.transform_point3(positions[v as usize].as_dvec3());
@@ -117,7 +200,7 @@ fuzz_target!(|play: Play| {
             .push(middles.chain(triangles.iter().map(|t| t[0] * 0.98 + t[1] * 0.01 + t[2] * 0.01)).collect());
         let determinant = place.matrix3.determinant();
         // What is flat has no front.
-        let hides = !mesh.front || determinant.abs() > 1e-9;
+        let hides = !mesh.bounds_only && (!mesh.front || determinant.abs() > 1e-9);
         let triangles = if hides { triangles } else { Vec::new() };
         walls.push(Wall { triangles, owner, front: mesh.front, mirrored: determinant < 0.0 });
     }
@@ -144,7 +227,9 @@ fuzz_target!(|play: Play| {
                 continue;
             }
             for (i, id) in ids.iter().enumerate().filter(|(_, id)| !pvs.contains(**id)) {
-                for &p in points[i].iter().filter(|p| p.abs().max_element() < 1e4) {
+                // Some of many: each is looked at through all triangles.
+                let step = 1 + points[i].len() / 64;
+                for &p in points[i].iter().step_by(step).filter(|p| p.abs().max_element() < 1e4) {
                     let blocked = walls
                         .iter()
                         .filter(|w| w.owner != i)

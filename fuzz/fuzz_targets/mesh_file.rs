@@ -97,11 +97,14 @@ fn originals() -> &'static [Vec<u8>] {
         front.facing = Facing::Front;
         front.tolerance = Some(0.2);
         let plain = Preparation::default();
+        let mut bounds = Preparation::default();
+        bounds.occludes = false;
         let all = [
             (square, vec![[0, 1, 2], [0, 2, 3]], plain),
             (cube.clone(), faces.clone(), plain),
             (cube, faces[3..].to_vec(), front),
             (bowl.clone(), bent.clone(), plain),
+            (bowl.clone(), bent.clone(), bounds),
             (bowl, bent, front),
         ];
         let prepare = |(p, t, how)| bytes(&TriMesh::prepare(p, t, &how, &mut |_| ()).expect("a plain mesh"));
@@ -157,7 +160,11 @@ fn use_it(mesh: TriMesh, play: &Play) {
     let mesh = Arc::new(mesh);
     let spec = GridSpec { min: Vec3::splat(-8.0), cell: 1.0, dims: UVec3::splat(16) };
     let mut scene = Scene::new(&spec).expect("a plain grid");
-    let fixed = || ObjectDesc::fixed(mesh.clone()).occluder(mesh.clone());
+    let occludes = mesh.occludes();
+    let fixed = || {
+        let desc = ObjectDesc::fixed(mesh.clone());
+        if occludes { desc.occluder(mesh.clone()) } else { desc }
+    };
     let mut ids = vec![scene.insert(fixed()).expect("a mesh that was taken")];
     // Its seams are then those of two objects.
     ids.push(scene.insert(fixed()).expect("a mesh that was taken"));
@@ -166,7 +173,9 @@ fn use_it(mesh: TriMesh, play: &Play) {
     for transform in [Affine3A::from_rotation_y(0.4), placed] {
         if let Ok(instance) = Instance::new(mesh.clone(), transform) {
             let desc = ObjectDesc::dynamic(instance.clone()).occluder(instance);
-            ids.extend(scene.insert(desc));
+            let inserted = scene.insert(desc);
+            assert!(occludes || inserted == Err(casca::Error::BoundsOnly));
+            ids.extend(inserted);
         }
     }
     for i in 0..27 {

@@ -24,8 +24,9 @@ const TOLERANCE: f32 = 1.0 / 60.0;
 
 /// Makes shapes of the library.
 struct Shaper {
-    /// Meshes that move are prepared once; they are kept so that none takes the place of another.
-    moving: HashMap<*const Mesh, (Arc<Mesh>, Arc<TriMesh>)>,
+    /// Meshes that move are prepared once, with and without what hides; they are kept so that none takes the place
+    /// of another.
+    moving: HashMap<(*const Mesh, bool), (Arc<Mesh>, Arc<TriMesh>)>,
     how: Preparation,
 }
 
@@ -50,16 +51,20 @@ impl Shaper {
             Shape::Mesh { mesh, transform } if object.motion == Motion::Static => {
                 let positions: Vec<Vec3> =
                     mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &self.how, &mut |_| ())?;
+                let mut how = self.how;
+                how.occludes = object.occludes;
+                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &how, &mut |_| ())?;
                 let mesh = Arc::new(mesh);
                 (mesh.clone().into(), mesh.into())
             }
             Shape::Mesh { mesh, transform } => {
-                let prepared = match self.moving.get(&Arc::as_ptr(mesh)) {
+                let key = (Arc::as_ptr(mesh), object.occludes);
+                let prepared = match self.moving.get(&key) {
                     Some((_, prepared)) => prepared.clone(),
                     None => {
-                        let new = Arc::new(TriMesh::new(mesh.positions.clone(), mesh.triangles.clone())?);
-                        self.moving.insert(Arc::as_ptr(mesh), (mesh.clone(), new.clone()));
+                        let prepare = if object.occludes { TriMesh::new } else { TriMesh::bounds_only };
+                        let new = Arc::new(prepare(mesh.positions.clone(), mesh.triangles.clone())?);
+                        self.moving.insert(key, (mesh.clone(), new.clone()));
                         new
                     }
                 };

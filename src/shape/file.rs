@@ -603,6 +603,24 @@ mod tests {
     }
 
     #[test]
+    fn bounds_only_stay_bounds_only() {
+        let whole = ball(Vec3::splat(8.0), 0..16, &Preparation::default());
+        let mesh = TriMesh::bounds_only(whole.positions.clone(), whole.triangles.clone()).unwrap();
+        let loaded = read(&bytes(&mesh)).unwrap();
+        assert!(!loaded.occludes() && loaded.is_closed() && !loaded.solid);
+        assert_eq!((loaded.sides(), loaded.parts.len()), (0, mesh.parts.len()));
+        assert_eq!(bytes(&loaded), bytes(&mesh));
+        assert!(bytes(&mesh).len() < bytes(&whole).len());
+        // What hides nothing has no front, and nothing to hide with.
+        let flags = places(&bytes(&mesh))[2];
+        let mut front = bytes(&mesh);
+        front[flags + 10..flags + 18].copy_from_slice(&0.5f64.to_le_bytes());
+        mend(&mut front);
+        let refused = read(&front).unwrap_err().to_string();
+        assert!(refused.contains("has a sine, though the mesh occludes nothing"), "{refused}");
+    }
+
+    #[test]
     fn refuses_every_damaged_byte() {
         let whole = bytes(&corner());
         for at in 0..whole.len() {

@@ -139,7 +139,7 @@ impl TriMesh {
     /// ```
     /// use std::sync::Arc;
     ///
-    /// use casca::{Error, ObjectDesc, TriMesh};
+    /// use casca::{ObjectDesc, TriMesh};
     /// use glam::Vec3;
     ///
     /// # fn main() -> Result<(), casca::Error> {
@@ -366,7 +366,7 @@ pub(super) fn is_wound_alike(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool
 }
 
 /// Separating-axis test of a triangle against a closed box widened by `margin`.
-fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -> bool {
+pub(super) fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -> bool {
     let center = (min + max) * 0.5;
     let half = (max - min) * 0.5 + margin;
     let [a, b, c] = t.map(|p| p - center);
@@ -461,7 +461,7 @@ impl Shape for TriMesh {
 mod tests {
     use std::collections::BTreeSet;
 
-    use glam::{IVec3, UVec3};
+    use glam::{IVec3, Quat, UVec3};
 
     use super::*;
     use crate::grid::GridSpec;
@@ -531,6 +531,133 @@ mod tests {
         assert!(cells(&mesh, &grid(20), true).is_empty());
         assert!(!cells(&mesh, &grid(20), false).is_empty());
         assert!(!mesh.contains_point(DVec3::splat(5.0)));
+    }
+
+    /// A box turned about its middle.
+    fn turned(center: Vec3, half: Vec3, turn: Quat) -> TriMesh {
+        let (p, t) = cuboid(-half, half);
+        TriMesh::new(p.iter().map(|&p| center + turn * p).collect(), t).unwrap()
+    }
+
+    /// A ring of square section around an axis along y.
+    fn ring(n: u32) -> TriMesh {
+        let section = [(2.0, 4.1), (3.9, 4.1), (3.9, 5.9), (2.0, 5.9)];
+        let point = |i: u32, k: usize| {
+            let angle = i as f32 / n as f32 * std::f32::consts::TAU;
+            let (r, y) = section[k];
+            Vec3::new(5.0 + r * angle.cos(), y, 5.0 + r * angle.sin())
+        };
+        let p = (0..n).flat_map(|i| (0..4).map(move |k| point(i, k))).collect();
+        let at = |i: u32, k: u32| i % n * 4 + k % 4;
+        let quad = |i: u32, k: u32| {
+            let (a, b, c, d) = (at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k));
+            [[a, b, c], [a, c, d]]
+        };
+        TriMesh::new(p, (0..n).flat_map(|i| (0..4).flat_map(move |k| quad(i, k))).collect()).unwrap()
+    }
+
+    #[test]
+    fn cells_inside_are_those_of_the_solid() {
+        // Inside the grid, out of it on every side, and around it.
+        let mut centers = vec![(Vec3::splat(5.0), 3.0), (Vec3::splat(5.0), 30.0)];
+        for axis in Vec3::AXES {
+            centers.extend([-1.0, 11.0].map(|at| (Vec3::splat(5.0) * (1.0 - axis) + at * axis, 4.0)));
+        }
+        let mut count = 0;
+        for (i, &(center, size)) in centers.iter().enumerate() {
+            let half = Vec3::new(0.8, 1.0, 1.2) * size;
+            let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 0.5).normalize(), 0.3 + i as f32);
+            let mesh = turned(center, half, turn);
+            let g = grid(30);
+            let (opaque, of_box) =
+                (cells(&mesh, &g, true), cells(&crate::Obb::new(center, half, turn), &g, true));
+            // Corners are rounded to single precision, so single cells may differ.
+            let differ = opaque.symmetric_difference(&of_box).count();
+            assert!(differ * 200 <= of_box.len(), "{center} {size}: {differ} of {}", of_box.len());
+            assert!(opaque.is_disjoint(&cells(&mesh, &g, false)));
+            for c in opaque.iter().chain(&of_box).step_by(7) {
+                let (lo, hi) = g.cell_bounds(IVec3::from_array(*c));
+                assert_eq!(mesh.contains_box(lo, hi), opaque.contains(c), "{c:?}");
+            }
+            count += opaque.len();
+        }
+        assert!(count > 30_000, "{count}");
+    }
+
+    #[test]
+    fn cells_in_a_hole_are_not_inside() {
+        let (mesh, g) = (ring(200), grid(40));
+        let (opaque, touched) = (cells(&mesh, &g, true), cells(&mesh, &g, false));
+        for i in 0..64_000 {
+            let cell = IVec3::new(i % 40, i / 40 % 40, i / 1600);
+            let (lo, hi) = g.cell_bounds(cell);
+            let far = (hi - 5.0).abs().max((lo - 5.0).abs());
+            let near = (lo - 5.0).max(5.0 - hi).max(DVec3::ZERO);
+            let (most, least) = (far.with_y(0.0).length(), near.with_y(0.0).length());
+            // The ring's sides are chords: they leave circles by less than this.
+            let room = 0.01;
+            let inside = least > 2.0 + room && most < 3.9 - room && lo.y > 4.11 && hi.y < 5.89;
+            let outside = most < 2.0 - room || least > 3.9 + room || hi.y < 4.09 || lo.y > 5.91;
+            let named = [opaque.contains(&cell.to_array()), touched.contains(&cell.to_array())];
+            match (inside, outside) {
+                (true, _) => assert_eq!(named, [true, false], "{cell}"),
+                (_, true) => assert_eq!(named, [false, false], "{cell}"),
+                _ => {}
+            }
+            assert_eq!(mesh.surface_meets(&Block::new((lo, hi))), named[1], "{cell}");
+            assert_eq!(mesh.contains_box(lo, hi), named[0], "{cell}");
+            let at = (lo + hi) * 0.5;
+            assert!(!named[0] || mesh.contains_point(at));
+            assert!(!outside || !mesh.contains_point(at));
+        }
+        assert!(opaque.len() > 2000, "{}", opaque.len());
+    }
+
+    #[test]
+    fn cells_are_held_for_one_grid_only() {
+        let (mesh, g) = (ring(20), grid(20));
+        let held = mesh.hold_cells(&g);
+        let one = mesh.surface_cells(&g).unwrap();
+        assert!(Arc::ptr_eq(&one, &mesh.surface_cells(&g).unwrap()));
+        let other = mesh.surface_cells(&grid(30)).unwrap();
+        assert!(other.runs.len() > one.runs.len());
+        drop(held);
+        let again = mesh.surface_cells(&g).unwrap();
+        assert!(!Arc::ptr_eq(&one, &again) && one.runs == again.runs);
+    }
+
+    #[test]
+    fn what_is_bounds_only_hides_nothing_and_takes_less() {
+        let full = Arc::new(ring(200));
+        let bounds = TriMesh::bounds_only(full.positions.clone(), full.triangles.clone()).unwrap();
+        let bounds = Arc::new(bounds);
+        assert!(full.occludes() && !bounds.occludes() && bounds.is_closed());
+        assert_eq!((bounds.patches(), bounds.sides()), (0, 0));
+        assert!(bounds.memory_bytes() < full.memory_bytes());
+        let g = grid(20);
+        assert_eq!(cells(&*bounds, &g, false), cells(&*full, &g, false));
+        assert!(cells(&*bounds, &g, true).is_empty());
+
+        let spec = GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) };
+        let mut scene = crate::Scene::new(&spec).unwrap();
+        let place = glam::Affine3A::from_rotation_y(0.2);
+        let instance = crate::Instance::new(bounds.clone(), place).unwrap();
+        let id = scene.insert(crate::ObjectDesc::dynamic(instance.clone())).unwrap();
+        for occluder in [crate::Occluder::from(bounds.clone()), instance.clone().into()] {
+            let desc = crate::ObjectDesc::fixed(bounds.clone()).occluder(occluder.clone());
+            assert_eq!(scene.insert(desc).unwrap_err(), Error::BoundsOnly);
+            assert_eq!(scene.update(id, instance.clone(), Some(occluder)), Err(Error::BoundsOnly));
+        }
+        assert!(scene.insert(crate::ObjectDesc::fixed(bounds)).is_ok());
+    }
+
+    #[test]
+    fn memory_counts_what_is_held() {
+        let mesh = ring(2000);
+        let before = mesh.memory_bytes();
+        assert!(before > mesh.positions.len() * 12 + mesh.triangles.len() * 12 + mesh.sides() * 33);
+        assert!(mesh.contains_point(DVec3::new(8.0, 5.0, 5.0)));
+        assert!(mesh.memory_bytes() > before + mesh.triangles.len() * 4);
     }
 
     #[test]

@@ -317,3 +317,96 @@ fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) 
     }
     surface
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::patch::grow;
+
+    fn rules(tolerance: f64) -> Rules {
+        Rules { tolerance, cosine: 0.2, least: 0.0, front: false }
+    }
+
+    /// A comb: a ridge with long teeth, ever shorter.
+    fn comb(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let x = |i: u32| i as f32 * 0.05;
+        let mut p: Vec<Vec3> = (0..=n).map(|i| Vec3::new(x(i), 0.0, 0.0)).collect();
+        p.extend((0..=n).map(|i| Vec3::new(x(i), -1.0, 0.0)));
+        p.extend((0..n).map(|i| Vec3::new(x(i) + 0.025, 4000.0 - 2000.0 * i as f32 / n as f32, 0.0)));
+        let (low, tip) = (n + 1, 2 * n + 2);
+        let tooth = |i: u32| [[i, i + 1, tip + i], [i + 1, i, low + i], [i + 1, low + i, low + i + 1]];
+        (p, (0..n).flat_map(tooth).collect())
+    }
+
+    #[test]
+    fn long_zigzags_are_cut_evenly() {
+        let (p, t) = comb(20_000);
+        let surface = Surface::new(&p, &t, &rules(2.5));
+        // Always cut at the farthest point, each tooth would keep its two sides.
+        let (sides, teeth) = (surface.sides.len(), 20_000);
+        assert!(surface.patches.len() == 1 && sides > 100 && sides < teeth, "{sides}");
+    }
+
+    #[test]
+    fn no_point_of_a_chain_is_farther_than_the_slack() {
+        let spiral = |i: u32| {
+            let angle = f64::from(i) * 0.07;
+            DVec3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + f64::from(i) * 0.01)
+        };
+        let zigzag = |i: u32| DVec3::new(f64::from(i) * 0.01, f64::from(i % 2 * (5000 - i)), 0.0);
+        let wave = |i: u32| DVec3::new(f64::from(i) * 0.01, (f64::from(i) * 0.02).sin(), 0.0);
+        let shapes: [&dyn Fn(u32) -> DVec3; 3] = [&spiral, &zigzag, &wave];
+        for (shape, n) in shapes.iter().flat_map(|s| [2, 3, 40, 5000].map(|n| (s, n))) {
+            for ring in [false, true] {
+                let mut positions: Vec<Vec3> = (0..n).map(|i| shape(i).as_vec3()).collect();
+                positions.push(Vec3::new(-3.0, -3.0, 1.0));
+                let mesh = Welded::new(&positions, &[]);
+                let mesh = Welded { positions, ..mesh };
+                let mut chain: Vec<u32> = (0..n).collect();
+                if ring {
+                    chain.extend([n, 0]);
+                }
+                let mut pieces = Vec::new();
+                straighten(&mesh, &chain, &Runs::new(), 0.05, &mut pieces);
+                let mut at = 0;
+                for piece in &pieces {
+                    // Pieces follow each other from end to end.
+                    assert_eq!(piece.ends[0], chain[at]);
+                    let length = chain[at + 1..].iter().position(|&v| v == piece.ends[1]).unwrap() + 1;
+                    let point = |v: u32| mesh.positions[v as usize].as_dvec3();
+                    let [a, b] = piece.ends.map(point);
+                    for &v in &chain[at..=at + length] {
+                        let along = (point(v) - a).dot(b - a) / (b - a).length_squared();
+                        let nearest = a + (b - a) * along.clamp(0.0, 1.0);
+                        assert!(point(v).distance(nearest) <= piece.slack, "{n} {ring} {v}");
+                    }
+                    assert!(piece.slack <= 0.05 * 1.001 && piece.ends[0] != piece.ends[1]);
+                    at += length;
+                }
+                assert_eq!(at, chain.len() - 1);
+            }
+        }
+    }
+
+    #[test]
+    fn thousands_of_triangles_share_an_edge_or_a_vertex() {
+        let n = 20_000u32;
+        let around = |i: u32| {
+            let angle = f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+            DVec3::new(5.0 * angle.cos(), 5.0 * angle.sin(), 1.0).as_vec3()
+        };
+        let mut p = vec![Vec3::ZERO, Vec3::Z * 3.0];
+        p.extend((0..n).map(around));
+        // Where more than two meet, each is a patch of its own, and none hides the edge.
+        let leaves: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, i + 2]).collect();
+        let surface = Surface::new(&p, &leaves, &rules(0.01));
+        assert_eq!((surface.patches.len(), surface.sides.len()), (n as usize, 3 * n as usize));
+        assert!(surface.sides.iter().all(|s| s.twin == NONE && !s.opposite));
+        // A cone around the vertex is one ring of patches.
+        let cone: Vec<[u32; 3]> = (0..n).map(|i| [0, i + 2, (i + 1) % n + 2]).collect();
+        let welded = Welded::new(&p, &cone);
+        let patches = grow(&welded, &rules(0.01));
+        let surface = outline(&welded, &patches, &rules(0.01));
+        assert!(surface.patches.len() < 20 && surface.sides.len() < 500, "{}", surface.sides.len());
+    }
+}

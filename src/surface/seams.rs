@@ -194,3 +194,96 @@ fn opens(slot: u32, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain
         ((ends, chain), Open { slot, side: index, number: base + patch, upwards })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::super::Rules;
+    use super::*;
+
+    /// A strip along x with a jagged upper side of `n` edges, `upper` or lower of it.
+    fn strip(n: u32, upper: bool) -> Surface {
+        let jag = |i: u32| Vec3::new(i as f32, if i.is_multiple_of(2) { 0.3 } else { -0.3 }, 0.0);
+        let far = |i: u32| Vec3::new(i as f32, if upper { 2.0 } else { -2.0 }, 0.0);
+        // Sides of the two run along the jags in opposite orders.
+        let p: Vec<Vec3> = (0..=n).map(jag).chain((0..=n).map(far)).collect();
+        let quad = |i: u32| {
+            let (a, b, c, d) = (i, i + 1, n + 2 + i, n + 1 + i);
+            if upper { [[a, b, c], [a, c, d]] } else { [[b, a, d], [b, d, c]] }
+        };
+        let t: Vec<[u32; 3]> = (0..n).flat_map(quad).collect();
+        Surface::new(&p, &t, &Rules { tolerance: 0.0, cosine: 0.2, least: 0.0, front: false })
+    }
+
+    /// The links of each object, found anew: where just two open sides have the same chain.
+    fn links(seams: &Seams, there: &[(u32, &Surface)]) -> Vec<Vec<(u32, u32, bool)>> {
+        let mut all: Vec<(Chain, Open)> = Vec::new();
+        for &(slot, surface) in there {
+            all.extend(opens(slot, surface, seams.place(slot).base));
+        }
+        let one = |slot: u32| {
+            let own = all.iter().filter(|o| o.1.slot == slot);
+            let linked = own.filter_map(|(chain, o)| {
+                let same: Vec<&Open> = all.iter().filter(|x| x.0 == *chain).map(|x| &x.1).collect();
+                let other = same.iter().find(|x| x.slot != slot).filter(|_| same.len() == 2)?;
+                Some((o.side, other.number, o.upwards != other.upwards))
+            });
+            linked.collect()
+        };
+        there.iter().map(|t| one(t.0)).collect()
+    }
+
+    #[test]
+    fn links_are_those_of_pairs_whatever_came_and_went() {
+        let surfaces = [strip(7, false), strip(7, true), strip(3, true), strip(1, false)];
+        let mut seams = Seams::default();
+        let mut there: Vec<(u32, &Surface)> = Vec::new();
+        let mut state = 9u32;
+        let mut most = 0;
+        for _ in 0..400 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let slot = state >> 16 & 7;
+            match there.iter().position(|t| t.0 == slot) {
+                Some(at) => {
+                    let (_, surface) = there.swap_remove(at);
+                    seams.remove(slot, surface, true);
+                }
+                None => {
+                    let surface = &surfaces[(state >> 24 & 3) as usize];
+                    seams.insert(slot, surface, true);
+                    there.push((slot, surface));
+                }
+            }
+            let wanted = links(&seams, &there);
+            for (&(slot, _), wanted) in there.iter().zip(&wanted) {
+                assert_eq!(&seams.place(slot).links, wanted);
+                most = most.max(wanted.len());
+            }
+        }
+        assert!(most >= 7, "{most}");
+    }
+
+    #[test]
+    fn thousands_of_objects_share_a_seam() {
+        let (low, high) = (strip(4, false), strip(4, true));
+        let mut seams = Seams::default();
+        for slot in 0..30_000 {
+            seams.insert(slot, if slot % 2 == 0 { &low } else { &high }, true);
+        }
+        for slot in 2..30_000 {
+            // The last ones are pairs.
+            assert!(slot > 29_000 || seams.place(slot).links.is_empty());
+            seams.remove(slot, if slot % 2 == 0 { &low } else { &high }, true);
+        }
+        assert!(seams.place(0).links.len() == 4 && seams.place(1).links.len() == 4);
+        // Links that come in the opposite order of the other object's sides.
+        let (low, high) = (strip(20_000, false), strip(20_000, true));
+        let mut seams = Seams::default();
+        seams.insert(0, &low, true);
+        seams.insert(1, &high, true);
+        assert!(seams.place(0).links.len() == 20_000 && seams.place(1).links.len() == 20_000);
+        seams.remove(1, &high, true);
+        assert!(seams.place(0).links.is_empty());
+    }
+}

@@ -23,6 +23,8 @@ pub enum Form {
     Needles(u32),
     /// Triangles anywhere.
     Soup(u32),
+    /// A ridge with this many long teeth.
+    Comb(u32),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -56,10 +58,11 @@ pub fn form() -> impl Strategy<Value = Form> {
         2 => (1..9u32).prop_map(Form::Terrain),
         1 => (9..25u32).prop_map(Form::Terrain),
         2 => (2..9u32).prop_map(Form::Curved),
-        1 => (3..6u32).prop_map(Form::Fan),
+        1 => prop_oneof![3..6u32, 6..40u32].prop_map(Form::Fan),
         1 => (1..5u32).prop_map(Form::Junctions),
         1 => (1..9u32).prop_map(Form::Needles),
         1 => (1..9u32).prop_map(Form::Soup),
+        1 => (2..40u32).prop_map(Form::Comb),
     ]
 }
 
@@ -213,6 +216,17 @@ fn parts(form: Form, random: &mut Random) -> Parts {
             let p = (0..n + 3).map(|_| random.vector(-1.0, 1.0)).collect();
             let mut any = || random.below(n as usize + 3) as u32;
             (p, (0..2 * n).map(|_| [any(), any(), any()]).collect())
+        }
+        Form::Comb(n) => {
+            let x = |i: f64| i / f64::from(n) * 2.0 - 1.0;
+            let mut p: Vec<DVec3> = Vec::new();
+            for y in [-0.9, -1.0] {
+                p.extend((0..=n).map(|i| DVec3::new(x(f64::from(i)), y, 0.0)));
+            }
+            p.extend((0..n).map(|i| DVec3::new(x(f64::from(i) + 0.5), random.within(0.0, 1.0), 0.0)));
+            let (low, tip) = (n + 1, 2 * n + 2);
+            let tooth = |i: u32| [[i, i + 1, tip + i], [i + 1, i, low + i], [i + 1, low + i, low + i + 1]];
+            (p, (0..n).flat_map(tooth).collect())
         }
     }
 }

@@ -163,7 +163,8 @@ struct Thing {
     blocker: Option<Blocker>,
 }
 
-fn prepared(made: &Made, how: &(Option<f64>, Option<f64>, Option<f32>, bool)) -> Arc<TriMesh> {
+fn prepared(made: &Made, solid: &Solid) -> Arc<TriMesh> {
+    let how = &solid.how;
     let points =
         made.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |b, &p| (b.0.min(p), b.1.max(p)));
     let size = f64::from((points.1 - points.0).length());
@@ -172,6 +173,7 @@ fn prepared(made: &Made, how: &(Option<f64>, Option<f64>, Option<f32>, bool)) ->
     preparation.least_radius = how.1.map(|v| (v * size) as f32);
     preparation.max_angle = how.2;
     preparation.facing = if how.3 { Facing::Front } else { Facing::Both };
+    preparation.occludes = solid.occludes;
     let mesh = TriMesh::prepare(made.positions.clone(), made.triangles.clone(), &preparation, &mut |_| ());
     Arc::new(mesh.unwrap())
 }
@@ -372,7 +374,7 @@ fn world(solids: &[Solid], frame: Frame, cells: u32) -> World {
     let spec = GridSpec { min: corner, cell, dims: UVec3::splat(cells) };
     let mut scene = Scene::new(&spec).unwrap();
     let made: Vec<Made> = solids.iter().map(|s| s.recipe.make(&|p| frame.place(p))).collect();
-    let meshes: Vec<Arc<TriMesh>> = solids.iter().zip(&made).map(|(s, m)| prepared(m, &s.how)).collect();
+    let meshes: Vec<Arc<TriMesh>> = solids.iter().zip(&made).map(|(s, m)| prepared(m, s)).collect();
     let mut things = Vec::new();
     for (solid, mesh) in solids.iter().zip(&meshes) {
         let instance =
