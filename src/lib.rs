@@ -15,6 +15,7 @@
 
 mod aggressive;
 mod bricks;
+mod cells;
 mod draw;
 mod error;
 mod fused;
@@ -30,6 +31,7 @@ pub mod reference;
 mod scene;
 mod shadows;
 mod shape;
+mod solids;
 mod surface;
 mod tbv;
 mod view;

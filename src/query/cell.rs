@@ -164,9 +164,8 @@ impl<'a> Walk<'a> {
         if let Some((visited, _)) = &mut self.record {
             visited.set(self.cell);
         }
-        for &slot in self.scene.ids.get(self.cell) {
-            self.decide(slot);
-        }
+        let scene = self.scene;
+        scene.ids.get(self.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
         self.scene.volumes.holding(self.cell, |slot| around.push(slot));
         around.sort_unstable();
@@ -394,8 +393,9 @@ impl<'a> Walk<'a> {
         let mut corner = (brick << 3i32) - self.cell;
         corner[axes.normal] = at - self.cell[axes.normal];
         let scene = self.scene;
-        scene.ids.for_tile(brick, &axes, at, tile, |bit, objects| {
-            if objects.iter().all(|&slot| self.scratch.is_decided(slot)) {
+        scene.ids.for_tile(brick, &axes, at, tile, |bit, whole, own| {
+            let decided = |&slot: &u32| self.scratch.is_decided(slot);
+            if own.iter().all(decided) && whole.iter().all(decided) {
                 return;
             }
             let mut c = corner;
@@ -403,7 +403,7 @@ impl<'a> Walk<'a> {
             c[axes.col] += bit & 7;
             let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
             if !(on_edge && self.is_hidden(c, m, scale)) {
-                objects.iter().for_each(|&slot| self.decide(slot));
+                whole.iter().chain(own).for_each(|&slot| self.decide(slot));
             }
         });
     }

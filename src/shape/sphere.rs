@@ -8,6 +8,7 @@ use glam::{DVec3, IVec3};
 
 use super::{CellRun, Shape};
 use crate::Sphere;
+use crate::cells::Rows;
 use crate::grid::Grid;
 
 impl Sphere {
@@ -29,10 +30,33 @@ impl Shape for Sphere {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+    }
+
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+    }
+
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+        let (c, r, margin) = self.parts();
+        let farthest = (c - min).abs().max((max - c).abs());
+        // A little less than the rows of `opaque` hold, so that every cell found here is one of theirs.
+        let r = r - 4.0 * margin;
+        r > 0.0 && farthest.length_squared() <= r * r
+    }
+
+    fn contains_point(&self, point: DVec3) -> bool {
+        let (c, r, margin) = self.parts();
+        point.distance_squared(c) <= (r + margin) * (r + margin)
+    }
+}
+
+impl Rows for Sphere {
+    fn touched_rows(&self, grid: &Grid, from: IVec3, to: IVec3, out: &mut dyn FnMut(CellRun)) {
         let (c, r, margin) = self.parts();
         let r = r + margin;
         let (lo, hi) = grid.cover(c - r, c + r);
-        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+        let (lo, hi) = (lo.max(from), hi.min(to));
         for z in lo.z..=hi.z {
             let (dz, _) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
             for y in lo.y..=hi.y {
@@ -52,13 +76,14 @@ impl Shape for Sphere {
         }
     }
 
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+    fn opaque_rows(&self, grid: &Grid, from: IVec3, to: IVec3, out: &mut dyn FnMut(CellRun)) {
         let (c, r, margin) = self.parts();
         let r = r - margin;
         if r <= 0.0 {
             return;
         }
         let Some((lo, hi)) = grid.inside(c - r, c + r) else { return };
+        let (lo, hi) = (lo.max(from), hi.min(to));
         for z in lo.z..=hi.z {
             let (_, dz) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
             for y in lo.y..=hi.y {
@@ -73,24 +98,20 @@ impl Shape for Sphere {
                     DVec3::new(c.x - dx, cell_min.y, cell_min.z),
                     DVec3::new(c.x + dx, cell_max.y, cell_max.z),
                 );
-                if let Some((a, b)) = inside {
-                    out(CellRun { x0: a.x, x1: b.x, y, z });
+                let Some((a, b)) = inside else { continue };
+                let (x0, x1) = (a.x.max(lo.x), b.x.min(hi.x));
+                if x0 <= x1 {
+                    out(CellRun { x0, x1, y, z });
                 }
             }
         }
     }
 
-    fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
-        let farthest = (c - min).abs().max((max - c).abs());
-        // A little less than the rows of `opaque` hold, so that every cell found here is one of theirs.
-        let r = r - 4.0 * margin;
-        r > 0.0 && farthest.length_squared() <= r * r
-    }
-
-    fn contains_point(&self, point: DVec3) -> bool {
-        let (c, r, margin) = self.parts();
-        point.distance_squared(c) <= (r + margin) * (r + margin)
+        // A little more than the rows of `touched` hold.
+        let r = r + 4.0 * margin;
+        c.clamp(min, max).distance_squared(c) > r * r
     }
 }
 
