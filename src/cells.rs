@@ -105,6 +105,33 @@ pub(crate) fn touched(occluder: &Occluder, grid: &Grid, out: &mut dyn FnMut(Piec
     pieces(occluder, grid, Which::Touched, out);
 }
 
+/// Calls `out` with the cells that an occluder touches in pages and bricks that are asked for.
+pub(crate) fn touched_where(
+    occluder: &Occluder,
+    grid: &Grid,
+    page: &dyn Fn(IVec3) -> bool,
+    brick: &dyn Fn(IVec3) -> bool,
+    out: &mut dyn FnMut(IVec3, &Mask),
+) {
+    let (min, max) = occluder.bounds();
+    let (lo, hi) = grid.cover(min, max);
+    let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+    let mut out = |piece: Piece| {
+        piece.bricks(|b, mask| {
+            if brick(b) {
+                out(b, mask);
+            }
+        });
+    };
+    match occluder.rows() {
+        Some(rows) if volume(lo >> 3i32, hi >> 3i32) > FEW_BRICKS => {
+            let asked = Some((page, brick));
+            Walk { rows, grid, which: Which::Touched, lo, hi, asked, out: &mut out }.pages();
+        }
+        _ => pieces(occluder, grid, Which::Touched, &mut out),
+    }
+}
+
 /// Calls `out` with the cells that an occluder makes opaque.
 pub(crate) fn opaque(occluder: &Occluder, grid: &Grid, out: &mut dyn FnMut(Piece)) {
     pieces(occluder, grid, Which::Opaque, out);
@@ -134,7 +161,7 @@ fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Pie
         masks.write(shape, grid, which);
         masks.iter().filter(|(_, m)| **m != NONE).for_each(|(b, m)| out(Piece::Brick(b, *m)));
     } else if let Some(rows) = shape.rows() {
-        Walk { rows, grid, which, lo, hi, out }.pages();
+        Walk { rows, grid, which, lo, hi, asked: None, out }.pages();
     } else {
         // Pages of the grid are pages here.
         let corner = lo >> 6i32;
@@ -275,6 +302,8 @@ struct Walk<'a> {
     which: Which,
     lo: IVec3,
     hi: IVec3,
+    /// Which pages and bricks are asked for; others are left out.
+    asked: Option<(&'a dyn Fn(IVec3) -> bool, &'a dyn Fn(IVec3) -> bool)>,
     out: &'a mut dyn FnMut(Piece),
 }
 
@@ -291,6 +320,9 @@ impl Walk<'_> {
 
     fn pages(&mut self) {
         for page in (CellBox { lo: self.lo >> 6i32, hi: self.hi >> 6i32 }).cells() {
+            if self.asked.is_some_and(|(asked, _)| !asked(page)) {
+                continue;
+            }
             let (first, last) = (page * PAGE, page * PAGE + (PAGE - 1));
             let inside = self.grid.contains(last);
             match self.verdict(first, last) {
@@ -308,6 +340,7 @@ impl Walk<'_> {
             match self.verdict(first, last) {
                 Some(true) if inside => (self.out)(Piece::Brick(brick, ALL)),
                 Some(false) => {}
+                _ if self.asked.is_some_and(|(_, asked)| !asked(brick)) => {}
                 _ => {
                     let mut mask = NONE;
                     let (lo, hi) = (first.max(self.lo), last.min(self.hi));

@@ -4,9 +4,9 @@ use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::bricks::Pages;
-use crate::cells::{Piece, misses, opaque, touched};
+use crate::cells::{Piece, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
-use crate::matrix::{Mask, NONE, block_mask, both, cells_of, without};
+use crate::matrix::{ALL, Mask, NONE, block_mask, both, cells_of, without};
 use crate::scene::Scene;
 use crate::shape::{Occluder, union_contains};
 
@@ -112,17 +112,22 @@ impl Scene {
             Piece::Page(page) if counts.add_page(bits, page) => {}
             piece => piece.bricks(|brick, mask| counts.add(bits, brick, mask)),
         });
+        if !occluder.is_solid() {
+            return;
+        }
         let large = self.large_solids(occluder, slot);
         let mut joint = Vec::new();
-        touched(occluder, &self.grid, &mut |piece| match piece {
-            Piece::Page(page) if self.opacity_static.page_is_full(page) => {}
-            piece => piece.bricks(|brick, mask| {
-                let open = without(mask, self.opacity_static.brick(brick));
-                if open != NONE && self.solids_near(brick, slot, &large) {
-                    let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
-                    joint.extend(cells_of(brick, &open).filter(solid));
-                }
-            }),
+        // Only where others are near may cells be filled together with them.
+        let page_asked = |page: IVec3| {
+            !self.opacity_static.page_is_full(page)
+                && (!large.is_empty() || !self.ids.pages().page_is_empty(page))
+        };
+        let brick_asked =
+            |brick: IVec3| *self.opacity_static.brick(brick) != ALL && self.solids_near(brick, slot, &large);
+        touched_where(occluder, &self.grid, &page_asked, &brick_asked, &mut |brick, mask| {
+            let open = without(mask, self.opacity_static.brick(brick));
+            let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
+            joint.extend(cells_of(brick, &open).filter(solid));
         });
         self.join(joint);
     }

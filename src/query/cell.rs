@@ -4,6 +4,7 @@ use glam::IVec3;
 
 use super::{FAR_VIEWER, Scratch, Settings};
 use crate::bricks::Pages;
+use crate::cells::volume;
 use crate::geometry::Block;
 use crate::mask::{PASSED_OVER, ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
 use crate::matrix::{BitMatrix, CellBox, TbvMatrix};
@@ -15,6 +16,9 @@ use crate::walk::{CellFrustum, SideFrustum, shell_range};
 
 /// An eye that may lie this far outside its cell, in cells, gets no occlusion.
 const UNCERTAIN_EYE: f64 = 0.2;
+
+/// A revealed object that spans more cells than this is decided without asking which of them are in sight.
+const MAX_PENDING: u64 = 1 << 18;
 
 /// One run of the cell method.
 pub(super) struct Walk<'a> {
@@ -216,6 +220,13 @@ impl<'a> Walk<'a> {
         }
         let bounds = &object.bounds;
         if !self.view.may_see(bounds) {
+            return;
+        }
+        let block = bounds.block();
+        let (lo, hi) = self.scene.grid.cover(block.min, block.max);
+        if volume(lo, hi) > MAX_PENDING {
+            // So many cells cost more than a test could spare.
+            self.decide(slot);
             return;
         }
         let (cell, pending) = (self.cell, &mut self.scratch.pending);

@@ -66,9 +66,8 @@ impl Rows for Sphere {
                     continue;
                 }
                 let dx = rest.sqrt() + margin;
-                let row = |x| DVec3::new(x, c.y, c.z);
-                let (a, b) = grid.cover(row(c.x - dx), row(c.x + dx));
-                let (x0, x1) = (a.x.max(lo.x), b.x.min(hi.x));
+                let (a, b) = grid.cover_along(0, c.x - dx, c.x + dx);
+                let (x0, x1) = (a.max(lo.x), b.min(hi.x));
                 if x0 <= x1 {
                     out(CellRun { x0, x1, y, z });
                 }
@@ -93,13 +92,8 @@ impl Rows for Sphere {
                     continue;
                 }
                 let dx = rest.sqrt() - margin;
-                let (cell_min, cell_max) = grid.cell_bounds(IVec3::new(lo.x, y, z));
-                let inside = grid.inside(
-                    DVec3::new(c.x - dx, cell_min.y, cell_min.z),
-                    DVec3::new(c.x + dx, cell_max.y, cell_max.z),
-                );
-                let Some((a, b)) = inside else { continue };
-                let (x0, x1) = (a.x.max(lo.x), b.x.min(hi.x));
+                let (a, b) = grid.inside_along(0, c.x - dx, c.x + dx);
+                let (x0, x1) = (a.max(lo.x), b.min(hi.x));
                 if x0 <= x1 {
                     out(CellRun { x0, x1, y, z });
                 }
