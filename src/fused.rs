@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::bricks::{BRICK, Bricks};
-use crate::matrix::{BitMatrix, CellBox, OpacityMatrix};
+use crate::bricks::{BRICK, Bricks, Pages};
+use crate::matrix::{BitMatrix, CellBox, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, without};
 
 /// Boxes reach this far beyond the brick of their first cell.
 const REACH: i32 = BRICK;
@@ -39,25 +39,51 @@ impl Fused {
         self.stale.insert((cell >> 3i32).to_array());
     }
 
-    /// A cell is no longer opaque: boxes that may hold it go.
-    pub(crate) fn clear(&mut self, cell: IVec3) {
-        self.cells.clear_cell(cell);
-        let around = CellBox { lo: cell - REACH, hi: cell + REACH };
-        let gone: Vec<IVec3> =
-            self.bricks_of(&around).filter(|&b| self.boxes.get(b).iter().any(|b| b.contains(cell))).collect();
-        for brick in gone {
-            self.boxes.release(brick);
-            // Its neighbours may have relied on its boxes.
-            let reach = CellBox { lo: brick * BRICK - REACH, hi: brick * BRICK + BRICK - 1 + REACH };
-            let around: Vec<IVec3> = self.bricks_of(&reach).collect();
-            self.stale.extend(around.iter().map(|b| b.to_array()));
+    /// Cells of a brick have no such reason any more.
+    pub(crate) fn part(&mut self, brick: IVec3, cells: &Mask) {
+        self.cells.clear_mask(brick, cells);
+    }
+
+    /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block touches.
+    pub(crate) fn for_cells(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
+        for brick in bricks_there(self.cells.pages(), lo >> 3i32, hi >> 3i32) {
+            let mask = self.cells.brick(brick);
+            if *mask != NONE {
+                out(brick, mask);
+            }
         }
     }
 
-    /// The bricks of the grid that a block of cells touches.
-    fn bricks_of(&self, block: &CellBox) -> impl Iterator<Item = IVec3> {
-        let lo = block.lo.max(IVec3::ZERO) >> 3i32;
-        CellBox { lo, hi: block.hi.min(self.cells.dims() - 1) >> 3i32 }.cells()
+    /// Cells of a brick are no longer opaque: boxes that hold some of them go.
+    pub(crate) fn clear_cells(&mut self, brick: IVec3, cells: &Mask) {
+        self.clear(brick * BRICK, brick * BRICK + (BRICK - 1), &|b| {
+            both(&block_mask(brick, b.lo, b.hi), cells) != NONE
+        });
+    }
+
+    /// No cell between `lo` and `hi` is opaque any longer.
+    pub(crate) fn clear_block(&mut self, lo: IVec3, hi: IVec3) {
+        self.clear(lo, hi, &|b| b.lo.cmple(hi).all() && b.hi.cmpge(lo).all());
+    }
+
+    fn clear(&mut self, lo: IVec3, hi: IVec3, gone: &dyn Fn(&CellBox) -> bool) {
+        let around = self.bricks_around(lo, hi);
+        let gone: SmallVec<[IVec3; 8]> = bricks_there(&self.boxes, around.lo, around.hi)
+            .filter(|&b| self.boxes.get(b).iter().any(gone))
+            .collect();
+        for brick in gone {
+            self.boxes.release(brick);
+            // Its neighbours may have relied on its boxes.
+            let reach = self.bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
+            let growing = reach.cells().filter(|&b| *self.cells.brick(b) != NONE);
+            self.stale.extend(growing.map(|b| b.to_array()));
+        }
+    }
+
+    /// The bricks of the grid whose boxes may reach into a block.
+    fn bricks_around(&self, lo: IVec3, hi: IVec3) -> CellBox {
+        let last = self.cells.dims() - 1;
+        CellBox { lo: (lo - REACH).max(IVec3::ZERO) >> 3i32, hi: (hi + REACH).min(last) >> 3i32 }
     }
 
     /// Grows the boxes of all stale bricks.
@@ -66,24 +92,18 @@ impl Fused {
             let brick = IVec3::from_array(brick);
             self.boxes.release(brick);
             let corner = brick * BRICK;
-            let last = (corner + BRICK).min(self.cells.dims()) - 1;
-            let mut grown: SmallVec<[CellBox; 2]> = SmallVec::new();
-            let neighbours = CellBox { lo: corner - REACH, hi: corner + BRICK - 1 + REACH };
-            let around: Vec<CellBox> =
-                self.bricks_of(&neighbours).flat_map(|b| self.boxes.get(b).iter().copied()).collect();
-            for z in corner.z..=last.z {
-                for y in corner.y..=last.y {
-                    for x in corner.x..=last.x {
-                        let cell = IVec3::new(x, y, z);
-                        let new = self.cells.get(cell)
-                            && !grown.iter().any(|b| b.contains(cell))
-                            && !around.iter().any(|b| b.contains(cell));
-                        if new && grown.len() < MOST {
-                            let bounds = CellBox { lo: corner - REACH, hi: corner + BRICK - 1 + REACH };
-                            grown.push(grow(cell, &bounds, opaque));
-                        }
-                    }
+            let bounds = CellBox { lo: corner - REACH, hi: corner + (BRICK - 1) + REACH };
+            let mut open = *self.cells.brick(brick);
+            for b in self.bricks_around(corner, corner + (BRICK - 1)).cells() {
+                for held in self.boxes.get(b) {
+                    open = without(&open, &block_mask(brick, held.lo, held.hi));
                 }
+            }
+            let mut grown: SmallVec<[CellBox; 2]> = SmallVec::new();
+            while let Some(cell) = cells_of(brick, &open).next().filter(|_| grown.len() < MOST) {
+                let b = grow(cell, &bounds, opaque);
+                open = without(&open, &block_mask(brick, b.lo, b.hi));
+                grown.push(b);
             }
             if !grown.is_empty() {
                 *self.boxes.get_mut(brick) = grown;
@@ -96,9 +116,22 @@ impl Fused {
         self.boxes.get(brick)
     }
 
+    /// The pages and rows of pages that hold no boxes.
+    pub(crate) fn pages(&self) -> &impl Pages {
+        &self.boxes
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         self.cells.bytes() + self.boxes.bytes() + self.stale.len() * 24
     }
+}
+
+/// The bricks from `lo` to `hi` in pages that hold something.
+fn bricks_there(pages: &impl Pages, lo: IVec3, hi: IVec3) -> impl Iterator<Item = IVec3> {
+    let of = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
+    of.cells()
+        .filter(|&p| !pages.page_is_empty(p))
+        .flat_map(move |p| CellBox { lo: lo.max(p * BRICK), hi: hi.min(p * BRICK + (BRICK - 1)) }.cells())
 }
 
 /// A box of opaque cells around one, as large as growing by a layer at a time makes it.
@@ -113,7 +146,7 @@ fn grow(cell: IVec3, bounds: &CellBox, opaque: &OpacityMatrix) -> CellBox {
             let at = if up { b.hi[axis] + 1 } else { b.lo[axis] - 1 };
             let mut layer = b;
             (layer.lo[axis], layer.hi[axis]) = (at, at);
-            *open = least[axis] <= at && at <= most[axis] && layer.cells().all(|c| opaque.get(c));
+            *open = least[axis] <= at && at <= most[axis] && opaque.holds_block(layer.lo, layer.hi);
             if *open {
                 (b.lo, b.hi) = (b.lo.min(layer.lo), b.hi.max(layer.hi));
             }
@@ -153,7 +186,7 @@ mod tests {
         // A hole takes away every box over it, until they are grown again.
         let hole = IVec3::new(9, 9, 10);
         opaque.clear_cell(hole);
-        fused.clear(hole);
+        fused.clear_cells(hole >> 3i32, &block_mask(hole >> 3i32, hole, hole));
         assert!(all(&fused).iter().all(|b| !b.contains(hole)));
         fused.refresh(&opaque);
         assert!(all(&fused).iter().flat_map(|b| b.cells()).all(|c| opaque.get(c)));

@@ -112,6 +112,11 @@ impl Block {
         self.min.cmple(p).all() && self.max.cmpge(p).all()
     }
 
+    /// Whether they share a point, if only on their surfaces.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
+    }
+
     /// Whether the interiors meet.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()

@@ -210,30 +210,35 @@ impl Grid {
     /// The least block of cells whose closed cells cover the box from `min` to
     /// `max`: a box that ends on a face does not reach into the next cell.
     pub(crate) fn cover(&self, min: DVec3, max: DVec3) -> (IVec3, IVec3) {
-        let lo = self.cell_of(min);
-        let mut hi = self.cell_of(max).max(lo);
-        for axis in 0..3 {
-            if hi[axis] > lo[axis] && self.plane(axis, hi[axis]) >= max[axis] {
-                hi[axis] -= 1;
-            }
-        }
-        (lo, hi)
+        let x = self.cover_along(0, min.x, max.x);
+        let y = self.cover_along(1, min.y, max.y);
+        let z = self.cover_along(2, min.z, max.z);
+        (IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
+    }
+
+    /// As [`Grid::cover`], along one axis.
+    pub(crate) fn cover_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
+        let lo = self.cell_along(axis, min);
+        let hi = self.cell_along(axis, max).max(lo);
+        if hi > lo && self.plane(axis, hi) >= max { (lo, hi - 1) } else { (lo, hi) }
     }
 
     /// The cells wholly inside the box from `min` to `max`, clipped to the
     /// grid; `None` if there is none.
     pub(crate) fn inside(&self, min: DVec3, max: DVec3) -> Option<(IVec3, IVec3)> {
-        let mut lo = self.cell_of(min);
-        let mut hi = self.cell_of(max);
-        for axis in 0..3 {
-            if self.plane(axis, lo[axis]) < min[axis] {
-                lo[axis] += 1;
-            }
-            if self.plane(axis, hi[axis] + 1) > max[axis] {
-                hi[axis] -= 1;
-            }
-        }
-        self.clip(lo, hi)
+        let x = self.inside_along(0, min.x, max.x);
+        let y = self.inside_along(1, min.y, max.y);
+        let z = self.inside_along(2, min.z, max.z);
+        self.clip(IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
+    }
+
+    /// As [`Grid::inside`], along one axis and beyond the grid; the last comes before the first where there is none.
+    pub(crate) fn inside_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
+        let (lo, hi) = (self.cell_along(axis, min), self.cell_along(axis, max));
+        (
+            if self.plane(axis, lo) < min { lo + 1 } else { lo },
+            if self.plane(axis, hi + 1) > max { hi - 1 } else { hi },
+        )
     }
 
     /// The part of a block of cells inside the grid; `None` if there is none.

@@ -15,6 +15,7 @@
 
 mod aggressive;
 mod bricks;
+mod cells;
 mod draw;
 mod error;
 mod fused;
@@ -31,6 +32,7 @@ pub mod reference;
 mod scene;
 mod shadows;
 mod shape;
+mod solids;
 mod surface;
 mod tbv;
 mod view;

@@ -14,6 +14,8 @@
 //! centres, rounded inwards. Look-ups and stamps without an uncertain eye are
 //! integer arithmetic, or divisions whose rounding provably cannot change their floor.
 
+use glam::IVec3;
+
 use crate::matrix::SideAxes;
 
 /// The six sides of a shell: normal axis and sign.
@@ -35,6 +37,16 @@ impl Side {
             Self { axes: z, sign: -1 },
         ]
     };
+}
+
+impl Side {
+    /// The cell in a row and column of the side, relative to V.
+    #[inline]
+    pub(crate) fn cell(&self, depth: i32, row: i32, col: i32) -> IVec3 {
+        let mut c = IVec3::ZERO;
+        (c[self.axes.normal], c[self.axes.row], c[self.axes.col]) = (depth, row, col);
+        c
+    }
 }
 
 /// How the cells of one shell map to the pixels of a mask with 2^log pixels
@@ -107,6 +119,11 @@ impl ShellScale {
         if p >= self.size() { self.m } else { self.line_from(p) - 1 }
     }
 
+    /// No pixel has lattice lines around it that are farther apart.
+    pub(crate) fn reach(&self) -> usize {
+        ((2 * self.m) >> self.log) as usize + 2 * self.slack.ceil() as usize + 4
+    }
+
     /// The lattice lines around the directions of pixel `p`: of floor and ceiling.
     #[inline]
     fn lines_around(&self, p: i64) -> (i64, i64) {
@@ -133,11 +150,37 @@ pub(crate) struct SideCells {
     /// Words a row.
     pub(crate) words: usize,
     /// Cells that do not block: inside the frustum, not hidden and not opaque. Bit
-    /// `col - col0 + offset` of row `row - row0`.
+    /// `col - col0 + offset` of a row. Eight rows a band, of the bands that are there.
     pub(crate) open: Vec<u64>,
     pub(crate) offset: usize,
+    /// Rows of the first band that come before `row0`.
+    pub(crate) before: usize,
+    /// Where each band is in `open`, counted in bands, or [`PASSED_OVER`].
+    pub(crate) bands: Vec<u32>,
     /// Rows with opaque cells that are not hidden.
     pub(crate) fresh: Vec<bool>,
+}
+
+/// A band that nobody has looked at.
+pub(crate) const PASSED_OVER: u32 = u32::MAX;
+
+impl SideCells {
+    /// Makes room for a band of rows and gives it.
+    pub(crate) fn make_band(&mut self, band: usize) -> &mut [u64] {
+        let size = 8 * self.words;
+        let at = self.open.len();
+        self.bands[band] = (at / size) as u32;
+        self.open.resize(at + size, 0);
+        &mut self.open[at..]
+    }
+
+    /// The cells of row `row0 + r` that do not block; none if its band was passed over.
+    pub(crate) fn line(&self, r: usize) -> Option<&[u64]> {
+        let at = r + self.before;
+        let band = self.bands[at >> 3];
+        let first = (band as usize * 8 + (at & 7)) * self.words;
+        (band != PASSED_OVER).then(|| &self.open[first..first + self.words])
+    }
 }
 
 /// The six masks of a query.
@@ -277,7 +320,9 @@ impl DirectionMasks {
         self.row.clear();
         self.row.resize(cells.words, 0);
         for r in rows {
-            for (sum, open) in self.row.iter_mut().zip(&cells.open[r * cells.words..(r + 1) * cells.words]) {
+            // Bands around opaque cells are there; of others nothing is known to block.
+            let Some(line) = cells.line(r) else { return self.pattern.fill(0) };
+            for (sum, open) in self.row.iter_mut().zip(line) {
                 *sum |= open;
             }
         }

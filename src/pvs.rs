@@ -14,7 +14,7 @@ pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
     /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to.
+    /// of a shell that they belong to. Large parts of the grid that hold nothing are passed over and not counted.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,

@@ -6,14 +6,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
 
+use crate::cells::{Moved, touched_by, volume};
 use crate::error::{Error, finite3};
 use crate::fused::Fused;
 use crate::geometry::Block;
 use crate::grid::{Grid, GridSpec};
-use crate::matrix::{BitMatrix, IdMatrix, OpacityMatrix, TbvMatrix};
+use crate::matrix::{BitMatrix, CellBox, Counts, IdMatrix, NONE, OpacityMatrix, TbvMatrix};
 use crate::object::{Motion, ObjectDesc, ObjectId, Reports, check_pair};
 use crate::pvs::Pvs;
-use crate::shape::{Bounds, CellRun, Occluder, Shape, union_contains};
+use crate::shape::{Bounds, Occluder, Shape};
 use crate::surface::Seams;
 use crate::tbv::{Border, Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
@@ -31,6 +32,9 @@ const MANY_EXPIRIES: usize = 64;
 
 /// Beyond this many cells before the near plane all occluders are asked instead.
 const MAX_NEAR_CELLS: u64 = 4096;
+
+/// Of the objects in those cells, so many are asked again and again before all are asked once.
+const MOST_ASKED: usize = 4096;
 
 static SCENES: AtomicU32 = AtomicU32::new(1);
 
@@ -75,7 +79,7 @@ pub(crate) struct Object {
     /// Place in the list of objects tested in every query, or `NOWHERE`.
     always_at: u32,
     /// Whether its cells are in I; objects with too many cells are not.
-    in_cells: bool,
+    pub(crate) in_cells: bool,
     /// The time of the last report.
     reported: f64,
     /// Listed and reported on expiry, but not since the clock last moved: it may be anywhere.
@@ -114,7 +118,7 @@ impl Object {
         }
     }
 
-    fn is_static(&self) -> bool {
+    pub(crate) fn is_static(&self) -> bool {
         self.motion == Motion::Static
     }
 
@@ -202,6 +206,9 @@ pub struct Scene {
     pub(crate) opacity_static: OpacityMatrix,
     /// What visible dynamic objects add to Os to make O.
     pub(crate) opacity_dynamic: OpacityMatrix,
+    /// How many objects make each of their cells opaque.
+    pub(crate) counts_static: Counts,
+    pub(crate) counts_dynamic: Counts,
     /// Boxes of static opaque cells that are drawn like solids.
     pub(crate) fused: Fused,
     /// Where surfaces of static objects meet.
@@ -228,8 +235,7 @@ pub struct Scene {
     revision: u64,
     moves: u64,
     seen: Vec<u64>,
-    old_runs: Vec<CellRun>,
-    new_runs: Vec<CellRun>,
+    moved: Moved,
 }
 
 impl Scene {
@@ -244,6 +250,8 @@ impl Scene {
             grid,
             opacity_static: BitMatrix::new(grid.dims()),
             opacity_dynamic: BitMatrix::new(grid.dims()),
+            counts_static: Counts::new(grid.dims()),
+            counts_dynamic: Counts::new(grid.dims()),
             fused: Fused::new(grid.dims()),
             seams: Seams::default(),
             ids: IdMatrix::new(grid.dims()),
@@ -262,8 +270,7 @@ impl Scene {
             revision: 0,
             moves: 0,
             seen: Vec::new(),
-            old_runs: Vec::new(),
-            new_runs: Vec::new(),
+            moved: Moved::default(),
         })
     }
 
@@ -328,7 +335,7 @@ impl Scene {
 
     /// Whether objects are known to touch a cell (I).
     pub fn is_occupied(&self, cell: IVec3) -> bool {
-        self.grid.contains(cell) && !self.ids.get(cell).is_empty()
+        self.grid.contains(cell) && self.ids.get(cell).next().is_some()
     }
 
     /// Os: the opaque cells of static objects.
@@ -355,14 +362,19 @@ impl Scene {
     /// Memory held. Walks over all bricks and objects.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse {
-            opacity: self.opacity_static.bytes() + self.opacity_dynamic.bytes() + self.fused.bytes(),
+            opacity: self.opacity_static.bytes()
+                + self.opacity_dynamic.bytes()
+                + self.counts_static.bytes()
+                + self.counts_dynamic.bytes()
+                + self.fused.bytes(),
             ids: self.ids.bytes(),
             tbvs: self.volumes.bytes(),
             objects: self.slots.capacity() * size_of::<Slot>()
                 + (self.free.capacity() + self.listed.capacity() + self.always.capacity()) * 4
                 + self.seams.bytes()
                 + self.expiries.capacity() * size_of::<Expiry>()
-                + self.seen.capacity() * 8,
+                + self.seen.capacity() * 8
+                + self.moved.bytes(),
             shapes: self.shape_bytes(),
         }
     }
@@ -811,10 +823,9 @@ impl Scene {
     /// Whether a point may lie inside an occluder that the matrices know.
     pub(crate) fn inside_occluder(&self, point: DVec3) -> bool {
         let cell = self.grid.cell_of(point);
-        let holds =
-            |&slot: &u32| self.object(slot).occluder.as_ref().is_some_and(|o| o.contains_point(point));
-        self.always.iter().any(holds)
-            || self.grid.contains(cell) && (self.is_opaque(cell) || self.ids.get(cell).iter().any(holds))
+        let holds = |slot| self.object(slot).occluder.as_ref().is_some_and(|o| o.contains_point(point));
+        self.always.iter().copied().any(holds)
+            || self.grid.contains(cell) && (self.is_opaque(cell) || self.ids.get(cell).any(holds))
     }
 
     /// Whether the near plane of a view may cut into an occluder: then one sees
@@ -839,18 +850,28 @@ impl Scene {
         };
         let (lo, hi) = self.grid.cover(block.min, block.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
-        let cells = (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>();
-        if cells > MAX_NEAR_CELLS {
+        let anywhere = || {
             let living = |i: &u32| self.slots[*i as usize].object.is_some();
-            return (0..self.slots.len() as u32).filter(living).any(meets);
-        }
-        let in_cell = |c: IVec3| {
-            let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
-            self.is_opaque(c) && opaque() || self.ids.get(c).iter().any(|&s| meets(s))
+            (0..self.slots.len() as u32).filter(living).any(meets)
         };
-        self.always.iter().any(|&s| meets(s))
-            || (lo.z..=hi.z)
-                .any(|z| (lo.y..=hi.y).any(|y| (lo.x..=hi.x).any(|x| in_cell(IVec3::new(x, y, z)))))
+        if volume(lo, hi) > MAX_NEAR_CELLS {
+            return anywhere();
+        }
+        if self.always.iter().any(|&s| meets(s)) {
+            return true;
+        }
+        let mut asked = 0;
+        for c in (CellBox { lo, hi }).cells() {
+            let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+            if self.is_opaque(c) && opaque() || self.ids.get(c).inspect(|_| asked += 1).any(meets) {
+                return true;
+            }
+            // Objects that share many of these cells would be asked again in each.
+            if asked > self.len.max(MOST_ASKED) {
+                return anywhere();
+            }
+        }
+        false
     }
 
     fn remember_always(&mut self, slot: u32) {
@@ -929,7 +950,7 @@ impl Scene {
         let dynamic = !object.is_static();
         let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
         if small {
-            bounds.touched(&grid, &mut |run| run.cells().for_each(|c| self.ids.insert(c, slot)));
+            touched_by(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
         if !(fits && small) {
             self.remember_always(slot);
@@ -939,7 +960,7 @@ impl Scene {
         }
         if let Some(occluder) = occluder {
             if dynamic {
-                occluder.opaque(&grid, &mut |r| self.opacity_dynamic.set_run(r.x0, r.x1, r.y, r.z));
+                self.add_dynamic_solid(&occluder);
             } else {
                 self.add_static_solid(slot, &occluder);
             }
@@ -955,145 +976,46 @@ impl Scene {
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
         let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
         if in_cells {
-            bounds.touched(&grid, &mut |run| run.cells().for_each(|c| self.ids.remove(c, slot)));
+            touched_by(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
         self.forget_always(slot);
         self.set_listed(slot, false);
         if let Some(occluder) = occluder {
             if dynamic {
-                let mut runs = Vec::new();
-                occluder.opaque(&grid, &mut |run| runs.push(run));
-                self.clear_dynamic(slot, &runs);
+                self.remove_dynamic_solid(&occluder);
             } else {
                 self.remove_static_solid(slot, &occluder);
             }
         }
     }
 
-    /// Moves a listed object: only the cells that change are touched.
+    /// Moves a listed object: only the cells that change are touched, unless they are many.
     fn relist(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
         let grid = self.grid;
+        let mut moved = std::mem::take(&mut self.moved);
         let object = self.object(slot);
         let (fits, small) = placement(&grid, &bounds.block());
-        let rows = |b: &Bounds| !matches!(b, Bounds::Mesh(_));
-        let simple = !object.is_static()
-            && (fits && small && object.in_cells && object.always_at == NOWHERE)
-            && (rows(&object.bounds) && rows(&bounds))
-            && ![&object.occluder, &occluder].iter().any(|o| matches!(o, Some(Occluder::Mesh(_))));
-        if !simple {
+        let listed = object.in_cells && object.always_at == NOWHERE;
+        let simple = !object.is_static() && fits && small && listed;
+        if !(simple && moved.bounds(&object.bounds, &bounds, &grid)) {
+            self.moved = moved;
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);
             self.object_mut(slot).bounds = bounds;
             self.list(slot);
             return;
         }
-        let old_bounds = std::mem::replace(&mut self.object_mut(slot).bounds, bounds.clone());
-        let old_occluder = self.object(slot).occluder.clone();
-        self.exchange_occluder(slot, occluder.clone());
-        let (mut old, mut new) = (std::mem::take(&mut self.old_runs), std::mem::take(&mut self.new_runs));
-        old.clear();
-        new.clear();
-        old_bounds.touched(&grid, &mut |run| old.push(run));
-        bounds.touched(&grid, &mut |run| new.push(run));
-        difference(&old, &new, |run| run.cells().for_each(|c| self.ids.remove(c, slot)));
-        difference(&new, &old, |run| run.cells().for_each(|c| self.ids.insert(c, slot)));
-        old.clear();
-        new.clear();
-        if let Some(o) = &old_occluder {
-            o.opaque(&grid, &mut |run| old.push(run));
+        moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
+        let before = self.object(slot).occluder.clone();
+        if moved.occluders(before.as_ref(), occluder.as_ref(), &grid) {
+            moved.iter().for_each(|(brick, old, new)| self.move_dynamic_cells(brick, old, new));
+        } else {
+            before.iter().for_each(|o| self.remove_dynamic_solid(o));
+            occluder.iter().for_each(|o| self.add_dynamic_solid(o));
         }
-        if let Some(o) = &occluder {
-            o.opaque(&grid, &mut |run| new.push(run));
-        }
-        let mut gone = Vec::new();
-        difference(&old, &new, |run| gone.push(run));
-        self.clear_dynamic(slot, &gone);
-        difference(&new, &old, |r| self.opacity_dynamic.set_run(r.x0, r.x1, r.y, r.z));
-        self.old_runs = old;
-        self.new_runs = new;
-    }
-
-    /// Clears cells that one dynamic object made opaque, but for those inside another.
-    fn clear_dynamic(&mut self, slot: u32, runs: &[CellRun]) {
-        for cell in runs.iter().flat_map(|r| r.cells()) {
-            let (min, max) = self.grid.cell_bounds(cell);
-            let holds = |&other: &u32| {
-                let o = self.object(other);
-                // What another contains it will clear itself; of meshes that is not sure.
-                let holds = |o: &Occluder| !matches!(o, Occluder::Mesh(_)) && o.contains_box(min, max);
-                other != slot && !o.is_static() && o.occluder.as_ref().is_some_and(holds)
-            };
-            if !self.ids.get(cell).iter().any(holds) && !self.always.iter().any(holds) {
-                self.opacity_dynamic.clear_cell(cell);
-            }
-        }
-    }
-
-    /// The cells that static solids touch, again and again where several do. What spans too many cells
-    /// gives none.
-    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(IVec3)) {
-        for object in self.slots.iter().filter_map(|s| s.object.as_ref()).filter(|o| o.is_static()) {
-            let small = |o: &&Occluder| o.is_solid() && placement(&self.grid, &o.block()).1;
-            if let Some(occluder) = object.occluder.as_ref().filter(small) {
-                occluder.touched(&self.grid, &mut |run| run.cells().for_each(&mut *out));
-            }
-        }
-    }
-
-    /// The other static occluders that touch a cell.
-    pub(crate) fn static_solids(&self, cell: IVec3, but: u32) -> impl Iterator<Item = &Occluder> {
-        let always = self.always.iter().filter(|&&s| !self.object(s).in_cells);
-        self.ids.get(cell).iter().chain(always).filter(move |&&s| s != but).filter_map(|&s| {
-            let object = self.object(s);
-            object.occluder.as_ref().filter(|_| object.is_static())
-        })
-    }
-
-    /// Whether a cell lies inside the union of a solid and the other static ones.
-    fn solid_with(&self, cell: IVec3, slot: u32, own: Option<&Occluder>) -> bool {
-        let mut solids: Vec<&Occluder> = self.static_solids(cell, slot).collect();
-        if solids.is_empty() && own.is_some() {
-            // Its own cells are known; alone it adds no other.
-            return false;
-        }
-        solids.extend(own);
-        union_contains(&Block::new(self.grid.cell_bounds(cell)), &solids)
-    }
-
-    fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
-        let grid = self.grid;
-        occluder.opaque(&grid, &mut |r| {
-            self.opacity_static.set_run(r.x0, r.x1, r.y, r.z);
-        });
-        if placement(&grid, &occluder.block()).1 {
-            let mut joint = Vec::new();
-            occluder.touched(&grid, &mut |run| {
-                joint
-                    .extend(run.cells().filter(|&c| {
-                        !self.opacity_static.get(c) && self.solid_with(c, slot, Some(occluder))
-                    }));
-            });
-            for c in joint {
-                self.opacity_static.set(c);
-                self.fused.add(c);
-            }
-        }
-    }
-
-    fn remove_static_solid(&mut self, slot: u32, occluder: &Occluder) {
-        let grid = self.grid;
-        let mut cells = Vec::new();
-        let mut add = |run: CellRun| cells.extend(run.cells().filter(|&c| self.opacity_static.get(c)));
-        occluder.opaque(&grid, &mut add);
-        if placement(&grid, &occluder.block()).1 {
-            occluder.touched(&grid, &mut add);
-        }
-        for cell in cells {
-            if self.opacity_static.get(cell) && !self.solid_with(cell, slot, None) {
-                self.opacity_static.clear_cell(cell);
-                self.fused.clear(cell);
-            }
-        }
+        self.moved = moved;
+        self.object_mut(slot).bounds = bounds;
+        self.exchange_occluder(slot, occluder);
     }
 
     /// Puts a listed dynamic object into a volume, if it can be.
@@ -1223,30 +1145,6 @@ fn after(now: f64, distance: f64, speed: f64) -> f64 {
 fn placement(grid: &Grid, block: &Block) -> (bool, bool) {
     let (lo, hi) = grid.cover(block.min, block.max);
     let fits = grid.contains(lo) && grid.contains(hi);
-    let small = grid.clip(lo, hi).is_none_or(|(lo, hi)| {
-        (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>() <= MAX_SPANNED_CELLS
-    });
+    let small = grid.clip(lo, hi).is_none_or(|(lo, hi)| volume(lo, hi) <= MAX_SPANNED_CELLS);
     (fits, small)
-}
-
-/// Calls `out` with the cells of `a` that are not in `b`. Both hold at most
-/// one run a row, in ascending order of slice and row.
-fn difference(a: &[CellRun], b: &[CellRun], mut out: impl FnMut(CellRun)) {
-    let mut j = 0;
-    for run in a {
-        while j < b.len() && (b[j].z, b[j].y) < (run.z, run.y) {
-            j += 1;
-        }
-        match b.get(j).filter(|o| (o.z, o.y) == (run.z, run.y) && o.x0 <= run.x1 && run.x0 <= o.x1) {
-            None => out(*run),
-            Some(other) => {
-                if run.x0 < other.x0 {
-                    out(CellRun { x1: other.x0 - 1, ..*run });
-                }
-                if run.x1 > other.x1 {
-                    out(CellRun { x0: other.x1 + 1, ..*run });
-                }
-            }
-        }
-    }
 }

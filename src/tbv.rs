@@ -117,6 +117,8 @@ pub(crate) fn lay(grid: &Grid, bounds: &Block, way: f64, viewers: &[IVec3], bord
 #[derive(Clone, Default)]
 pub(crate) struct Containing {
     levels: Vec<HashMap<[i32; 3], Vec<u32>>>,
+    /// By slot: its place in its list, so that it leaves it at once.
+    places: Vec<u32>,
 }
 
 fn level_and_key(volume: &CellBox) -> (usize, [i32; 3]) {
@@ -131,15 +133,22 @@ impl Containing {
         if self.levels.len() <= level {
             self.levels.resize_with(level + 1, HashMap::new);
         }
-        self.levels[level].entry(key).or_default().push(slot);
+        if self.places.len() <= slot as usize {
+            self.places.resize(slot as usize + 1, 0);
+        }
+        let list = self.levels[level].entry(key).or_default();
+        self.places[slot as usize] = list.len() as u32;
+        list.push(slot);
     }
 
     fn remove(&mut self, volume: &CellBox, slot: u32) {
         let (level, key) = level_and_key(volume);
         let Some(map) = self.levels.get_mut(level) else { return };
         let Some(list) = map.get_mut(&key) else { return };
-        if let Some(i) = list.iter().position(|&s| s == slot) {
-            list.swap_remove(i);
+        let place = self.places[slot as usize];
+        list.swap_remove(place as usize);
+        if let Some(&moved) = list.get(place as usize) {
+            self.places[moved as usize] = place;
         }
         if list.is_empty() {
             map.remove(&key);
@@ -172,7 +181,8 @@ impl Containing {
         self.levels
             .iter()
             .map(|m| m.capacity() * entry + m.values().map(|l| l.capacity() * 4).sum::<usize>())
-            .sum()
+            .sum::<usize>()
+            + self.places.capacity() * 4
     }
 }
 

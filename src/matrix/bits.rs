@@ -2,14 +2,67 @@
 
 use glam::IVec3;
 
-use crate::bricks::{BRICK, Bricks};
+use super::tbv::CellBox;
+use crate::bricks::{BRICK, Bricks, Pages};
+
+/// Cells of a brick: word z holds its slice, bit 8y+x.
+pub(crate) type Mask = [u64; 8];
+
+/// No cell of a brick, and all of them.
+pub(crate) const NONE: Mask = [0; 8];
+pub(crate) const ALL: Mask = [u64::MAX; 8];
+
+/// The cells of one mask that are not in another.
+pub(crate) fn without(a: &Mask, b: &Mask) -> Mask {
+    std::array::from_fn(|z| a[z] & !b[z])
+}
+
+/// The cells that two masks share.
+pub(crate) fn both(a: &Mask, b: &Mask) -> Mask {
+    std::array::from_fn(|z| a[z] & b[z])
+}
+
+/// Number of cells in a mask.
+pub(crate) fn count(mask: &Mask) -> u32 {
+    mask.iter().map(|w| w.count_ones()).sum()
+}
+
+/// The cells of a brick that a mask holds.
+pub(crate) fn cells_of(brick: IVec3, mask: &Mask) -> impl Iterator<Item = IVec3> + use<> {
+    places_of(mask).map(move |i| {
+        let i = i as i32;
+        brick * BRICK + IVec3::new(i & 7, i >> 3 & 7, i >> 6)
+    })
+}
+
+/// The places of a mask's cells in their brick: 64z + 8y + x.
+pub(crate) fn places_of(mask: &Mask) -> impl Iterator<Item = usize> + use<> {
+    let mask = *mask;
+    (0..8).flat_map(move |z| {
+        let mut rest = mask[z];
+        std::iter::from_fn(move || {
+            let bit = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+            rest &= rest - 1;
+            Some(64 * z + bit)
+        })
+    })
+}
+
+/// The cells of a brick inside the block from `lo` to `hi`, both included.
+pub(crate) fn block_mask(brick: IVec3, lo: IVec3, hi: IVec3) -> Mask {
+    let (lo, hi) = (lo - brick * BRICK, hi - brick * BRICK);
+    let row = span8(lo.x, hi.x);
+    let slice = (0..8).filter(|y| (lo.y..=hi.y).contains(y)).map(|y| row << (8 * y)).sum();
+    std::array::from_fn(|z| if (lo.z..=hi.z).contains(&(z as i32)) { slice } else { 0 })
+}
 
 /// A sparse matrix of one bit per cell, read and written in words of 64 cells.
+///
+/// Bricks and pages of cells that are all set cost no memory of their own.
 #[derive(Clone)]
 pub struct BitMatrix {
     dims: IVec3,
-    /// Word z of a brick holds its slice: bit 8y+x.
-    bricks: Bricks<[u64; 8]>,
+    bricks: Bricks<Mask>,
 }
 
 /// O: cells wholly inside solid geometry (an underestimate).
@@ -22,7 +75,7 @@ impl BitMatrix {
     /// All cells clear, for a grid of `dims` cells.
     pub fn new(dims: IVec3) -> Self {
         let dims = dims.max(IVec3::ONE);
-        Self { dims, bricks: Bricks::new(dims) }
+        Self { dims, bricks: Bricks::with_full(dims, ALL) }
     }
 
     /// Whether the cell is set; cells outside the grid are not.
@@ -43,22 +96,82 @@ impl BitMatrix {
     /// Sets the cells from `x0` to `x1`, both included and inside the grid.
     pub(crate) fn set_run(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
         for bx in x0 >> 3..=x1 >> 3 {
-            let word = &mut self.bricks.get_mut(IVec3::new(bx, y >> 3, z >> 3))[(z & 7) as usize];
-            *word |= span8(x0 - bx * BRICK, x1 - bx * BRICK) << ((y & 7) << 3);
+            let mut mask = NONE;
+            mask[(z & 7) as usize] = span8(x0 - bx * BRICK, x1 - bx * BRICK) << ((y & 7) << 3);
+            self.set_mask(IVec3::new(bx, y >> 3, z >> 3), &mask);
         }
     }
 
     /// Clears a cell inside the grid; an empty brick is given back.
+    #[cfg(test)]
     pub(crate) fn clear_cell(&mut self, cell: IVec3) {
-        if let Some(brick) = self.bricks.get_existing_mut(cell >> 3i32) {
-            brick[(cell.z & 7) as usize] &= !(1 << (((cell.y & 7) << 3) | (cell.x & 7)));
-            if *brick == [0; 8] {
-                self.bricks.release(cell >> 3i32);
-            }
+        self.clear_mask(cell >> 3i32, &block_mask(cell >> 3i32, cell, cell));
+    }
+
+    /// Sets cells of a brick that lie inside the grid.
+    pub(crate) fn set_mask(&mut self, brick: IVec3, mask: &Mask) {
+        let old = self.bricks.get(brick);
+        if without(mask, old) == NONE {
+            return;
+        }
+        let new: Mask = std::array::from_fn(|z| old[z] | mask[z]);
+        if new == ALL {
+            self.bricks.fill(brick);
+        } else {
+            *self.bricks.get_mut(brick) = new;
         }
     }
 
-    /// Clears every cell.
+    /// Clears cells of a brick inside the grid; an empty brick is given back.
+    pub(crate) fn clear_mask(&mut self, brick: IVec3, mask: &Mask) {
+        let old = self.bricks.get(brick);
+        let new = without(old, mask);
+        if new == NONE {
+            self.bricks.release(brick);
+        } else if new != *old {
+            *self.bricks.get_mut(brick) = new;
+        }
+    }
+
+    /// The cells set in a brick inside the grid.
+    #[inline]
+    pub(crate) fn brick(&self, brick: IVec3) -> &Mask {
+        self.bricks.get(brick)
+    }
+
+    /// The bricks with cells set.
+    pub(crate) fn masks(&self) -> impl Iterator<Item = (IVec3, &Mask)> {
+        self.bricks.iter()
+    }
+
+    /// Sets all cells of a page of 8x8x8 bricks, which lies inside the grid.
+    pub(crate) fn fill_page(&mut self, page: IVec3) {
+        self.bricks.fill_page(page);
+    }
+
+    /// Clears all cells of a page.
+    pub(crate) fn clear_page(&mut self, page: IVec3) {
+        self.bricks.release_page(page);
+    }
+
+    /// Whether a page was filled at once and nothing of it was cleared since.
+    pub(crate) fn page_is_full(&self, page: IVec3) -> bool {
+        self.bricks.page_is_full(page)
+    }
+
+    /// The pages and rows of pages that hold nothing.
+    pub(crate) fn pages(&self) -> &impl Pages {
+        &self.bricks
+    }
+
+    /// Whether all cells from `lo` to `hi`, both included and inside the grid, are set.
+    pub(crate) fn holds_block(&self, lo: IVec3, hi: IVec3) -> bool {
+        CellBox { lo: lo >> 3i32, hi: hi >> 3i32 }
+            .cells()
+            .all(|b| without(&block_mask(b, lo, hi), self.bricks.get(b)) == NONE)
+    }
+
+    /// Clears every cell. Costs the table of pages.
     pub fn clear(&mut self) {
         self.bricks.clear();
     }
@@ -130,7 +243,7 @@ impl SideAxes {
 
 /// Reads a tile out of a brick whose word z holds slice z (bit 8y+x).
 #[inline]
-pub(crate) fn tile_of(brick: &[u64; 8], axes: &SideAxes, at: i32) -> u64 {
+pub(crate) fn tile_of(brick: &Mask, axes: &SideAxes, at: i32) -> u64 {
     let at = (at & 7) as u32;
     match axes.normal {
         2 => brick[at as usize],
@@ -217,5 +330,30 @@ mod tests {
         m.set(IVec3::new(40, 0, 0));
         assert_eq!(m.count(), 0);
         assert!(!m.get(IVec3::splat(-1)));
+    }
+
+    #[test]
+    fn what_is_full_takes_no_room_of_its_own() {
+        let dims = IVec3::new(200, 130, 130);
+        let mut m = BitMatrix::new(dims);
+        let bare = m.bytes();
+        m.fill_page(IVec3::ONE);
+        assert_eq!((m.bytes(), m.count()), (bare, 1 << 18));
+        let mut runs = BitMatrix::new(dims);
+        for i in 0..64 * 64 {
+            runs.set_run(64, 127, 64 + i % 64, 64 + i / 64);
+        }
+        assert!(runs.is_subset(&m) && m.is_subset(&runs));
+        assert!(runs.holds_block(IVec3::splat(64), IVec3::splat(127)));
+        assert!(!runs.holds_block(IVec3::splat(64), IVec3::new(128, 70, 70)));
+        // The bricks that grew full share one: room for a page and a few bricks is left.
+        assert!(runs.bytes() < bare + 16_384, "{}", runs.bytes() - bare);
+        let cell = IVec3::new(70, 80, 90);
+        m.clear_cell(cell);
+        assert!(!m.get(cell) && m.get(cell + 1) && m.count() == (1 << 18) - 1);
+        m.set(cell);
+        assert!(m.holds_block(IVec3::splat(64), IVec3::splat(127)));
+        m.clear_page(IVec3::ONE);
+        assert_eq!(m.count(), 0);
     }
 }

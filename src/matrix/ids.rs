@@ -1,96 +1,95 @@
 //! I: which objects touch each cell (a superset).
 
 use glam::IVec3;
-use smallvec::SmallVec;
 
-use super::bits::{SideAxes, tile_of};
-use crate::bricks::Bricks;
+use super::bits::{ALL, Mask, NONE, SideAxes, count, places_of, tile_of, without};
+use super::slots::SlotList;
+use crate::bricks::{Bricks, Pages};
 
 /// The mark of a cell with several objects; the rest of the word is the index of its list.
 const SEVERAL: u32 = 1 << 31;
 
 /// One brick: which cells have objects, and one word for each such cell, in
-/// the order of the bits.
+/// the order of the bits. Objects that touch every cell are listed once instead.
 #[derive(Clone, Default)]
 struct IdBrick {
-    bits: [u64; 8],
+    bits: Mask,
     /// Number of set bits before each word.
     before: [u16; 8],
+    /// How many of the first members touch every cell of the brick. They are in none of its cells.
+    whole: u32,
     /// A slot, or [`SEVERAL`] and the index of a list.
     cells: Vec<u32>,
-    /// The objects of the brick and the number of its cells that each touches.
-    members: Vec<Member>,
-    /// Where the last object asked for was found.
-    last: u32,
-}
-
-#[derive(Clone, Copy)]
-struct Member {
-    slot: u32,
-    cells: u32,
+    /// The objects of the brick.
+    members: SlotList,
 }
 
 impl IdBrick {
     #[inline]
-    fn place(&self, cell: IVec3) -> (usize, u32, usize) {
-        let (word, bit) = ((cell.z & 7) as usize, (((cell.y & 7) << 3) | (cell.x & 7)) as u32);
+    fn place(&self, word: usize, bit: u32) -> usize {
         let below = self.bits[word] & ((1u64 << bit) - 1);
-        (word, bit, usize::from(self.before[word]) + below.count_ones() as usize)
+        usize::from(self.before[word]) + below.count_ones() as usize
     }
 
-    /// Where an object stands among the members. Its cells come one after the other, so
-    /// it mostly stands where it stood before.
-    fn member(&mut self, slot: u32) -> Option<usize> {
-        let last = self.last as usize;
-        if self.members.get(last).is_some_and(|m| m.slot == slot) {
-            return Some(last);
+    #[inline]
+    fn whole(&self) -> &[u32] {
+        &self.members.as_slice()[..self.whole as usize]
+    }
+
+    fn join(&mut self, slot: u32, whole: bool) {
+        self.members.push(slot);
+        if whole {
+            self.members.swap(self.members.as_slice().len() - 1, self.whole as usize);
+            self.whole += 1;
         }
-        let found = self.members.iter().position(|m| m.slot == slot)?;
-        self.last = found as u32;
-        Some(found)
     }
 
-    fn join(&mut self, slot: u32) {
-        match self.member(slot) {
-            Some(i) => self.members[i].cells += 1,
+    fn leave(&mut self, mut at: usize) {
+        if at < self.whole as usize {
+            self.whole -= 1;
+            self.members.swap(at, self.whole as usize);
+            at = self.whole as usize;
+        }
+        self.members.swap_remove(at);
+    }
+}
+
+/// The lists of cells with several objects.
+#[derive(Clone, Default)]
+struct Lists {
+    lists: Vec<SlotList>,
+    free: Vec<u32>,
+}
+
+impl Lists {
+    fn make(&mut self, a: u32, b: u32) -> u32 {
+        let mut list = SlotList::default();
+        list.push(a);
+        list.push(b);
+        match self.free.pop() {
+            Some(i) => {
+                self.lists[i as usize] = list;
+                i
+            }
             None => {
-                self.last = self.members.len() as u32;
-                self.members.push(Member { slot, cells: 1 });
+                self.lists.push(list);
+                self.lists.len() as u32 - 1
             }
         }
     }
 
-    fn leave(&mut self, slot: u32) {
-        let Some(i) = self.member(slot) else { return };
-        self.members[i].cells -= 1;
-        if self.members[i].cells == 0 {
-            self.members.swap_remove(i);
+    /// The objects that the word of a cell stands for.
+    #[inline]
+    fn of<'a>(&'a self, held: &'a u32) -> &'a [u32] {
+        match held & SEVERAL {
+            0 => std::slice::from_ref(held),
+            _ => self.lists[(held & !SEVERAL) as usize].as_slice(),
         }
     }
-}
 
-/// I: the objects that touch each cell, as indices of the scene's slots.
-///
-/// Cells with one object cost four bytes, and one bit tells an empty cell.
-#[derive(Clone)]
-pub struct IdMatrix {
-    bricks: Bricks<IdBrick>,
-    lists: Vec<SmallVec<[u32; 6]>>,
-    free_lists: Vec<u32>,
-    entries: usize,
-}
-
-impl IdMatrix {
-    pub(crate) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), lists: Vec::new(), free_lists: Vec::new(), entries: 0 }
-    }
-
-    /// Adds an object to a cell inside the grid. It must not be there already.
-    pub(crate) fn insert(&mut self, cell: IVec3, slot: u32) {
-        self.entries += 1;
-        let brick = self.bricks.get_mut(cell >> 3i32);
-        brick.join(slot);
-        let (word, bit, place) = brick.place(cell);
+    fn add(&mut self, brick: &mut IdBrick, i: usize, slot: u32) {
+        let (word, bit) = (i >> 6, (i & 63) as u32);
+        let place = brick.place(word, bit);
         if brick.bits[word] >> bit & 1 == 0 {
             brick.bits[word] |= 1 << bit;
             brick.before[word + 1..].iter_mut().for_each(|n| *n += 1);
@@ -101,72 +100,116 @@ impl IdMatrix {
         if *held & SEVERAL != 0 {
             self.lists[(*held & !SEVERAL) as usize].push(slot);
         } else {
-            let list = SmallVec::from_slice(&[*held, slot]);
-            let index = match self.free_lists.pop() {
-                Some(i) => {
-                    self.lists[i as usize] = list;
-                    i
-                }
-                None => {
-                    self.lists.push(list);
-                    self.lists.len() as u32 - 1
-                }
-            };
-            *held = SEVERAL | index;
+            *held = SEVERAL | self.make(*held, slot);
         }
     }
 
-    /// Takes an object out of a cell inside the grid; nothing happens if it is not there.
-    pub(crate) fn remove(&mut self, cell: IVec3, slot: u32) {
-        let Some(brick) = self.bricks.get_existing_mut(cell >> 3i32) else { return };
-        let (word, bit, place) = brick.place(cell);
+    /// Takes an object out of a cell; false if it is not there.
+    fn remove(&mut self, brick: &mut IdBrick, i: usize, slot: u32) -> bool {
+        let (word, bit) = (i >> 6, (i & 63) as u32);
         if brick.bits[word] >> bit & 1 == 0 {
-            return;
+            return false;
         }
+        let place = brick.place(word, bit);
         let held = &mut brick.cells[place];
         if *held & SEVERAL != 0 {
             let index = *held & !SEVERAL;
             let list = &mut self.lists[index as usize];
-            let Some(i) = list.iter().position(|&s| s == slot) else { return };
-            list.remove(i);
-            if list.len() == 1 {
-                *held = list[0];
-                *list = SmallVec::new();
-                self.free_lists.push(index);
+            let Some(at) = list.find(slot) else { return false };
+            list.remove(at);
+            if let &[last] = list.as_slice() {
+                *held = last;
+                *list = SlotList::default();
+                self.free.push(index);
             }
-            brick.leave(slot);
         } else if *held == slot {
             brick.bits[word] &= !(1 << bit);
             brick.before[word + 1..].iter_mut().for_each(|n| *n -= 1);
             brick.cells.remove(place);
-            brick.leave(slot);
-            if brick.cells.is_empty() {
-                self.bricks.release(cell >> 3i32);
-            }
         } else {
+            return false;
+        }
+        true
+    }
+}
+
+/// I: the objects that touch each cell, as indices of the scene's slots.
+///
+/// Cells with one object cost four bytes, and one bit tells an empty cell. An object that touches all
+/// cells of a brick costs four bytes there.
+#[derive(Clone)]
+pub struct IdMatrix {
+    bricks: Bricks<IdBrick>,
+    lists: Lists,
+    entries: usize,
+}
+
+impl IdMatrix {
+    pub(crate) fn new(dims: IVec3) -> Self {
+        Self { bricks: Bricks::new(dims), lists: Lists::default(), entries: 0 }
+    }
+
+    /// Moves an object inside a brick: it leaves the cells of `old`, all of which it is in, and enters those
+    /// of `new`, which lie inside the grid.
+    pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: u32) {
+        if old == new {
             return;
         }
-        self.entries -= 1;
+        let at = brick;
+        let brick = self.bricks.get_mut(at);
+        let found = brick.members.find(slot);
+        let old = if found.is_some() { old } else { &NONE };
+        let was_whole = found.is_some_and(|i| i < brick.whole as usize);
+        let (old_cells, new_cells) =
+            (if was_whole { &NONE } else { old }, if *new == ALL { &NONE } else { new });
+        let mut left = if was_whole { 512 } else { 0 };
+        for i in places_of(&without(old_cells, new_cells)) {
+            left += usize::from(self.lists.remove(brick, i, slot));
+        }
+        for i in places_of(&without(new_cells, old_cells)) {
+            self.lists.add(brick, i, slot);
+        }
+        let stays = *new != NONE && was_whole == (*new == ALL);
+        match found {
+            Some(i) if !stays => {
+                brick.leave(i);
+                if *new != NONE {
+                    brick.join(slot, *new == ALL);
+                }
+            }
+            None if *new != NONE => brick.join(slot, *new == ALL),
+            _ => {}
+        }
+        if *new == ALL {
+            self.entries += 512;
+        }
+        self.entries += count(&without(new_cells, old_cells)) as usize;
+        self.entries -= left;
+        if brick.members.as_slice().is_empty() {
+            self.bricks.release(at);
+        }
+    }
+
+    /// The objects that touch a cell inside the grid: those that touch all of its brick, and others.
+    #[inline]
+    pub(crate) fn lists(&self, cell: IVec3) -> (&[u32], &[u32]) {
+        let brick = self.bricks.get(cell >> 3i32);
+        let (word, bit) = ((cell.z & 7) as usize, (((cell.y & 7) << 3) | (cell.x & 7)) as u32);
+        if brick.bits[word] >> bit & 1 == 0 {
+            return (brick.whole(), &[]);
+        }
+        (brick.whole(), self.lists.of(&brick.cells[brick.place(word, bit)]))
     }
 
     /// The objects that touch a cell inside the grid.
     #[inline]
-    pub(crate) fn get(&self, cell: IVec3) -> &[u32] {
-        let brick = self.bricks.get(cell >> 3i32);
-        let (word, bit, place) = brick.place(cell);
-        if brick.bits[word] >> bit & 1 == 0 {
-            return &[];
-        }
-        let held = &brick.cells[place];
-        if *held & SEVERAL != 0 {
-            &self.lists[(*held & !SEVERAL) as usize]
-        } else {
-            std::slice::from_ref(held)
-        }
+    pub(crate) fn get(&self, cell: IVec3) -> impl Iterator<Item = u32> {
+        let (whole, own) = self.lists(cell);
+        whole.iter().chain(own).copied()
     }
 
     /// Calls `found` with each cell of a tile whose bit is set, which must have
-    /// objects, as its bit and its objects.
+    /// objects, as its bit, the objects that touch all of its brick, and its others.
     #[inline]
     pub(crate) fn for_tile(
         &self,
@@ -174,10 +217,10 @@ impl IdMatrix {
         axes: &SideAxes,
         at: i32,
         mut tile: u64,
-        mut found: impl FnMut(i32, &[u32]),
+        mut found: impl FnMut(i32, &[u32], &[u32]),
     ) {
         let brick = self.bricks.get(brick);
-        let at = at & 7;
+        let (whole, at) = (brick.whole(), at & 7);
         while tile != 0 {
             let bit = tile.trailing_zeros() as i32;
             tile &= tile - 1;
@@ -187,27 +230,31 @@ impl IdMatrix {
                 1 => (row, at << 3 | col),
                 _ => (at, bit),
             };
-            let below = brick.bits[(word & 7) as usize] & !(u64::MAX << bit_in_word);
-            let place = usize::from(brick.before[(word & 7) as usize]) + below.count_ones() as usize;
-            let Some(held) = brick.cells.get(place) else { continue };
-            let objects = match held & SEVERAL {
-                0 => std::slice::from_ref(held),
-                _ => &self.lists[(held & !SEVERAL) as usize][..],
-            };
-            found(bit, objects);
+            let word = (word & 7) as usize;
+            if brick.bits[word] >> bit_in_word & 1 == 0 {
+                found(bit, whole, &[]);
+            } else if let Some(held) = brick.cells.get(brick.place(word, bit_in_word as u32)) {
+                found(bit, whole, self.lists.of(held));
+            }
         }
     }
 
     /// The objects that touch a brick.
     #[inline]
     pub(crate) fn in_brick(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
-        self.bricks.get(brick).members.iter().map(|m| m.slot)
+        self.bricks.get(brick).members.as_slice().iter().copied()
     }
 
     /// Which cells of a tile have objects.
     #[inline]
     pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
-        tile_of(&self.bricks.get(brick).bits, axes, at)
+        let brick = self.bricks.get(brick);
+        if brick.whole > 0 { u64::MAX } else { tile_of(&brick.bits, axes, at) }
+    }
+
+    /// The pages and rows of pages that hold nothing.
+    pub(crate) fn pages(&self) -> &impl Pages {
+        &self.bricks
     }
 
     /// Number of pairs of a cell and an object that touches it.
@@ -218,14 +265,10 @@ impl IdMatrix {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()
-            + self
-                .bricks
-                .iter()
-                .map(|(_, b)| b.cells.capacity() * 4 + b.members.capacity() * size_of::<Member>())
-                .sum::<usize>()
-            + self.lists.capacity() * size_of::<SmallVec<[u32; 6]>>()
-            + self.lists.iter().filter(|l| l.spilled()).map(|l| l.capacity() * 4).sum::<usize>()
-            + self.free_lists.capacity() * 4
+            + self.bricks.iter().map(|(_, b)| b.cells.capacity() * 4 + b.members.bytes()).sum::<usize>()
+            + self.lists.lists.capacity() * size_of::<SlotList>()
+            + self.lists.lists.iter().map(SlotList::bytes).sum::<usize>()
+            + self.lists.free.capacity() * 4
     }
 }
 
@@ -235,48 +278,87 @@ mod tests {
 
     use super::*;
 
+    /// Objects by cell, against which the matrix is held.
+    fn compare(m: &IdMatrix, map: &BTreeMap<([i32; 3], u32), Mask>, bricks: &[IVec3]) {
+        let mut entries = 0;
+        for &b in bricks {
+            let mut members: Vec<u32> = m.in_brick(b).collect();
+            members.sort_unstable();
+            let here: Vec<(u32, &Mask)> =
+                map.iter().filter(|((at, _), _)| *at == b.to_array()).map(|((_, s), m)| (*s, m)).collect();
+            assert_eq!(members, here.iter().map(|h| h.0).collect::<Vec<_>>());
+            for i in 0..512usize {
+                let c = b * 8 + IVec3::new(i as i32 & 7, i as i32 >> 3 & 7, i as i32 >> 6);
+                let mut found: Vec<u32> = m.get(c).collect();
+                found.sort_unstable();
+                let expected: Vec<u32> =
+                    here.iter().filter(|h| h.1[i >> 6] >> (i & 63) & 1 != 0).map(|h| h.0).collect();
+                assert_eq!(found, expected, "{c}");
+                entries += found.len();
+                for axes in &SideAxes::ALL {
+                    let bit = (c[axes.row] & 7) << 3 | c[axes.col] & 7;
+                    let tile = m.tile(b, axes, c[axes.normal]);
+                    assert_eq!(tile >> bit & 1 != 0, !expected.is_empty());
+                    if tile >> bit & 1 != 0 {
+                        m.for_tile(b, axes, c[axes.normal], 1 << bit, |at, whole, own| {
+                            let mut tiled = [whole, own].concat();
+                            tiled.sort_unstable();
+                            assert_eq!((at, &tiled), (bit, &expected));
+                        });
+                    }
+                }
+            }
+        }
+        assert_eq!(m.entries(), entries);
+    }
+
     #[test]
     fn agrees_with_a_map() {
-        let mut m = IdMatrix::new(IVec3::splat(24));
-        let mut map = BTreeMap::<[i32; 3], Vec<u32>>::new();
+        let bricks = [IVec3::new(1, 1, 1), IVec3::new(2, 0, 1), IVec3::new(9, 1, 2)];
+        let mut m = IdMatrix::new(IVec3::new(100, 24, 24));
+        let mut map = BTreeMap::<([i32; 3], u32), Mask>::new();
         let mut state = 1u32;
         let mut next = |n: u32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 8) % n
         };
-        for _ in 0..20_000 {
-            let c = IVec3::new(next(24) as i32, next(3) as i32 + 7, next(3) as i32 + 14);
-            let slot = next(12);
-            let list = map.entry(c.to_array()).or_default();
-            match list.iter().position(|&s| s == slot) {
-                Some(i) => {
-                    list.remove(i);
-                    m.remove(c, slot);
-                }
-                None => {
-                    list.push(slot);
-                    m.insert(c, slot);
-                }
+        for step in 0..1500 {
+            let (b, slot) = (bricks[next(3) as usize], next(90));
+            let new: Mask = match next(6) {
+                0 => ALL,
+                1 | 2 => NONE,
+                3 => std::array::from_fn(|_| if next(3) == 0 { 0xff << (8 * next(8)) } else { 0 }),
+                4 => std::array::from_fn(|z| if z == 4 { 1 << next(64) } else { 0 }),
+                _ => std::array::from_fn(|z| if z == 3 { u64::MAX } else { 0 }),
+            };
+            let old = map.insert((b.to_array(), slot), new).unwrap_or(NONE);
+            if new == NONE {
+                map.remove(&(b.to_array(), slot));
             }
-            assert_eq!(m.get(c), &list[..]);
-            m.remove(c, 99);
+            m.change(b, &old, &new, slot);
+            if step % 50 == 0 {
+                compare(&m, &map, &bricks);
+            }
         }
-        let mut bricks = BTreeMap::<[i32; 3], Vec<u32>>::new();
-        for (c, list) in &map {
-            bricks.entry((IVec3::from_array(*c) >> 3i32).to_array()).or_default().extend(list);
-        }
-        for (b, mut slots) in bricks {
-            slots.sort_unstable();
-            slots.dedup();
-            let mut found: Vec<u32> = m.in_brick(IVec3::from_array(b)).collect();
-            found.sort_unstable();
-            assert_eq!(found, slots);
-        }
-        assert_eq!(m.entries(), map.values().map(Vec::len).sum::<usize>());
-        for (c, list) in &map {
-            m.remove(IVec3::from_array(*c), 99);
-            list.iter().for_each(|&s| m.remove(IVec3::from_array(*c), s));
+        compare(&m, &map, &bricks);
+        // To leave what one is not in changes nothing.
+        m.change(bricks[0], &ALL, &NONE, 999);
+        compare(&m, &map, &bricks);
+        for ((b, slot), old) in &map {
+            m.change(IVec3::from_array(*b), old, &NONE, *slot);
         }
         assert_eq!((m.entries(), m.bricks.iter().count()), (0, 0));
+    }
+
+    #[test]
+    fn objects_that_fill_bricks_cost_them_not_their_cells() {
+        let mut m = IdMatrix::new(IVec3::splat(128));
+        let bare = m.bytes();
+        for i in 0..4096 {
+            m.change(IVec3::new(i & 15, i >> 4 & 15, i >> 8), &NONE, &ALL, 7);
+        }
+        assert_eq!(m.entries(), 128 * 128 * 128);
+        assert!(m.bytes() - bare < 4096 * 512, "{} bytes", m.bytes());
+        assert_eq!(m.get(IVec3::splat(77)).collect::<Vec<_>>(), [7]);
     }
 }

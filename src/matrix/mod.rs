@@ -8,12 +8,15 @@
 //!   bounding volumes.
 
 mod bits;
+mod counts;
 mod ids;
+mod slots;
 mod tbv;
 
 pub use bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use ids::IdMatrix;
 pub use tbv::TbvMatrix;
 
-pub(crate) use bits::SideAxes;
+pub(crate) use bits::{ALL, Mask, NONE, SideAxes, block_mask, both, cells_of, span8, without};
+pub(crate) use counts::Counts;
 pub(crate) use tbv::CellBox;

@@ -13,7 +13,7 @@
 use glam::IVec3;
 
 use super::bits::{SideAxes, span8};
-use crate::bricks::{BRICK, Bricks};
+use crate::bricks::{BRICK, Bricks, Pages};
 
 /// A block of cells, both corners included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -205,6 +205,11 @@ impl TbvMatrix {
     /// The objects whose volumes have surface in a brick.
     pub(crate) fn ids(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
         self.bricks.get(brick).held.iter().map(|h| h.slot)
+    }
+
+    /// The pages and rows of pages that hold nothing.
+    pub(crate) fn pages(&self) -> &impl Pages {
+        &self.bricks
     }
 
     /// Whether no volume has surface in a brick.

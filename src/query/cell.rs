@@ -3,16 +3,21 @@
 use glam::IVec3;
 
 use super::{FAR_VIEWER, Scratch, Settings};
-use crate::mask::{ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
+use crate::bricks::Pages;
+use crate::cells::volume;
+use crate::mask::{PASSED_OVER, ShellScale, Side, SideCells, clear_span, next_clear, next_set, set_span};
 use crate::matrix::{BitMatrix, TbvMatrix};
 use crate::pvs::{Pvs, Stats};
 use crate::scene::{Object, Scene};
 use crate::shape::Shape;
 use crate::view::{Origin, View};
-use crate::walk::{CellFrustum, shell_range};
+use crate::walk::{CellFrustum, SideFrustum, shell_range};
 
 /// An eye that may lie this far outside its cell, in cells, gets no occlusion.
 const UNCERTAIN_EYE: f64 = 0.2;
+
+/// A revealed object that spans more cells than this is decided without asking which of them are in sight.
+const MAX_PENDING: u64 = 1 << 18;
 
 /// One run of the cell method.
 pub(super) struct Walk<'a> {
@@ -31,6 +36,8 @@ pub(super) struct Walk<'a> {
     dynamic: Option<&'a BitMatrix>,
     /// Cells that count as opaque beside those that are.
     more: Option<&'a BitMatrix>,
+    /// By side, about where in it cells were last in sight: a share of its rows.
+    seen_at: [f64; 6],
     stats: Stats,
 }
 
@@ -61,6 +68,7 @@ impl<'a> Walk<'a> {
             holds_eye: true,
             dynamic: scene.known_dynamic_opacity(),
             more: None,
+            seen_at: [0.5; 6],
             stats: Stats::default(),
         }
     }
@@ -154,12 +162,13 @@ impl<'a> Walk<'a> {
             self.stats.cells_visited += cells;
             self.stats.cells_hidden += cells - in_sight;
             // A segment from inside the grid to a farther cell passes this shell inside the grid.
-            if inside && self.holds_eye && in_sight == 0 && slack.is_none_or(|s| s == 0.0 || interior) {
+            let ends = inside && self.holds_eye && slack.is_none_or(|s| s == 0.0 || interior);
+            if ends && in_sight == 0 && !(0..6).any(|side| self.sees_passed_over(side, m, &scale)) {
                 break;
             }
             if slack.is_some() {
                 for side in 0..6 {
-                    self.stamp(side, &scale, closed);
+                    self.stamp(side, m, &scale, closed);
                 }
             }
         }
@@ -171,9 +180,8 @@ impl<'a> Walk<'a> {
         if let Some((visited, _)) = &mut self.record {
             visited.set(self.cell);
         }
-        for &slot in self.scene.ids.get(self.cell) {
-            self.decide(slot);
-        }
+        let scene = self.scene;
+        scene.ids.get(self.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
         self.scene.volumes.holding(self.cell, |slot| around.push(slot));
         around.sort_unstable();
@@ -221,6 +229,13 @@ impl<'a> Walk<'a> {
         if !self.view.may_see(bounds) {
             return;
         }
+        let block = bounds.block();
+        let (lo, hi) = self.scene.grid.cover(block.min, block.max);
+        if volume(lo, hi) > MAX_PENDING {
+            // So many cells cost more than a test could spare.
+            self.decide(slot);
+            return;
+        }
         let (cell, pending) = (self.cell, &mut self.scratch.pending);
         bounds.touched(&self.scene.grid, &mut |run| {
             for c in run.cells() {
@@ -259,8 +274,8 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Walks one side of shell `m`. Returns its cells in the frustum, and how many are not hidden.
-    fn side(&mut self, index: usize, m: i32, scale: &ShellScale) -> (u64, u64) {
+    /// Lays out one side of shell `m`; nothing if no cell of it can meet the frustum.
+    fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
         let side = Side::ALL[index];
         let axes = side.axes;
         let dims = self.scene.grid.dims();
@@ -271,78 +286,211 @@ impl<'a> Walk<'a> {
         let depth = m * side.sign;
         let at = v[axes.normal] + depth;
         if !(0..dims[axes.normal]).contains(&at) {
-            return (0, 0);
+            return None;
         }
         let span = |axis: usize| ((-v[axis]).max(-m), (dims[axis] - 1 - v[axis]).min(m));
         let ((r0, r1), (c0, c1)) = (span(axes.row), span(axes.col));
         if r0 > r1 || c0 > c1 {
-            return (0, 0);
+            return None;
         }
-        let corner = |row, col| {
-            let mut c = IVec3::ZERO;
-            (c[axes.normal], c[axes.row], c[axes.col]) = (depth, row, col);
-            c
-        };
-        if !self.frustum.meets(corner(r0, c0), corner(r1, c1)) {
-            return (0, 0);
+        if !self.frustum.meets(side.cell(depth, r0, c0), side.cell(depth, r1, c1)) {
+            return None;
         }
         // Columns are addressed by their place in the grid, so that tiles fall on bytes.
-        let first_word = ((v[axes.col] + c0) >> 6) as usize;
-        let words = ((v[axes.col] + c1) >> 6) as usize + 1 - first_word;
-        let base = v[axes.col] - (first_word as i32) * 64;
+        let first_word = (v[axes.col] + c0) >> 6;
         cells.row0 = r0;
         cells.col0 = c0;
         cells.rows = r1 - r0 + 1;
         cells.cols = c1 - c0 + 1;
-        cells.words = words;
-        cells.offset = (base + c0) as usize;
+        cells.words = (((v[axes.col] + c1) >> 6) - first_word) as usize + 1;
+        cells.offset = (v[axes.col] + c0 - first_word * 64) as usize;
+        cells.before = ((v[axes.row] + r0) & 7) as usize;
         cells.open.clear();
-        cells.open.resize(words * cells.rows as usize, 0);
-        cells.fresh.resize(cells.rows as usize, false);
+        cells.bands.clear();
+        cells.bands.resize((cells.before + cells.rows as usize).div_ceil(8), PASSED_OVER);
+        Some(self.frustum.on_side(&side, depth))
+    }
 
-        let band = &mut self.scratch.band;
-        band.clear();
-        band.resize(words * 8, 0);
+    /// The rows of a band, relative to V.
+    fn rows_of_band(cells: &SideCells, band: usize) -> (i32, i32) {
+        let top = cells.row0 - cells.before as i32 + 8 * band as i32;
+        (top.max(cells.row0), (top + 7).min(cells.row0 + cells.rows - 1))
+    }
+
+    /// Whether nothing that a walk looks for is in a plane of pages.
+    fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().plane_is_empty(axis, page)
+            && scene.volumes.matrix.pages().plane_is_empty(axis, page)
+            && scene.opacity_static.pages().plane_is_empty(axis, page)
+            && scene.opacity_dynamic.pages().plane_is_empty(axis, page)
+            && self.more.is_none_or(|m| m.pages().plane_is_empty(axis, page))
+    }
+
+    /// Whether nothing that a walk looks for is in a row of pages.
+    fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().row_is_empty(along, page)
+            && scene.volumes.matrix.pages().row_is_empty(along, page)
+            && scene.opacity_static.pages().row_is_empty(along, page)
+            && scene.opacity_dynamic.pages().row_is_empty(along, page)
+            && self.more.is_none_or(|m| m.pages().row_is_empty(along, page))
+    }
+
+    /// Whether nothing that a walk looks for is in a page.
+    fn page_is_empty(&self, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().page_is_empty(page)
+            && scene.volumes.matrix.pages().page_is_empty(page)
+            && scene.opacity_static.pages().page_is_empty(page)
+            && scene.opacity_dynamic.pages().page_is_empty(page)
+            && self.more.is_none_or(|m| m.pages().page_is_empty(page))
+    }
+
+    /// Whether some cell in sight lies in the bands of a side that were passed over.
+    fn sees_passed_over(&mut self, index: usize, m: i32, scale: &ShellScale) -> bool {
+        let side = Side::ALL[index];
+        let cells = &self.scratch.sides[index];
+        if cells.rows == 0 || !cells.bands.contains(&PASSED_OVER) {
+            return false;
+        }
+        let depth = m * side.sign;
+        let columns = (cells.col0, cells.col0 + cells.cols - 1);
         let on_side = self.frustum.on_side(&side, depth);
-        let mut hits = std::mem::take(&mut self.scratch.hits);
-        let (mut total, mut in_sight) = (0u64, 0u64);
-        let mut top = (v[axes.row] + r0) & !7;
-        while top <= v[axes.row] + r1 {
-            let (first, last) = ((top - v[axes.row]).max(r0), (top + 7 - v[axes.row]).min(r1));
-            let (mut left, mut right) = (i32::MAX, i32::MIN);
-            if self.frustum.meets(corner(first, c0), corner(last, c1)) {
-                for row in first..=last {
-                    let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
-                    let i = (v[axes.row] + row - top) as usize;
-                    let line = &mut band[i * words..(i + 1) * words];
+        let sees = |row: i32| {
+            let Some((lo, hi)) = on_side.row(row, columns) else { return false };
+            let mut open = hi - lo + 1;
+            self.scratch.masks.hidden_runs(index, scale, row, (lo, hi), |a, b| open -= b - a + 1);
+            open > 0
+        };
+        let band_sees = |band: &usize| {
+            let (first, last) = Self::rows_of_band(cells, *band);
+            cells.bands[*band] == PASSED_OVER
+                && self.frustum.meets(side.cell(depth, first, columns.0), side.cell(depth, last, columns.1))
+                && (first..=last).any(sees)
+        };
+        // Where one was in sight before, one mostly is again.
+        let likely = ((self.seen_at[index] * cells.bands.len() as f64) as usize).min(cells.bands.len() - 1);
+        let found = std::iter::once(likely).chain(0..cells.bands.len()).find(band_sees);
+        if let Some(band) = found {
+            self.seen_at[index] = (band as f64 + 0.5) / cells.bands.len() as f64;
+        }
+        found.is_some()
+    }
+
+    /// Writes the open cells of bands that were passed over, around the rows with fresh occluders.
+    fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
+        let side = Side::ALL[index];
+        let cells = &mut self.scratch.sides[index];
+        let (reach, rows) = (scale.reach(), cells.rows as usize);
+        let base = cells.offset as i32 - cells.col0;
+        let columns = (cells.col0, cells.col0 + cells.cols - 1);
+        let on_side = self.frustum.on_side(&side, m * side.sign);
+        // The rows up to here were seen to.
+        let mut done = 0;
+        for r in 0..rows {
+            if !cells.fresh[r] {
+                continue;
+            }
+            let first = r.saturating_sub(reach).max(done);
+            done = (r + reach + 1).min(rows);
+            if first >= done {
+                continue;
+            }
+            for band in (first + cells.before) >> 3..=(done - 1 + cells.before) >> 3 {
+                if cells.bands[band] != PASSED_OVER {
+                    continue;
+                }
+                let (top, last) = Self::rows_of_band(cells, band);
+                let words = cells.words;
+                let skip = if band == 0 { cells.before } else { 0 };
+                let open = cells.make_band(band);
+                for (row, line) in (top..=last).zip(open[skip * words..].chunks_mut(words)) {
+                    let Some((lo, hi)) = on_side.row(row, columns) else { continue };
                     set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
-                    total += (hi - lo + 1) as u64;
-                    let mut seen = hi - lo + 1;
                     self.scratch.masks.hidden_runs(index, scale, row, (lo, hi), |a, b| {
                         clear_span(line, (base + a) as usize, (base + b) as usize + 1);
-                        seen -= b - a + 1;
                     });
-                    if let Some((visited, hidden)) = &mut self.record {
-                        for col in lo..=hi {
-                            let c = v + corner(row, col);
-                            visited.set(c);
-                            let bit = (base + col) as usize;
-                            if line[bit / 64] >> (bit % 64) & 1 == 0 {
-                                hidden.set(c);
-                            }
-                        }
-                    }
-                    in_sight += seen as u64;
-                    if seen > 0 {
-                        (left, right) = (left.min(lo), right.max(hi));
-                    }
                 }
             }
-            if left <= right {
-                let bricks = (v[axes.col] + left) >> 3..=(v[axes.col] + right) >> 3;
-                for b in bricks {
+        }
+    }
+
+    /// Walks one side of shell `m`. Returns its cells in the frustum, and how many are not hidden, both
+    /// without the parts of the grid that hold nothing: those are passed over.
+    fn side(&mut self, index: usize, m: i32, scale: &ShellScale) -> (u64, u64) {
+        let side = Side::ALL[index];
+        let axes = side.axes;
+        let v = self.cell;
+        let Some(on_side) = self.lay_side(index, m) else { return (0, 0) };
+        let depth = m * side.sign;
+        let at = v[axes.normal] + depth;
+        let (first_page, all) =
+            ((v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32, self.record.is_some());
+        if !all && self.plane_is_empty(axes.normal, first_page) {
+            return (0, 0);
+        }
+        let mut cells = std::mem::take(&mut self.scratch.sides[index]);
+        let (c0, c1) = (cells.col0, cells.col0 + cells.cols - 1);
+        let (words, base) = (cells.words, cells.offset as i32 - cells.col0);
+        let first_word = ((v[axes.col] + c0) >> 6) as usize;
+        let mut hits = std::mem::take(&mut self.scratch.hits);
+        let (mut total, mut in_sight) = (0u64, 0u64);
+        for number in 0..cells.bands.len() {
+            let (first, last) = Self::rows_of_band(&cells, number);
+            let top = (v[axes.row] + first) & !7;
+            let page = (v + side.cell(depth, first, c0)) >> 6i32;
+            if !all && self.row_is_empty(axes.col, page) {
+                continue;
+            }
+            let skip = (v[axes.row] + first - top) as usize;
+            let band = cells.make_band(number);
+            if !self.frustum.meets(side.cell(depth, first, c0), side.cell(depth, last, c1)) {
+                continue;
+            }
+            let (mut left, mut right) = (i32::MAX, i32::MIN);
+            for (row, line) in (first..=last).zip(band[skip * words..].chunks_mut(words)) {
+                let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
+                set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
+                total += (hi - lo + 1) as u64;
+                let mut seen = hi - lo + 1;
+                self.scratch.masks.hidden_runs(index, scale, row, (lo, hi), |a, b| {
+                    clear_span(line, (base + a) as usize, (base + b) as usize + 1);
+                    seen -= b - a + 1;
+                });
+                if let Some((visited, hidden)) = &mut self.record {
+                    for col in lo..=hi {
+                        let c = v + side.cell(depth, row, col);
+                        visited.set(c);
+                        let bit = (base + col) as usize;
+                        if line[bit / 64] >> (bit % 64) & 1 == 0 {
+                            hidden.set(c);
+                        }
+                    }
+                }
+                in_sight += seen as u64;
+                if seen > 0 {
+                    (left, right) = (left.min(lo), right.max(hi));
+                }
+            }
+            if left > right {
+                continue;
+            }
+            let mut fresh = 0u8;
+            let (mut b, end) = ((v[axes.col] + left) >> 3, (v[axes.col] + right) >> 3);
+            while b <= end {
+                let mut brick = IVec3::ZERO;
+                (brick[axes.normal], brick[axes.row], brick[axes.col]) = (at >> 3, top >> 3, b);
+                let stop = end.min(b | 7);
+                if self.page_is_empty(brick >> 3i32) {
+                    b = stop + 1;
+                    continue;
+                }
+                while b <= stop {
+                    brick[axes.col] = b;
                     let shift = ((b & 7) * 8) as u32;
                     let word = (b >> 3) as usize - first_word;
+                    b += 1;
                     let mut tile = 0;
                     for i in 0..8 {
                         tile |= (band[i * words + word] >> shift & 0xff) << (8 * i);
@@ -350,8 +498,6 @@ impl<'a> Walk<'a> {
                     if tile == 0 {
                         continue;
                     }
-                    let mut brick = IVec3::ZERO;
-                    (brick[axes.normal], brick[axes.row], brick[axes.col]) = (at >> 3, top >> 3, b);
                     let opaque = self.scene.opacity_static.tile(brick, &axes, at)
                         | self.dynamic.map_or(0, |o| o.tile(brick, &axes, at))
                         | self.more.map_or(0, |m| m.tile(brick, &axes, at));
@@ -369,22 +515,20 @@ impl<'a> Walk<'a> {
                             let byte = blocked >> (8 * i) & 0xff;
                             if byte != 0 {
                                 band[i * words + word] &= !(byte << shift);
-                                cells.fresh[(top + i as i32 - v[axes.row] - r0) as usize] = true;
+                                fresh |= 1 << i;
                             }
                         }
                     }
                 }
-                for row in first..=last {
-                    let i = (v[axes.row] + row - top) as usize;
-                    let r = (row - r0) as usize;
-                    cells.open[r * words..(r + 1) * words].copy_from_slice(&band[i * words..(i + 1) * words]);
-                }
-                band.fill(0);
-            } else {
-                band.fill(0);
             }
-            top += 8;
+            if fresh != 0 {
+                cells.fresh.resize(cells.rows as usize, false);
+                let rows =
+                    cells.fresh[(first - cells.row0) as usize..=(last - cells.row0) as usize].iter_mut();
+                rows.enumerate().for_each(|(i, row)| *row = fresh >> (i + skip) & 1 != 0);
+            }
         }
+        self.scratch.sides[index] = cells;
         for (brick, tile, objects) in hits.drain(..) {
             if objects {
                 self.meet_objects(&side, brick, at, tile, m, scale);
@@ -401,8 +545,9 @@ impl<'a> Walk<'a> {
         let mut corner = (brick << 3i32) - self.cell;
         corner[axes.normal] = at - self.cell[axes.normal];
         let scene = self.scene;
-        scene.ids.for_tile(brick, &axes, at, tile, |bit, objects| {
-            if objects.iter().all(|&slot| self.scratch.is_decided(slot)) {
+        scene.ids.for_tile(brick, &axes, at, tile, |bit, whole, own| {
+            let decided = |&slot: &u32| self.scratch.is_decided(slot);
+            if own.iter().all(decided) && whole.iter().all(decided) {
                 return;
             }
             let mut c = corner;
@@ -410,7 +555,7 @@ impl<'a> Walk<'a> {
             c[axes.col] += bit & 7;
             let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
             if !(on_edge && self.is_hidden(c, m, scale)) {
-                objects.iter().for_each(|&slot| self.decide(slot));
+                whole.iter().chain(own).for_each(|&slot| self.decide(slot));
             }
         });
     }
@@ -426,12 +571,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn stamp(&mut self, index: usize, scale: &ShellScale, closed: bool) {
-        let cells = &self.scratch.sides[index];
-        let fresh = cells.fresh.iter().filter(|&&f| f).count();
-        if fresh == 0 {
+    fn stamp(&mut self, index: usize, m: i32, scale: &ShellScale, closed: bool) {
+        if !self.scratch.sides[index].fresh.contains(&true) {
             return;
         }
+        self.complete(index, m, scale);
+        let cells = &self.scratch.sides[index];
         if self.settings.min_solid_angle > 0.0 {
             let angle = blocked_cells(cells) as f64 / (scale.shell() as f64).powi(2);
             if angle < f64::from(self.settings.min_solid_angle) {
@@ -447,15 +592,17 @@ impl<'a> Walk<'a> {
 /// Number of cells of the rows with fresh occluders that block.
 fn blocked_cells(cells: &SideCells) -> usize {
     let end = cells.offset + cells.cols as usize;
-    let rows = cells.open.chunks(cells.words).zip(&cells.fresh).filter(|(_, fresh)| **fresh);
-    rows.map(|(open, _)| {
-        let (mut sum, mut x) = (0, cells.offset);
-        while x < end {
-            let stop = next_set(open, x, end);
-            sum += stop - x;
-            x = next_clear(open, stop, end);
-        }
-        sum
-    })
-    .sum()
+    let fresh = cells.fresh.iter().enumerate().filter(|(_, fresh)| **fresh);
+    fresh
+        .filter_map(|(r, _)| cells.line(r))
+        .map(|open| {
+            let (mut sum, mut x) = (0, cells.offset);
+            while x < end {
+                let stop = next_set(open, x, end);
+                sum += stop - x;
+                x = next_clear(open, stop, end);
+            }
+            sum
+        })
+        .sum()
 }

@@ -133,8 +133,6 @@ pub struct Query {
 struct Scratch {
     masks: DirectionMasks,
     sides: [SideCells; 6],
-    /// Cells of a band of eight rows that are in the frustum and not hidden.
-    band: Vec<u64>,
     /// By slot: twice the query's number if the object's volume was revealed,
     /// one more if the object itself was decided.
     marks: Vec<u32>,
@@ -205,7 +203,6 @@ impl Query {
             scratch: Scratch {
                 masks: DirectionMasks::new(settings.mask_resolution.trailing_zeros()),
                 sides: Default::default(),
-                band: Vec::new(),
                 marks: Vec::new(),
                 epoch: 0,
                 hits: Vec::new(),

@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec3, IVec3};
 
 use super::{FAR_VIEWER, Scratch, Settings};
+use crate::bricks::Pages;
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::mask::Side;
@@ -214,6 +215,19 @@ impl<'a> Walk<'a> {
                 || !scene.volumes.matrix.is_empty(b)
                 || !scene.fused.in_brick(b).is_empty()
         };
+        let (ids, volumes, fused) = (scene.ids.pages(), scene.volumes.matrix.pages(), scene.fused.pages());
+        let plane_is_empty = |axis: usize, page: IVec3| {
+            ids.plane_is_empty(axis, page)
+                && volumes.plane_is_empty(axis, page)
+                && fused.plane_is_empty(axis, page)
+        };
+        let row_is_empty = |along: usize, page: IVec3| {
+            ids.row_is_empty(along, page)
+                && volumes.row_is_empty(along, page)
+                && fused.row_is_empty(along, page)
+        };
+        let page_is_empty =
+            |page: IVec3| ids.page_is_empty(page) && volumes.page_is_empty(page) && fused.page_is_empty(page);
         if m == 0 {
             if self.grid.contains(brick) && holds(brick) {
                 out.push(brick);
@@ -224,7 +238,8 @@ impl<'a> Walk<'a> {
             let axes = side.axes;
             let depth = m * side.sign;
             let at = brick[axes.normal] + depth;
-            if !(0..dims[axes.normal]).contains(&at) {
+            if !(0..dims[axes.normal]).contains(&at) || plane_is_empty(axes.normal, page_at(axes.normal, at))
+            {
                 continue;
             }
             // Edges belong to the first of their sides.
@@ -252,6 +267,12 @@ impl<'a> Walk<'a> {
             let mut first = r0;
             while first <= r1 {
                 let last = r1.min(first + BAND - 1);
+                // A band of rows lies in at most two rows of pages.
+                if [first, last].iter().all(|&row| row_is_empty(axes.col, (brick + corner(row, c0)) >> 3i32))
+                {
+                    first = last + 1;
+                    continue;
+                }
                 let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
                 if wide && self.hides(&block(corner(first, c0), corner(last, c1))) {
                     first = last + 1;
@@ -263,7 +284,17 @@ impl<'a> Walk<'a> {
                     if wide && self.hides(&block(corner(row, lo), corner(row, hi))) {
                         continue;
                     }
-                    out.extend((lo..=hi).map(|col| brick + corner(row, col)).filter(|&b| holds(b)));
+                    let mut col = lo;
+                    while col <= hi {
+                        let b = brick + corner(row, col);
+                        let last = hi.min(col + 7 - (b[axes.col] & 7));
+                        if !page_is_empty(b >> 3i32) {
+                            out.extend(
+                                (col..=last).map(|col| brick + corner(row, col)).filter(|&b| holds(b)),
+                            );
+                        }
+                        col = last + 1;
+                    }
                 }
                 first = last + 1;
             }
@@ -787,6 +818,13 @@ fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
     let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
     let center = p.affine.transform_point3(center);
     Block { min: center - reach, max: center + reach }
+}
+
+/// A page that holds bricks with a coordinate along an axis.
+fn page_at(axis: usize, brick: i32) -> IVec3 {
+    let mut page = IVec3::ZERO;
+    page[axis] = brick >> 3;
+    page
 }
 
 /// What is tested, with room for what is not known of the eye.

@@ -4,17 +4,9 @@ use glam::{DVec3, IVec3};
 
 use super::{CellRun, Shape};
 use crate::Aabb;
+use crate::cells::{Rows, rows_of};
 use crate::geometry::Block;
 use crate::grid::Grid;
-
-fn runs(block: Option<(IVec3, IVec3)>, out: &mut dyn FnMut(CellRun)) {
-    let Some((lo, hi)) = block else { return };
-    for z in lo.z..=hi.z {
-        for y in lo.y..=hi.y {
-            out(CellRun { x0: lo.x, x1: hi.x, y, z });
-        }
-    }
-}
 
 impl Shape for Aabb {
     fn bounds(&self) -> (DVec3, DVec3) {
@@ -22,12 +14,11 @@ impl Shape for Aabb {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let (lo, hi) = grid.cover(self.min.as_dvec3(), self.max.as_dvec3());
-        runs(grid.clip(lo, hi), out);
+        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        runs(grid.inside(self.min.as_dvec3(), self.max.as_dvec3()), out);
+        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
@@ -36,5 +27,22 @@ impl Shape for Aabb {
 
     fn contains_point(&self, point: DVec3) -> bool {
         Block::from(*self).contains_point(point)
+    }
+}
+
+impl Rows for Aabb {
+    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        let (a, b) = grid.cover(self.min.as_dvec3(), self.max.as_dvec3());
+        rows_of(a.max(lo), b.min(hi), out);
+    }
+
+    fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        if let Some((a, b)) = grid.inside(self.min.as_dvec3(), self.max.as_dvec3()) {
+            rows_of(a.max(lo), b.min(hi), out);
+        }
+    }
+
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
+        !Block::from(*self).meets(&Block { min, max })
     }
 }

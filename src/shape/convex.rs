@@ -7,9 +7,10 @@
 mod hull;
 mod planes;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, IVec3, Vec3};
 
 use super::{CellRun, Shape};
+use crate::cells::Rows;
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
 use crate::occlusion::Polytope;
@@ -211,6 +212,22 @@ impl Convex {
         }
     }
 
+    /// Whether no face keeps a box out of what was asked for.
+    fn near(&self, min: DVec3, max: DVec3) -> bool {
+        self.faces.iter().all(|&(n, h)| {
+            let nearest = DVec3::select(n.cmpge(DVec3::ZERO), min, max);
+            n.dot(nearest) <= h + self.margin(min.abs().max(max.abs()), h) + self.lost
+        })
+    }
+
+    /// Whether a box lies behind all faces.
+    fn holds(&self, min: DVec3, max: DVec3) -> bool {
+        self.faces.iter().all(|&(n, h)| {
+            let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
+            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h)
+        })
+    }
+
     /// What the distance of a point from a face may be off by.
     fn margin(&self, p: DVec3, h: f64) -> f64 {
         DISTANCE * (p.abs().max_element() + h.abs())
@@ -243,19 +260,20 @@ fn corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
     })
 }
 
-/// The cells of a block that pass a test which the cells of each row pass in one run.
+/// The cells of a box between `lo` and `hi` that pass a test which the cells of each row pass in one run.
 fn filtered(
     grid: &Grid,
     (min, max): (DVec3, DVec3),
+    (lo, hi): (IVec3, IVec3),
     passes: impl Fn(DVec3, DVec3) -> bool,
     out: &mut dyn FnMut(CellRun),
 ) {
-    let (lo, hi) = grid.cover(min, max);
-    let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+    let (a, b) = grid.cover(min, max);
+    let (lo, hi) = (a.max(lo), b.min(hi));
     for z in lo.z..=hi.z {
         for y in lo.y..=hi.y {
             let test = |x: &i32| {
-                let (a, b) = grid.cell_bounds(glam::IVec3::new(*x, y, z));
+                let (a, b) = grid.cell_bounds(IVec3::new(*x, y, z));
                 passes(a, b)
             };
             if let Some(x0) = (lo.x..=hi.x).find(test) {
@@ -273,28 +291,33 @@ impl Shape for Convex {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let meets = |min: DVec3, max: DVec3| {
-            self.faces.iter().all(|&(n, h)| {
-                let nearest = DVec3::select(n.cmpge(DVec3::ZERO), min, max);
-                n.dot(nearest) <= h + self.margin(min.abs().max(max.abs()), h) + self.lost
-            })
-        };
-        filtered(grid, self.bounds(), meets, out);
+        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        filtered(grid, self.bounds(), |min, max| self.contains_box(min, max), out);
+        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-        self.faces.iter().all(|&(n, h)| {
-            let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
-            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h)
-        })
+        self.holds(min, max)
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
         self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + self.lost)
+    }
+}
+
+impl Rows for Convex {
+    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), (lo, hi), |min, max| self.near(min, max), out);
+    }
+
+    fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), (lo, hi), |min, max| self.holds(min, max), out);
+    }
+
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
+        !self.near(min, max)
     }
 }
 
@@ -311,6 +334,27 @@ impl Obb {
     pub(crate) fn turn(&self) -> DMat3 {
         DMat3::from_quat(self.rotation.as_dquat().normalize())
     }
+
+    /// Asks whether no face keeps a box out.
+    fn near(&self) -> impl Fn(DVec3, DVec3) -> bool {
+        let (c, _, margin) = self.parts();
+        let (turn, half) = (self.turn(), self.half.as_dvec3());
+        move |min: DVec3, max: DVec3| {
+            let (d, reach) = ((min + max) * 0.5 - c, (max - min) * 0.5);
+            let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
+            (0..3).all(|i| turn.col(i).dot(d).abs() <= half[i] + turn.col(i).abs().dot(reach) + slack)
+        }
+    }
+
+    /// Asks whether a box lies behind all faces.
+    fn holds(&self) -> impl Fn(DVec3, DVec3) -> bool {
+        let (c, _, margin) = self.parts();
+        let (turn, half) = (self.turn(), self.half.as_dvec3());
+        move |min: DVec3, max: DVec3| {
+            let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
+            corners(min, max).iter().all(|&p| (0..3).all(|i| turn.col(i).dot(p - c).abs() <= half[i] - slack))
+        }
+    }
 }
 
 impl Shape for Obb {
@@ -321,25 +365,15 @@ impl Shape for Obb {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let (c, _, margin) = self.parts();
-        let (turn, half) = (self.turn(), self.half.as_dvec3());
-        let meets = |min: DVec3, max: DVec3| {
-            let (d, reach) = ((min + max) * 0.5 - c, (max - min) * 0.5);
-            let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
-            (0..3).all(|i| turn.col(i).dot(d).abs() <= half[i] + turn.col(i).abs().dot(reach) + slack)
-        };
-        filtered(grid, self.bounds(), meets, out);
+        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        filtered(grid, self.bounds(), |min, max| self.contains_box(min, max), out);
+        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-        let (c, _, margin) = self.parts();
-        let (turn, half) = (self.turn(), self.half.as_dvec3());
-        let slack = margin + 16.0 * f64::EPSILON * max.abs().max(min.abs()).max_element();
-        corners(min, max).iter().all(|&p| (0..3).all(|i| turn.col(i).dot(p - c).abs() <= half[i] - slack))
+        self.holds()(min, max)
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
@@ -347,6 +381,20 @@ impl Shape for Obb {
         let (turn, half) = (self.turn(), self.half.as_dvec3());
         let slack = margin + 16.0 * f64::EPSILON * point.abs().max_element();
         (0..3).all(|i| turn.col(i).dot(point - c).abs() <= half[i] + slack)
+    }
+}
+
+impl Rows for Obb {
+    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), (lo, hi), self.near(), out);
+    }
+
+    fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        filtered(grid, self.bounds(), (lo, hi), self.holds(), out);
+    }
+
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
+        !self.near()(min, max)
     }
 }
 

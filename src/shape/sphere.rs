@@ -8,6 +8,7 @@ use glam::{DVec3, IVec3};
 
 use super::{CellRun, Shape};
 use crate::Sphere;
+use crate::cells::Rows;
 use crate::grid::Grid;
 
 impl Sphere {
@@ -29,55 +30,11 @@ impl Shape for Sphere {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let (c, r, margin) = self.parts();
-        let r = r + margin;
-        let (lo, hi) = grid.cover(c - r, c + r);
-        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
-        for z in lo.z..=hi.z {
-            let (dz, _) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
-            for y in lo.y..=hi.y {
-                let (dy, _) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
-                let rest = r * r - dz * dz - dy * dy;
-                if rest < 0.0 {
-                    continue;
-                }
-                let dx = rest.sqrt() + margin;
-                let row = |x| DVec3::new(x, c.y, c.z);
-                let (a, b) = grid.cover(row(c.x - dx), row(c.x + dx));
-                let (x0, x1) = (a.x.max(lo.x), b.x.min(hi.x));
-                if x0 <= x1 {
-                    out(CellRun { x0, x1, y, z });
-                }
-            }
-        }
+        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let (c, r, margin) = self.parts();
-        let r = r - margin;
-        if r <= 0.0 {
-            return;
-        }
-        let Some((lo, hi)) = grid.inside(c - r, c + r) else { return };
-        for z in lo.z..=hi.z {
-            let (_, dz) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
-            for y in lo.y..=hi.y {
-                let (_, dy) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
-                let rest = r * r - dz * dz - dy * dy;
-                if rest <= 0.0 {
-                    continue;
-                }
-                let dx = rest.sqrt() - margin;
-                let (cell_min, cell_max) = grid.cell_bounds(IVec3::new(lo.x, y, z));
-                let inside = grid.inside(
-                    DVec3::new(c.x - dx, cell_min.y, cell_min.z),
-                    DVec3::new(c.x + dx, cell_max.y, cell_max.z),
-                );
-                if let Some((a, b)) = inside {
-                    out(CellRun { x0: a.x, x1: b.x, y, z });
-                }
-            }
-        }
+        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
@@ -91,6 +48,64 @@ impl Shape for Sphere {
     fn contains_point(&self, point: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         point.distance_squared(c) <= (r + margin) * (r + margin)
+    }
+}
+
+impl Rows for Sphere {
+    fn touched_rows(&self, grid: &Grid, from: IVec3, to: IVec3, out: &mut dyn FnMut(CellRun)) {
+        let (c, r, margin) = self.parts();
+        let r = r + margin;
+        let (lo, hi) = grid.cover(c - r, c + r);
+        let (lo, hi) = (lo.max(from), hi.min(to));
+        for z in lo.z..=hi.z {
+            let (dz, _) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
+            for y in lo.y..=hi.y {
+                let (dy, _) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
+                let rest = r * r - dz * dz - dy * dy;
+                if rest < 0.0 {
+                    continue;
+                }
+                let dx = rest.sqrt() + margin;
+                let (a, b) = grid.cover_along(0, c.x - dx, c.x + dx);
+                let (x0, x1) = (a.max(lo.x), b.min(hi.x));
+                if x0 <= x1 {
+                    out(CellRun { x0, x1, y, z });
+                }
+            }
+        }
+    }
+
+    fn opaque_rows(&self, grid: &Grid, from: IVec3, to: IVec3, out: &mut dyn FnMut(CellRun)) {
+        let (c, r, margin) = self.parts();
+        let r = r - margin;
+        if r <= 0.0 {
+            return;
+        }
+        let Some((lo, hi)) = grid.inside(c - r, c + r) else { return };
+        let (lo, hi) = (lo.max(from), hi.min(to));
+        for z in lo.z..=hi.z {
+            let (_, dz) = distances(c.z, grid.plane(2, z), grid.plane(2, z + 1));
+            for y in lo.y..=hi.y {
+                let (_, dy) = distances(c.y, grid.plane(1, y), grid.plane(1, y + 1));
+                let rest = r * r - dz * dz - dy * dy;
+                if rest <= 0.0 {
+                    continue;
+                }
+                let dx = rest.sqrt() - margin;
+                let (a, b) = grid.inside_along(0, c.x - dx, c.x + dx);
+                let (x0, x1) = (a.max(lo.x), b.min(hi.x));
+                if x0 <= x1 {
+                    out(CellRun { x0, x1, y, z });
+                }
+            }
+        }
+    }
+
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
+        let (c, r, margin) = self.parts();
+        // A little more than the rows of `touched` hold.
+        let r = r + 4.0 * margin;
+        c.clamp(min, max).distance_squared(c) > r * r
     }
 }
 

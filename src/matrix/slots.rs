@@ -1,0 +1,120 @@
+//! Lists of objects that stay quick when they grow long.
+
+use std::collections::HashMap;
+
+use smallvec::SmallVec;
+
+/// Longer lists are looked up by a table instead of one by one; they go back at half of this.
+const LONG: usize = 32;
+
+/// A list without repetition. Short ones keep their order.
+#[derive(Clone, Default)]
+pub(super) struct SlotList {
+    slots: SmallVec<[u32; 6]>,
+    /// Of a long list, the place of each.
+    places: Option<Box<HashMap<u32, u32>>>,
+}
+
+impl SlotList {
+    pub(super) fn as_slice(&self) -> &[u32] {
+        &self.slots
+    }
+
+    pub(super) fn find(&self, slot: u32) -> Option<usize> {
+        match &self.places {
+            Some(places) => places.get(&slot).map(|&i| i as usize),
+            None => self.slots.iter().position(|&s| s == slot),
+        }
+    }
+
+    pub(super) fn push(&mut self, slot: u32) {
+        self.slots.push(slot);
+        if let Some(places) = &mut self.places {
+            places.insert(slot, self.slots.len() as u32 - 1);
+        } else if self.slots.len() > LONG {
+            self.places = Some(Box::new(self.slots.iter().copied().zip(0..).collect()));
+        }
+    }
+
+    /// Exchanges two places.
+    pub(super) fn swap(&mut self, i: usize, j: usize) {
+        self.slots.swap(i, j);
+        if let Some(places) = &mut self.places {
+            places.insert(self.slots[i], i as u32);
+            places.insert(self.slots[j], j as u32);
+        }
+    }
+
+    /// Takes one out and puts the last into its place.
+    pub(super) fn swap_remove(&mut self, i: usize) {
+        let slot = self.slots.swap_remove(i);
+        if let Some(places) = &mut self.places {
+            places.remove(&slot);
+            if let Some(&moved) = self.slots.get(i) {
+                places.insert(moved, i as u32);
+            }
+        }
+        self.shrink();
+    }
+
+    /// Takes one out. The others of a short list keep their order.
+    pub(super) fn remove(&mut self, i: usize) {
+        if self.places.is_some() {
+            self.swap_remove(i);
+        } else {
+            self.slots.remove(i);
+        }
+    }
+
+    fn shrink(&mut self) {
+        if self.places.is_some() && self.slots.len() <= LONG / 2 {
+            self.places = None;
+            self.slots.shrink_to_fit();
+        }
+    }
+
+    /// Bytes on the heap.
+    pub(super) fn bytes(&self) -> usize {
+        let table = |m: &HashMap<u32, u32>| size_of_val(m) + m.capacity() * (size_of::<(u32, u32)>() + 1);
+        let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<u32>() } else { 0 };
+        spilled + self.places.as_deref().map_or(0, table)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_find_what_they_hold() {
+        let mut list = SlotList::default();
+        let mut held: Vec<u32> = Vec::new();
+        let mut state = 5u32;
+        for step in 0..6000 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let slot = (state >> 9) % 120;
+            let grows = step / 1000 % 2 == 0;
+            match (list.find(slot), grows || state >> 31 == 0) {
+                (Some(i), false) => {
+                    if state >> 30 & 1 == 0 {
+                        list.remove(i)
+                    } else {
+                        list.swap_remove(i)
+                    }
+                    held.retain(|&s| s != slot);
+                }
+                (None, true) => {
+                    list.push(slot);
+                    held.push(slot);
+                    list.swap(0, held.len() / 2);
+                }
+                _ => {}
+            }
+            let mut all = list.as_slice().to_vec();
+            assert!((0..all.len()).all(|i| list.find(all[i]) == Some(i)));
+            all.sort_unstable();
+            held.sort_unstable();
+            assert_eq!(all, held);
+        }
+    }
+}

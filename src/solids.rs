@@ -1,0 +1,201 @@
+//! The solids of a scene in its matrices: what they make opaque, alone and together.
+
+use glam::IVec3;
+use smallvec::SmallVec;
+
+use crate::bricks::Pages;
+use crate::cells::{Piece, misses, opaque, touched, touched_where};
+use crate::geometry::Block;
+use crate::matrix::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::scene::Scene;
+use crate::shape::{Occluder, union_contains};
+
+/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
+/// fill a cell together with it. More than that leave the cell transparent.
+const MOST_ASKED: usize = 256;
+
+/// Other static solids that may lie anywhere: objects too large for the lists of cells.
+type Large = SmallVec<[u32; 8]>;
+
+impl Scene {
+    /// Writes what a visible dynamic object makes opaque.
+    pub(crate) fn add_dynamic_solid(&mut self, occluder: &Occluder) {
+        let (bits, counts) = (&mut self.opacity_dynamic, &mut self.counts_dynamic);
+        opaque(occluder, &self.grid, &mut |piece| match piece {
+            Piece::Page(page) if counts.add_page(bits, page) => {}
+            piece => piece.bricks(|brick, mask| counts.add(bits, brick, mask)),
+        });
+    }
+
+    /// Takes away what one dynamic object made opaque, but for cells inside another.
+    pub(crate) fn remove_dynamic_solid(&mut self, occluder: &Occluder) {
+        let (bits, counts) = (&mut self.opacity_dynamic, &mut self.counts_dynamic);
+        opaque(occluder, &self.grid, &mut |piece| match piece {
+            Piece::Page(page) if counts.take_page(bits, page) => {}
+            piece => piece.bricks(|brick, mask| {
+                counts.take(bits, brick, mask);
+            }),
+        });
+    }
+
+    /// A dynamic object made the cells `old` of a brick opaque, and now makes `new`.
+    pub(crate) fn move_dynamic_cells(&mut self, brick: IVec3, old: &Mask, new: &Mask) {
+        self.counts_dynamic.add(&mut self.opacity_dynamic, brick, &without(new, old));
+        self.counts_dynamic.take(&mut self.opacity_dynamic, brick, &without(old, new));
+    }
+
+    /// The cells that static solids touch and that are not opaque, again and again where several do.
+    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(IVec3)) {
+        for object in self.slots.iter().filter_map(|s| s.object.as_ref()).filter(|o| o.is_static()) {
+            let Some(occluder) = object.occluder.as_ref().filter(|o| o.is_solid()) else { continue };
+            touched(occluder, &self.grid, &mut |piece| match piece {
+                Piece::Page(page) if self.opacity_static.page_is_full(page) => {}
+                piece => piece.bricks(|brick, mask| {
+                    cells_of(brick, &without(mask, self.opacity_static.brick(brick))).for_each(&mut *out);
+                }),
+            });
+        }
+    }
+
+    /// The other static occluders that touch a cell.
+    pub(crate) fn static_solids(&self, cell: IVec3, but: u32) -> impl Iterator<Item = &Occluder> {
+        let large = self.always.iter().copied().filter(|&s| !self.object(s).in_cells);
+        self.ids
+            .get(cell)
+            .take(MOST_ASKED)
+            .chain(large.take(MOST_ASKED))
+            .filter_map(move |s| self.static_solid(s, but))
+    }
+
+    /// The occluder of a static object, unless it is the one left out.
+    fn static_solid(&self, slot: u32, but: u32) -> Option<&Occluder> {
+        let object = self.object(slot);
+        object.occluder.as_ref().filter(|_| slot != but && object.is_static())
+    }
+
+    /// Static solids that are in no lists of cells and may meet another.
+    fn large_solids(&self, occluder: &Occluder, but: u32) -> Large {
+        let around = occluder.block();
+        let meets = |&s: &u32| {
+            let solid = self.static_solid(s, but).filter(|_| !self.object(s).in_cells);
+            solid.is_some_and(|o| o.block().meets(&around))
+        };
+        self.always.iter().copied().take(MOST_ASKED).filter(meets).collect()
+    }
+
+    /// Whether other static solids may touch a brick.
+    fn solids_near(&self, brick: IVec3, but: u32, large: &Large) -> bool {
+        let mut members = self.ids.in_brick(brick);
+        if members.len() > MOST_ASKED || members.any(|s| self.static_solid(s, but).is_some()) {
+            return true;
+        }
+        let (min, max) = self.grid.range_bounds(brick << 3i32, (brick << 3i32) + 7);
+        large.iter().any(|&s| self.static_solid(s, but).is_some_and(|o| !misses(o, min, max)))
+    }
+
+    /// Whether a cell lies inside the union of the static solids but one, together with `own`.
+    fn solid_with(&self, cell: IVec3, but: u32, large: &Large, own: Option<&Occluder>) -> bool {
+        let near = self.ids.get(cell).take(MOST_ASKED).chain(large.iter().copied());
+        let mut solids: SmallVec<[&Occluder; 16]> = near.filter_map(|s| self.static_solid(s, but)).collect();
+        if solids.is_empty() {
+            // Its own cells are known; alone it adds no other.
+            return false;
+        }
+        solids.extend(own);
+        union_contains(&Block::new(self.grid.cell_bounds(cell)), &solids)
+    }
+
+    /// Writes what a static solid makes opaque, alone and together with others.
+    pub(crate) fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
+        let (bits, counts) = (&mut self.opacity_static, &mut self.counts_static);
+        opaque(occluder, &self.grid, &mut |piece| match piece {
+            Piece::Page(page) if counts.add_page(bits, page) => {}
+            piece => piece.bricks(|brick, mask| counts.add(bits, brick, mask)),
+        });
+        if !occluder.is_solid() {
+            return;
+        }
+        let large = self.large_solids(occluder, slot);
+        let mut joint = Vec::new();
+        // Only where others are near may cells be filled together with them.
+        let page_asked = |page: IVec3| {
+            !self.opacity_static.page_is_full(page)
+                && (!large.is_empty() || !self.ids.pages().page_is_empty(page))
+        };
+        let brick_asked =
+            |brick: IVec3| *self.opacity_static.brick(brick) != ALL && self.solids_near(brick, slot, &large);
+        touched_where(occluder, &self.grid, &page_asked, &brick_asked, &mut |brick, mask| {
+            let open = without(mask, self.opacity_static.brick(brick));
+            let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
+            joint.extend(cells_of(brick, &open).filter(solid));
+        });
+        self.join(joint);
+    }
+
+    /// Takes away what a static solid made opaque, but for cells inside the union of others. It is in no
+    /// list any more.
+    pub(crate) fn remove_static_solid(&mut self, slot: u32, occluder: &Occluder) {
+        let large = self.large_solids(occluder, slot);
+        let grid = self.grid;
+        let mut alone: Vec<(IVec3, Mask)> = Vec::new();
+        opaque(occluder, &grid, &mut |piece| {
+            if let Piece::Page(page) = piece
+                && self.counts_static.take_page(&mut self.opacity_static, page)
+            {
+                let (lo, hi) = (page << 6i32, (page << 6i32) + 63);
+                self.fused.clear_block(lo, hi);
+                let (min, max) = grid.range_bounds(lo, hi);
+                let near = |&s: &u32| self.static_solid(s, slot).is_some_and(|o| !misses(o, min, max));
+                if !self.ids.pages().page_is_empty(page) || large.iter().any(near) {
+                    piece.bricks(|brick, mask| {
+                        if self.solids_near(brick, slot, &large) {
+                            alone.push((brick, *mask));
+                        }
+                    });
+                }
+                return;
+            }
+            piece.bricks(|brick, mask| {
+                let gone = self.counts_static.take(&mut self.opacity_static, brick, mask);
+                if gone != NONE {
+                    self.fused.clear_cells(brick, &gone);
+                    if self.solids_near(brick, slot, &large) {
+                        alone.push((brick, gone));
+                    }
+                }
+            });
+        });
+        // Cells that it alone held may lie inside the union of others.
+        let held = alone.iter().flat_map(|(brick, mask)| cells_of(*brick, mask));
+        let joint: Vec<IVec3> = held.filter(|&c| self.solid_with(c, slot, &large, None)).collect();
+        self.join(joint);
+        // Cells that it filled together with others may lie inside those alone.
+        let around = occluder.block();
+        let (lo, hi) = grid.cover(around.min, around.max);
+        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+        let mut open: Vec<(IVec3, Mask)> = Vec::new();
+        self.fused.for_cells(lo, hi, &mut |brick, mask| {
+            let mask = both(mask, &block_mask(brick, lo, hi));
+            let mut lost = NONE;
+            for c in cells_of(brick, &mask).filter(|&c| !self.solid_with(c, slot, &large, None)) {
+                lost[(c.z & 7) as usize] |= 1 << ((c.y & 7) << 3 | c.x & 7);
+            }
+            if lost != NONE {
+                open.push((brick, lost));
+            }
+        });
+        for (brick, mask) in open {
+            let gone = self.counts_static.take(&mut self.opacity_static, brick, &mask);
+            self.fused.part(brick, &mask);
+            self.fused.clear_cells(brick, &gone);
+        }
+    }
+
+    /// Makes cells opaque that solids fill together.
+    fn join(&mut self, cells: Vec<IVec3>) {
+        for c in cells {
+            self.opacity_static.set(c);
+            self.fused.add(c);
+        }
+    }
+}

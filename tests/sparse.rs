@@ -1,0 +1,135 @@
+//! Walks pass over parts of the grid that hold nothing, and find the same as where every part holds something.
+
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use glam::camera::rh::{proj::directx, view::look_to_mat4};
+use glam::{UVec3, Vec3};
+
+const SIZE: u32 = 320;
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn vec(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+/// The same objects in two scenes; the second also has a speck in every 64 cells along each axis.
+fn scenes(seed: u64, objects: usize) -> ([Scene; 2], Vec<[ObjectId; 2]>) {
+    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(SIZE) };
+    let mut scenes = [Scene::new(&spec).unwrap(), Scene::new(&spec).unwrap()];
+    let mut random = Random(seed);
+    let mut ids = Vec::new();
+    for i in 0..objects {
+        let at = random.vec() * SIZE as f32;
+        let desc = match i % 4 {
+            0 => {
+                let half = random.vec() * random.next() * 50.0 + 1.0;
+                let b = Aabb::from_center(at, half);
+                ObjectDesc::fixed(b).occluder(b)
+            }
+            1 => {
+                let ball = Sphere::new(at, 1.0 + 9.0 * random.next());
+                ObjectDesc::dynamic(ball).occluder(ball)
+            }
+            2 => ObjectDesc::dynamic(Sphere::new(at, 0.5)).max_speed(2.0),
+            _ => ObjectDesc::fixed(Sphere::new(at, 0.7)),
+        };
+        ids.push(scenes.each_mut().map(|s| s.insert(desc.clone()).unwrap()));
+    }
+    let n = SIZE / 64;
+    for i in 0..n * n * n {
+        let at = UVec3::new(i % n, i / n % n, i / (n * n)).as_vec3() * 64.0 + 17.3;
+        scenes[1].insert(ObjectDesc::fixed(Sphere::new(at, 0.1))).unwrap();
+    }
+    (scenes, ids)
+}
+
+fn views(random: &mut Random) -> Vec<View> {
+    let size = SIZE as f32;
+    let eyes =
+        [random.vec() * size, Vec3::splat(size * 0.5), Vec3::new(-0.4, 0.3, 0.6) * size, Vec3::splat(0.2)];
+    let mut views = Vec::new();
+    for eye in eyes {
+        views.push(View::around(eye).unwrap());
+        let toward = (Vec3::splat(size * 0.5) - eye + random.vec()).normalize();
+        let camera = look_to_mat4(eye, toward, Vec3::Y);
+        views.push(View::perspective(eye, directx::perspective(0.8, 1.5, 0.1, 2.0 * size) * camera).unwrap());
+        let flat = directx::orthographic(-90.0, 90.0, -60.0, 60.0, 0.0, 2.0 * size);
+        views.push(View::orthographic(toward, flat * camera).unwrap());
+    }
+    views
+}
+
+#[test]
+fn nothing_is_lost_where_walks_pass_over_emptiness() {
+    let mut random = Random(77);
+    let (mut seen, mut hidden) = (0, 0);
+    for (seed, objects) in [(1, 12), (2, 40), (3, 120)] {
+        let (mut scenes, ids) = scenes(seed, objects);
+        for round in 0..2 {
+            for view in views(&mut random) {
+                for method in [Method::Cell, Method::Point] {
+                    let mut settings = Settings::default();
+                    settings.method = method;
+                    let mut queries = [0, 1].map(|_| Query::with_settings(settings).unwrap());
+                    for (query, scene) in queries.iter_mut().zip(&scenes) {
+                        query.run(scene, &view);
+                    }
+                    let [a, b] = queries.each_ref().map(Query::pvs);
+                    for [x, y] in &ids {
+                        assert_eq!(a.contains(*x), b.contains(*y), "{method:?}, seed {seed}, {x}, {view:?}");
+                        if a.contains(*x) { seen += 1 } else { hidden += 1 }
+                    }
+                    // Of parallel views, portions of what is there are counted.
+                    let walks = view.eye().is_some() || method == Method::Cell;
+                    assert!(!walks || a.stats().shells == b.stats().shells, "the walk ends where it did");
+                }
+            }
+            // What nobody saw goes into volumes.
+            let view = View::around(Vec3::splat(31.0 + 200.0 * round as f32)).unwrap();
+            for scene in &mut scenes {
+                let mut query = Query::new();
+                query.run(scene, &view);
+                scene.end_frame([query.pvs()]).unwrap();
+            }
+        }
+    }
+    assert!(seen > 1000 && hidden > 1000, "{seen} {hidden}");
+}
+
+#[test]
+fn an_eye_in_a_closed_room_ends_the_walk_in_an_empty_grid() {
+    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(2048) };
+    let mut scene = Scene::new(&spec).unwrap();
+    let (low, high) = (Vec3::splat(1000.0), Vec3::splat(1040.0));
+    for axis in 0..3 {
+        for side in [low, high] {
+            let (mut min, mut max) = (low - 4.0, high + 4.0);
+            (min[axis], max[axis]) = (side[axis] - 3.0, side[axis] + 3.0);
+            let wall = Aabb::new(min, max);
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        }
+    }
+    let far: Vec<ObjectId> = (0..8)
+        .map(|i| {
+            let at = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2040.0 + 3.0;
+            scene.insert(ObjectDesc::fixed(Sphere::new(at, 1.0))).unwrap()
+        })
+        .collect();
+    for method in [Method::Cell, Method::Point] {
+        let mut settings = Settings::default();
+        settings.method = method;
+        let mut query = Query::with_settings(settings).unwrap();
+        let inside = query.run(&scene, &View::around(Vec3::splat(1020.3)).unwrap());
+        assert!(far.iter().all(|&id| !inside.contains(id)) && inside.len() == 6, "{method:?}");
+        assert!(inside.stats().shells < 40, "{method:?}: {} shells", inside.stats().shells);
+        let outside = query.run(&scene, &View::around(Vec3::splat(500.3)).unwrap());
+        assert!(far[1..7].iter().all(|&id| outside.contains(id)), "{method:?}");
+    }
+}
