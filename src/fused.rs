@@ -21,7 +21,7 @@ const MOST: usize = 32;
 /// The fused occluders of a scene.
 #[derive(Clone)]
 pub(crate) struct Fused {
-    /// Opaque cells that no single drawable solid covers.
+    /// Opaque cells that no single drawable solid covers, or that abut on those of another solid.
     cells: BitMatrix,
     boxes: Bricks<SmallVec<[CellBox; 2]>>,
     /// Bricks whose boxes are to be grown anew.

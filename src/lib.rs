@@ -15,6 +15,7 @@
 
 mod aggressive;
 mod bricks;
+mod cut;
 mod draw;
 mod error;
 mod fused;

@@ -1,11 +1,13 @@
 //! The scene: objects and the matrices that hold them.
 
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
+use smallvec::SmallVec;
 
+use crate::cut;
 use crate::error::{Error, finite3};
 use crate::fused::Fused;
 use crate::geometry::Block;
@@ -799,15 +801,8 @@ impl Scene {
 
     /// Whether an occluder, or an opaque cell, may meet a convex region with its bounding box.
     fn occluder_meets(&self, region: &View, block: &Block) -> bool {
-        let meets = |slot: u32| match &self.object(slot).occluder {
-            Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
-            Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
-            Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
-            Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
-            Some(Occluder::Mesh(m)) => m.surface_meets(block),
-            Some(Occluder::Instance(i)) => region.may_see_block(&Block::new(i.bounds())),
-            None => false,
-        };
+        let meets =
+            |slot: u32| self.object(slot).occluder.as_ref().is_some_and(|o| cut::may_meet(o, region, block));
         let (lo, hi) = self.grid.cover(block.min, block.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
         let cells = (hi - lo + 1).to_array().iter().map(|&n| n as u64).product::<u64>();
@@ -1028,10 +1023,21 @@ impl Scene {
 
     fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
         let grid = self.grid;
+        let small = placement(&grid, &occluder.block()).1;
+        let mut own = Vec::new();
         occluder.opaque(&grid, &mut |r| {
             self.opacity_static.set_run(r.x0, r.x1, r.y, r.z);
+            if small {
+                own.push(r);
+            }
         });
-        if placement(&grid, &occluder.block()).1 {
+        // Where it abuts on others along a plane of the grid, no cell is solid for both.
+        rims(&own, |cell, beside| {
+            if self.opacity_static.get(beside) {
+                self.fused.add(cell);
+            }
+        });
+        if small {
             let mut joint = Vec::new();
             occluder.touched(&grid, &mut |run| {
                 joint
@@ -1211,6 +1217,34 @@ fn difference(a: &[CellRun], b: &[CellRun], mut out: impl FnMut(CellRun)) {
                 }
                 if run.x1 > other.x1 {
                     out(CellRun { x0: other.x1 + 1, ..*run });
+                }
+            }
+        }
+    }
+}
+
+/// Calls `out` with each cell of some runs that has a neighbour outside of them, and that neighbour.
+fn rims(runs: &[CellRun], mut out: impl FnMut(IVec3, IVec3)) {
+    let mut rows: HashMap<(i32, i32), SmallVec<[(i32, i32); 1]>> = HashMap::new();
+    runs.iter().for_each(|r| rows.entry((r.y, r.z)).or_default().push((r.x0, r.x1)));
+    let none = SmallVec::new();
+    for r in runs {
+        let row = |dy, dz| rows.get(&(r.y + dy, r.z + dz)).unwrap_or(&none);
+        for (x, beside) in [(r.x0, r.x0 - 1), (r.x1, r.x1 + 1)] {
+            if !row(0, 0).iter().any(|&(a, b)| a <= beside && beside <= b) {
+                out(IVec3::new(x, r.y, r.z), IVec3::new(beside, r.y, r.z));
+            }
+        }
+        for (dy, dz) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
+            let next = row(dy, dz);
+            let mut x = r.x0;
+            while x <= r.x1 {
+                match next.iter().find(|&&(a, b)| a <= x && x <= b) {
+                    Some(&(_, b)) => x = b + 1,
+                    None => {
+                        out(IVec3::new(x, r.y, r.z), IVec3::new(x, r.y + dy, r.z + dz));
+                        x += 1;
+                    }
                 }
             }
         }
