@@ -1225,9 +1225,11 @@ fn difference(a: &[CellRun], b: &[CellRun], mut out: impl FnMut(CellRun)) {
 
 /// Calls `out` with each cell of some runs that has a neighbour outside of them, and that neighbour.
 fn rims(runs: &[CellRun], mut out: impl FnMut(IVec3, IVec3)) {
-    let mut rows: HashMap<(i32, i32), SmallVec<[(i32, i32); 1]>> = HashMap::new();
+    // By row and slice: first and last cells.
+    type Spans = SmallVec<[(i32, i32); 1]>;
+    let mut rows: HashMap<(i32, i32), Spans> = HashMap::new();
     runs.iter().for_each(|r| rows.entry((r.y, r.z)).or_default().push((r.x0, r.x1)));
-    let none = SmallVec::new();
+    let none = Spans::new();
     for r in runs {
         let row = |dy, dz| rows.get(&(r.y + dy, r.z + dz)).unwrap_or(&none);
         for (x, beside) in [(r.x0, r.x0 - 1), (r.x1, r.x1 + 1)] {

@@ -92,7 +92,7 @@ mod laboratory {
     use super::*;
 
     /// On these scenes there is no exception where the eye is known, and hardly any where the matrix alone tells it:
-    /// solids are shrunk by what it leaves open.
+    /// solids are shrunk by what it leaves open, which opens seams.
     #[test]
     fn the_point_method_keeps_nothing_that_the_cell_method_hides() {
         let (mut cell, mut point) = (query(Method::Cell), query(Method::Point));
@@ -116,7 +116,7 @@ mod laboratory {
                 driver.scene.end_frame([point.pvs()]).unwrap();
             }
             println!("{:<8} cell {}, point {}, only point {loose:?}", kind.name(), sizes.0, sizes.1);
-            assert!(loose[1] == 0 && 500 * loose[0] < sizes.1 && sizes.1 < sizes.0, "{kind:?} {loose:?}");
+            assert!(loose[1] == 0 && 100 * loose[0] < sizes.1 && sizes.1 < sizes.0, "{kind:?} {loose:?}");
         }
     }
 }

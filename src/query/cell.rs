@@ -91,10 +91,10 @@ impl<'a> Walk<'a> {
                 // Rays may start and end inside a hollow volume.
                 let scene = self.scene;
                 for slot in 0..scene.slots.len() as u32 {
-                    if scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden) {
-                        if self.view.may_see_block(&scene.volumes.block(&grid, slot)) {
-                            self.reveal(slot, 0);
-                        }
+                    if scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden)
+                        && self.view.may_see_block(&scene.volumes.block(&grid, slot))
+                    {
+                        self.reveal(slot, 0);
                     }
                 }
             }
