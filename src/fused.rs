@@ -10,7 +10,9 @@ use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::bricks::{BRICK, Bricks, Pages};
-use crate::matrix::{BitMatrix, CellBox, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, without};
+use crate::matrix::{
+    BitMatrix, CellBox, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, either, without,
+};
 
 /// Boxes reach this far beyond the brick of their first cell.
 const REACH: i32 = BRICK;
@@ -23,6 +25,8 @@ const MOST: usize = 32;
 pub(crate) struct Fused {
     /// Opaque cells that no single drawable solid covers.
     cells: BitMatrix,
+    /// Cells that were opaque beside opaque cells of another solid. They may not be opaque any more.
+    rims: BitMatrix,
     boxes: Bricks<SmallVec<[CellBox; 2]>>,
     /// Bricks whose boxes are to be grown anew.
     stale: BTreeSet<[i32; 3]>,
@@ -30,13 +34,24 @@ pub(crate) struct Fused {
 
 impl Fused {
     pub(crate) fn new(dims: IVec3) -> Self {
-        Self { cells: BitMatrix::new(dims), boxes: Bricks::new(dims), stale: BTreeSet::new() }
+        Self {
+            cells: BitMatrix::new(dims),
+            rims: BitMatrix::new(dims),
+            boxes: Bricks::new(dims),
+            stale: BTreeSet::new(),
+        }
     }
 
     /// A cell is opaque for a reason that is not drawn.
     pub(crate) fn add(&mut self, cell: IVec3) {
         self.cells.set(cell);
         self.stale.insert((cell >> 3i32).to_array());
+    }
+
+    /// Opaque cells of a brick lie beside those of another solid.
+    pub(crate) fn add_rims(&mut self, brick: IVec3, cells: &Mask) {
+        self.rims.set_mask(brick, cells);
+        self.stale.insert(brick.to_array());
     }
 
     /// Cells of a brick have no such reason any more.
@@ -75,7 +90,8 @@ impl Fused {
             self.boxes.release(brick);
             // Its neighbours may have relied on its boxes.
             let reach = self.bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
-            let growing = reach.cells().filter(|&b| *self.cells.brick(b) != NONE);
+            let growing =
+                reach.cells().filter(|&b| *self.cells.brick(b) != NONE || *self.rims.brick(b) != NONE);
             self.stale.extend(growing.map(|b| b.to_array()));
         }
     }
@@ -93,7 +109,12 @@ impl Fused {
             self.boxes.release(brick);
             let corner = brick * BRICK;
             let bounds = CellBox { lo: corner - REACH, hi: corner + (BRICK - 1) + REACH };
-            let mut open = *self.cells.brick(brick);
+            let gone = without(self.rims.brick(brick), opaque.brick(brick));
+            if gone != NONE {
+                self.rims.clear_mask(brick, &gone);
+            }
+            let seeds = either(self.cells.brick(brick), self.rims.brick(brick));
+            let mut open = both(&seeds, opaque.brick(brick));
             for b in self.bricks_around(corner, corner + (BRICK - 1)).cells() {
                 for held in self.boxes.get(b) {
                     open = without(&open, &block_mask(brick, held.lo, held.hi));
@@ -122,7 +143,7 @@ impl Fused {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.cells.bytes() + self.boxes.bytes() + self.stale.len() * 24
+        self.cells.bytes() + self.rims.bytes() + self.boxes.bytes() + self.stale.len() * 24
     }
 }
 

@@ -16,6 +16,7 @@
 mod aggressive;
 mod bricks;
 mod cells;
+mod cut;
 mod draw;
 mod error;
 mod fused;

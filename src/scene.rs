@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::cells::{Moved, touched_by, volume};
+use crate::cut;
 use crate::error::{Error, finite3};
 use crate::fused::Fused;
 use crate::geometry::Block;
@@ -839,15 +840,8 @@ impl Scene {
 
     /// Whether an occluder, or an opaque cell, may meet a convex region with its bounding box.
     fn occluder_meets(&self, region: &View, block: &Block) -> bool {
-        let meets = |slot: u32| match &self.object(slot).occluder {
-            Some(Occluder::Sphere(s)) => region.may_see_sphere(s),
-            Some(Occluder::Box(b)) => region.may_see_block(&Block::from(*b)),
-            Some(Occluder::Oriented(b)) => region.may_see_oriented(b),
-            Some(other @ Occluder::Convex(_)) => region.may_see_block(&other.block()),
-            Some(Occluder::Mesh(m)) => m.surface_meets(block),
-            Some(Occluder::Instance(i)) => region.may_see_block(&Block::new(i.bounds())),
-            None => false,
-        };
+        let meets =
+            |slot: u32| self.object(slot).occluder.as_ref().is_some_and(|o| cut::may_meet(o, region, block));
         let (lo, hi) = self.grid.cover(block.min, block.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return self.always.iter().any(|&s| meets(s)) };
         let anywhere = || {

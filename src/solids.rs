@@ -1,12 +1,14 @@
 //! The solids of a scene in its matrices: what they make opaque, alone and together.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::bricks::Pages;
-use crate::cells::{Piece, misses, opaque, touched, touched_where};
+use crate::bricks::{BRICK, Pages};
+use crate::cells::{Piece, bricks_of_page, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
-use crate::matrix::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::matrix::{ALL, Mask, NONE, beside, block_mask, both, cells_of, either, without};
 use crate::scene::Scene;
 use crate::shape::{Occluder, union_contains};
 
@@ -14,8 +16,44 @@ use crate::shape::{Occluder, union_contains};
 /// fill a cell together with it. More than that leave the cell transparent.
 const MOST_ASKED: usize = 256;
 
+/// Coordinates of a brick or a page.
+type Place = [i32; 3];
+
 /// Other static solids that may lie anywhere: objects too large for the lists of cells.
 type Large = SmallVec<[u32; 8]>;
+
+/// The cells that a solid makes opaque: whole pages, and bricks elsewhere.
+#[derive(Default)]
+struct Own {
+    pages: BTreeSet<Place>,
+    bricks: BTreeMap<Place, Mask>,
+}
+
+impl Own {
+    fn brick(&self, brick: IVec3) -> &Mask {
+        if self.pages.contains(&(brick >> 3i32).to_array()) {
+            return &ALL;
+        }
+        self.bricks.get(&brick.to_array()).unwrap_or(&NONE)
+    }
+
+    /// The bricks that may have a neighbour of which not all is the solid's.
+    fn surface(&self) -> impl Iterator<Item = (IVec3, Mask)> {
+        let inner = |page: IVec3| {
+            let whole = |step: IVec3| self.pages.contains(&(page + step).to_array());
+            IVec3::AXES.into_iter().all(|step| whole(step) && whole(-step))
+        };
+        let outer = self.pages.iter().map(|&page| IVec3::from_array(page)).filter(move |&page| !inner(page));
+        let of_pages = outer.flat_map(|page| {
+            let on_surface = move |b: &IVec3| {
+                let at = *b - page * BRICK;
+                at.min_element() == 0 || at.max_element() == BRICK - 1
+            };
+            bricks_of_page(page).filter(on_surface).map(|b| (b, ALL))
+        });
+        of_pages.chain(self.bricks.iter().map(|(&b, &mask)| (IVec3::from_array(b), mask)))
+    }
+}
 
 impl Scene {
     /// Writes what a visible dynamic object makes opaque.
@@ -108,13 +146,20 @@ impl Scene {
     /// Writes what a static solid makes opaque, alone and together with others.
     pub(crate) fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
         let (bits, counts) = (&mut self.opacity_static, &mut self.counts_static);
+        let mut own = Own::default();
         opaque(occluder, &self.grid, &mut |piece| match piece {
-            Piece::Page(page) if counts.add_page(bits, page) => {}
-            piece => piece.bricks(|brick, mask| counts.add(bits, brick, mask)),
+            Piece::Page(page) if counts.add_page(bits, page) => {
+                own.pages.insert(page.to_array());
+            }
+            piece => piece.bricks(|brick, mask| {
+                counts.add(bits, brick, mask);
+                own.bricks.insert(brick.to_array(), *mask);
+            }),
         });
         if !occluder.is_solid() {
             return;
         }
+        self.mark_rims(&own);
         let large = self.large_solids(occluder, slot);
         let mut joint = Vec::new();
         // Only where others are near may cells be filled together with them.
@@ -130,6 +175,30 @@ impl Scene {
             joint.extend(cells_of(brick, &open).filter(solid));
         });
         self.join(joint);
+    }
+
+    /// Marks the cells of a solid that lie beside opaque cells of others: where solids abut along a plane of the
+    /// grid, no cell is filled by both.
+    fn mark_rims(&mut self, own: &Own) {
+        let last = (self.grid.dims() - 1) >> 3i32;
+        for (brick, mask) in own.surface() {
+            let mut rims = NONE;
+            for (axis, step) in IVec3::AXES.into_iter().enumerate() {
+                for up in [false, true] {
+                    let next = if up { brick + step } else { brick - step };
+                    if next.cmplt(IVec3::ZERO).any() || next.cmpgt(last).any() {
+                        continue;
+                    }
+                    let bits = &self.opacity_static;
+                    let solid = beside(bits.brick(brick), bits.brick(next), axis, up);
+                    let own = beside(&mask, own.brick(next), axis, up);
+                    rims = either(&rims, &both(&mask, &without(&solid, &own)));
+                }
+            }
+            if rims != NONE {
+                self.fused.add_rims(brick, &rims);
+            }
+        }
     }
 
     /// Takes away what a static solid made opaque, but for cells inside the union of others. It is in no

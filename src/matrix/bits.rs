@@ -17,9 +17,34 @@ pub(crate) fn without(a: &Mask, b: &Mask) -> Mask {
     std::array::from_fn(|z| a[z] & !b[z])
 }
 
+/// The cells of either mask.
+pub(crate) fn either(a: &Mask, b: &Mask) -> Mask {
+    std::array::from_fn(|z| a[z] | b[z])
+}
+
 /// The cells that two masks share.
 pub(crate) fn both(a: &Mask, b: &Mask) -> Mask {
     std::array::from_fn(|z| a[z] & b[z])
+}
+
+/// The cells whose neighbour one up or down along an axis is held by a mask, or by that of the next brick there.
+pub(crate) fn beside(mask: &Mask, next: &Mask, axis: usize, up: bool) -> Mask {
+    // The columns x = 0 of all rows.
+    const FIRST: u64 = 0x0101_0101_0101_0101;
+    std::array::from_fn(|z| match (axis, up) {
+        (0, true) => (mask[z] & !FIRST) >> 1 | (next[z] & FIRST) << 7,
+        (0, false) => mask[z] << 1 & !FIRST | next[z] >> 7 & FIRST,
+        (1, true) => mask[z] >> 8 | next[z] << 56,
+        (1, false) => mask[z] << 8 | next[z] >> 56,
+        (_, true) => *mask.get(z + 1).unwrap_or(&next[0]),
+        (_, false) => {
+            if z > 0 {
+                mask[z - 1]
+            } else {
+                next[7]
+            }
+        }
+    })
 }
 
 /// Number of cells in a mask.
@@ -269,6 +294,31 @@ pub(crate) fn tile_of(brick: &Mask, axes: &SideAxes, at: i32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn neighbours_are_found_across_bricks() {
+        let mut m = BitMatrix::new(IVec3::splat(24));
+        for i in 0..24 * 24 * 24 {
+            if i * 7919 % 31 < 9 {
+                m.set(IVec3::new(i % 24, i / 24 % 24, i / 576));
+            }
+        }
+        let brick = IVec3::ONE;
+        for (axis, step) in IVec3::AXES.into_iter().enumerate() {
+            for up in [false, true] {
+                let step = if up { step } else { -step };
+                let found = beside(m.brick(brick), m.brick(brick + step), axis, up);
+                for cell in cells_of(brick, &ALL) {
+                    let bit = 8 * (cell.y & 7) + (cell.x & 7);
+                    assert_eq!(
+                        found[(cell.z & 7) as usize] >> bit & 1 != 0,
+                        m.get(cell + step),
+                        "{cell} {step}"
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn tiles_read_and_write_what_cells_say() {

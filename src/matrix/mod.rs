@@ -17,6 +17,8 @@ pub use bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use ids::IdMatrix;
 pub use tbv::TbvMatrix;
 
-pub(crate) use bits::{ALL, Mask, NONE, SideAxes, block_mask, both, cells_of, span8, without};
+pub(crate) use bits::{
+    ALL, Mask, NONE, SideAxes, beside, block_mask, both, cells_of, either, span8, without,
+};
 pub(crate) use counts::Counts;
 pub(crate) use tbv::CellBox;

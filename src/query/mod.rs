@@ -35,6 +35,14 @@ pub enum Method {
     /// Costs what is visible. Orthographic views get the cells of the frustum without occlusion.
     Cell,
     /// What can be seen from the eye, at pixel precision: the tightest. Costs what is visible.
+    ///
+    /// Its sets are far smaller than those of [`Method::Cell`], but not always part of them, since whole cells know no pixels.
+    /// It may keep an object that [`Method::Cell`] hides where
+    /// - the object shows only in pixels on a seam between solids that abut, and one of those moves, was inserted
+    ///   since [`Scene::begin_frame`], or shares more such seams than 32 boxes in 8x8x8 cells bridge;
+    /// - the eye is known from the matrix alone, and solids shrunk by what that leaves open no longer abut;
+    /// - only the inside of a closed mesh hides it, of which the triangles are drawn, not the cells;
+    /// - what [`Settings`] spend on refinement is used up, or they leave out occluders.
     #[default]
     Point,
 }

@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3, IVec3};
 
 use super::{FAR_VIEWER, Scratch, Settings};
 use crate::bricks::Pages;
+use crate::cut::may_meet;
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::mask::Side;
@@ -76,6 +77,8 @@ pub(super) struct Walk<'a> {
     scratch: &'a mut Scratch,
     /// What the near plane cuts away of the view.
     cut: Vec<(View, Block)>,
+    /// Where an eye that is not known exactly may be.
+    unsure: Option<(View, Block)>,
     grid: Grid,
     /// Whether boxes of opaque cells may be drawn, once that was asked.
     fuses: Option<bool>,
@@ -95,9 +98,10 @@ impl<'a> Walk<'a> {
         scratch.begin(scene.slots.len());
         let (min, max) = scene.extent();
         let cut = view.cut_regions(min, max).collect();
+        let unsure = view.eye_region();
         let grid = scene.grid.bricks();
         let (fuses, around, stats) = (None, None, Stats::default());
-        Self { scene, view, settings, pvs, scratch, cut, grid, fuses, around, stats }
+        Self { scene, view, settings, pvs, scratch, cut, unsure, grid, fuses, around, stats }
     }
 
     pub(super) fn run(mut self) {
@@ -350,7 +354,7 @@ impl<'a> Walk<'a> {
     fn may_fuse(&mut self) -> bool {
         let (scene, view) = (self.scene, self.view);
         let ask = || match view.origin {
-            Origin::Eye { at, error: 0.0 } => !scene.inside_occluder(at) && !scene.near_plane_cuts(view),
+            Origin::Eye { at, .. } => !scene.inside_occluder(at) && !scene.near_plane_cuts(view),
             _ => false,
         };
         *self.fuses.get_or_insert_with(ask)
@@ -525,20 +529,11 @@ impl<'a> Walk<'a> {
         let buffers = &mut self.scratch.point.buffers;
         let block = occluder.block();
         // Where the near plane cuts into a solid, one sees through it.
-        let cut = self.cut.iter().any(|(region, around)| {
-            around.min.cmple(block.max).all()
-                && block.min.cmple(around.max).all()
-                && match occluder {
-                    Occluder::Sphere(s) => region.may_see_sphere(s),
-                    Occluder::Oriented(b) => region.may_see_oriented(b),
-                    other => region.may_see_block(&other.block()),
-                }
-        });
+        let cut = self.cut.iter().any(|(region, around)| may_meet(occluder, region, around));
         let cut = cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &block));
-        let (eye, unsure) = (buffers.origin(), buffers.uncertainty());
-        let around = Block { min: block.min - unsure, max: block.max + unsure };
+        let unsure = |(region, around): &(View, Block)| may_meet(occluder, region, around);
         let inside = buffers.direction().is_none()
-            && (occluder.contains_point(eye) || unsure > 0.0 && around.contains_point(eye));
+            && (occluder.contains_point(buffers.origin()) || self.unsure.as_ref().is_some_and(unsure));
         if cut || inside {
             self.stats.eye_in_occluder = true;
             return;
