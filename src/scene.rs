@@ -19,8 +19,8 @@ use crate::surface::Seams;
 use crate::tbv::{Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
 
-/// An object whose bounds span more cells than this is not written into I: it
-/// is tested against the frustum in every query.
+/// An object whose bounds span more cells than this is not written into I, which would take a
+/// brick for every 512 of them: it is tested against the frustum in every query.
 const MAX_SPANNED_CELLS: u64 = 1 << 22;
 
 /// Beyond this many cells before the near plane all occluders are asked instead.
@@ -322,7 +322,10 @@ impl Scene {
 
     /// Inserts an object. A dynamic one counts as visible until a frame ends without it.
     ///
-    /// Costs the cells that its bounds and its occluder touch.
+    /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each 512 cells
+    /// inside. Bounds that span more than 2^22 cells cost no cells: such an object is tested against the
+    /// view in every query instead, and so is one that reaches out of the grid. A mesh costs the cells of
+    /// its box.
     ///
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, speeds that are

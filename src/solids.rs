@@ -4,7 +4,7 @@ use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::bricks::Pages;
-use crate::cells::{Piece, misses, opaque, touched, touched_where};
+use crate::cells::{Asked, Piece, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
 use crate::matrix::{ALL, Mask, NONE, block_mask, both, cells_of, without};
 use crate::scene::Scene;
@@ -124,7 +124,8 @@ impl Scene {
         };
         let brick_asked =
             |brick: IVec3| *self.opacity_static.brick(brick) != ALL && self.solids_near(brick, slot, &large);
-        touched_where(occluder, &self.grid, &page_asked, &brick_asked, &mut |brick, mask| {
+        let asked = Asked { page: &page_asked, brick: &brick_asked };
+        touched_where(occluder, &self.grid, asked, &mut |brick, mask| {
             let open = without(mask, self.opacity_static.brick(brick));
             let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
             joint.extend(cells_of(brick, &open).filter(solid));
