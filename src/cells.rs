@@ -109,8 +109,7 @@ pub(crate) fn touched(occluder: &Occluder, grid: &Grid, out: &mut dyn FnMut(Piec
 pub(crate) fn touched_where(
     occluder: &Occluder,
     grid: &Grid,
-    page: &dyn Fn(IVec3) -> bool,
-    brick: &dyn Fn(IVec3) -> bool,
+    asked: Asked,
     out: &mut dyn FnMut(IVec3, &Mask),
 ) {
     let (min, max) = occluder.bounds();
@@ -118,14 +117,14 @@ pub(crate) fn touched_where(
     let Some((lo, hi)) = grid.clip(lo, hi) else { return };
     let mut out = |piece: Piece| {
         piece.bricks(|b, mask| {
-            if brick(b) {
+            if (asked.brick)(b) {
                 out(b, mask);
             }
         });
     };
     match occluder.rows() {
         Some(rows) if volume(lo >> 3i32, hi >> 3i32) > FEW_BRICKS => {
-            let asked = Some((page, brick));
+            let asked = Some(asked);
             Walk { rows, grid, which: Which::Touched, lo, hi, asked, out: &mut out }.pages();
         }
         _ => pieces(occluder, grid, Which::Touched, &mut out),
@@ -295,6 +294,13 @@ pub(crate) fn rows_of(lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
     }
 }
 
+/// Which pages and bricks are asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub(crate) page: &'a dyn Fn(IVec3) -> bool,
+    pub(crate) brick: &'a dyn Fn(IVec3) -> bool,
+}
+
 /// The way through the pages and bricks of a shape's box.
 struct Walk<'a> {
     rows: &'a dyn Rows,
@@ -302,8 +308,8 @@ struct Walk<'a> {
     which: Which,
     lo: IVec3,
     hi: IVec3,
-    /// Which pages and bricks are asked for; others are left out.
-    asked: Option<(&'a dyn Fn(IVec3) -> bool, &'a dyn Fn(IVec3) -> bool)>,
+    /// Others are left out.
+    asked: Option<Asked<'a>>,
     out: &'a mut dyn FnMut(Piece),
 }
 
@@ -320,7 +326,7 @@ impl Walk<'_> {
 
     fn pages(&mut self) {
         for page in (CellBox { lo: self.lo >> 6i32, hi: self.hi >> 6i32 }).cells() {
-            if self.asked.is_some_and(|(asked, _)| !asked(page)) {
+            if self.asked.is_some_and(|a| !(a.page)(page)) {
                 continue;
             }
             let (first, last) = (page * PAGE, page * PAGE + (PAGE - 1));
@@ -340,7 +346,7 @@ impl Walk<'_> {
             match self.verdict(first, last) {
                 Some(true) if inside => (self.out)(Piece::Brick(brick, ALL)),
                 Some(false) => {}
-                _ if self.asked.is_some_and(|(_, asked)| !asked(brick)) => {}
+                _ if self.asked.is_some_and(|a| !(a.brick)(brick)) => {}
                 _ => {
                     let mut mask = NONE;
                     let (lo, hi) = (first.max(self.lo), last.min(self.hi));

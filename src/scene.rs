@@ -20,8 +20,8 @@ use crate::surface::Seams;
 use crate::tbv::{Border, Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way};
 use crate::{Aabb, Obb, Sphere, View};
 
-/// An object whose bounds span more cells than this is not written into I: it
-/// is tested against the frustum in every query.
+/// An object whose bounds span more cells than this is not written into I, which would take a
+/// brick for every 512 of them: it is tested against the frustum in every query.
 const MAX_SPANNED_CELLS: u64 = 1 << 22;
 
 /// When even the shortest volume beyond the grid was revealed, this many volumes stay inside: for
@@ -396,7 +396,10 @@ impl Scene {
 
     /// Inserts an object. A dynamic one counts as visible until a frame ends without it.
     ///
-    /// Costs the cells that its bounds and its occluder touch.
+    /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each 512 cells
+    /// inside. Bounds that span more than 2^22 cells cost no cells: such an object is tested against the
+    /// view in every query instead, and so is one that reaches out of the grid. A mesh costs the cells of
+    /// its box.
     ///
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
@@ -475,7 +478,7 @@ impl Scene {
 
     /// Puts an object where it is reported to be.
     fn set_shape(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
-        let now = self.now;
+        let (now, grid) = (self.now, self.grid);
         self.locate(slot);
         let object = self.object_mut(slot);
         object.reported = now;
@@ -491,7 +494,7 @@ impl Scene {
                 self.exchange_occluder(slot, occluder);
                 let object = self.object_mut(slot);
                 object.bounds = bounds;
-                if tbv.block.contains(&block) {
+                if tbv.holds(&grid, &block) {
                     if object.on_expiry() {
                         self.stay_in_volume(slot, tbv, tbv.room(&block), queued);
                     }

@@ -6,7 +6,7 @@ use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::bricks::{BRICK, Pages};
-use crate::cells::{Piece, bricks_of_page, misses, opaque, touched, touched_where};
+use crate::cells::{Asked, Piece, bricks_of_page, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
 use crate::matrix::{ALL, Mask, NONE, beside, block_mask, both, cells_of, either, without};
 use crate::scene::Scene;
@@ -169,7 +169,8 @@ impl Scene {
         };
         let brick_asked =
             |brick: IVec3| *self.opacity_static.brick(brick) != ALL && self.solids_near(brick, slot, &large);
-        touched_where(occluder, &self.grid, &page_asked, &brick_asked, &mut |brick, mask| {
+        let asked = Asked { page: &page_asked, brick: &brick_asked };
+        touched_where(occluder, &self.grid, asked, &mut |brick, mask| {
             let open = without(mask, self.opacity_static.brick(brick));
             let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
             joint.extend(cells_of(brick, &open).filter(solid));

@@ -40,6 +40,13 @@ pub(crate) struct Tbv {
 }
 
 impl Tbv {
+    /// Whether the volume holds something with all cells that it touches: what is flat on a wall of a cell may touch
+    /// the one beyond.
+    pub(crate) fn holds(&self, grid: &Grid, bounds: &Block) -> bool {
+        let (lo, hi) = grid.cover(bounds.min, bounds.max);
+        self.block.contains(bounds) && self.cells.contains(lo) && self.cells.contains(hi)
+    }
+
     /// How far something inside is from the nearest wall.
     pub(crate) fn room(&self, inside: &Block) -> f64 {
         (inside.min - self.block.min).min(self.block.max - inside.max).min_element()

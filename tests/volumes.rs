@@ -68,3 +68,24 @@ fn an_unreported_object_is_in_every_frustum_that_its_volume_meets() {
         assert!(query.run(&scene, &beside).contains(id), "{method:?}");
     }
 }
+
+#[test]
+fn a_flat_object_may_lie_on_the_wall_of_its_volume() {
+    for flat in [0.0, 0.25] {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+        let plate = |y: f32| Aabb::new(Vec3::new(12.6, y - flat, 1.6), Vec3::new(12.8, y, 1.8));
+        let id = scene.insert(ObjectDesc::dynamic(plate(4.5)).max_speed(1.0)).unwrap();
+        let past = casca::Plane { normal: Vec3::Z, offset: -20.0 };
+        let mut elsewhere = query(Method::Point);
+        elsewhere.run(&scene, &View::from_planes(Vec3::new(5.5, 18.5, 20.5), &[past]).unwrap());
+        scene.end_frame([elsewhere.pvs()]).unwrap();
+        let (_, high) = scene.tbv(id).unwrap().expect("nobody looked");
+        // Nothing else is in the scene: it is in plain sight from above.
+        scene.update(id, plate(high.y as f32), None).unwrap();
+        for method in [Method::Cell, Method::Point] {
+            let mut query = query(method);
+            let view = View::around(Vec3::new(12.5, 18.5, 1.5)).unwrap();
+            assert!(query.run(&scene, &view).contains(id), "{method:?}, {flat} thick");
+        }
+    }
+}

@@ -121,9 +121,16 @@ impl BitMatrix {
     /// Sets the cells from `x0` to `x1`, both included and inside the grid.
     pub(crate) fn set_run(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
         for bx in x0 >> 3..=x1 >> 3 {
-            let mut mask = NONE;
-            mask[(z & 7) as usize] = span8(x0 - bx * BRICK, x1 - bx * BRICK) << ((y & 7) << 3);
-            self.set_mask(IVec3::new(bx, y >> 3, z >> 3), &mask);
+            let (at, z) = (IVec3::new(bx, y >> 3, z >> 3), (z & 7) as usize);
+            let bits = span8(x0 - bx * BRICK, x1 - bx * BRICK) << ((y & 7) << 3);
+            if self.bricks.get(at)[z] & bits == bits {
+                continue;
+            }
+            let brick = self.bricks.get_mut(at);
+            brick[z] |= bits;
+            if brick[z] == u64::MAX && *brick == ALL {
+                self.bricks.fill(at);
+            }
         }
     }
 

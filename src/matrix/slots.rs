@@ -7,12 +7,16 @@ use smallvec::SmallVec;
 /// Longer lists are looked up by a table instead of one by one; they go back at half of this.
 const LONG: usize = 32;
 
+/// Where each of a list is. Apart, so that short lists stay small.
+#[derive(Clone, Default)]
+struct Places(HashMap<u32, u32>);
+
 /// A list without repetition. Short ones keep their order.
 #[derive(Clone, Default)]
 pub(super) struct SlotList {
     slots: SmallVec<[u32; 6]>,
     /// Of a long list, the place of each.
-    places: Option<Box<HashMap<u32, u32>>>,
+    places: Option<Box<Places>>,
 }
 
 impl SlotList {
@@ -22,7 +26,7 @@ impl SlotList {
 
     pub(super) fn find(&self, slot: u32) -> Option<usize> {
         match &self.places {
-            Some(places) => places.get(&slot).map(|&i| i as usize),
+            Some(places) => places.0.get(&slot).map(|&i| i as usize),
             None => self.slots.iter().position(|&s| s == slot),
         }
     }
@@ -30,9 +34,9 @@ impl SlotList {
     pub(super) fn push(&mut self, slot: u32) {
         self.slots.push(slot);
         if let Some(places) = &mut self.places {
-            places.insert(slot, self.slots.len() as u32 - 1);
+            places.0.insert(slot, self.slots.len() as u32 - 1);
         } else if self.slots.len() > LONG {
-            self.places = Some(Box::new(self.slots.iter().copied().zip(0..).collect()));
+            self.places = Some(Box::new(Places(self.slots.iter().copied().zip(0..).collect())));
         }
     }
 
@@ -40,8 +44,8 @@ impl SlotList {
     pub(super) fn swap(&mut self, i: usize, j: usize) {
         self.slots.swap(i, j);
         if let Some(places) = &mut self.places {
-            places.insert(self.slots[i], i as u32);
-            places.insert(self.slots[j], j as u32);
+            places.0.insert(self.slots[i], i as u32);
+            places.0.insert(self.slots[j], j as u32);
         }
     }
 
@@ -49,9 +53,9 @@ impl SlotList {
     pub(super) fn swap_remove(&mut self, i: usize) {
         let slot = self.slots.swap_remove(i);
         if let Some(places) = &mut self.places {
-            places.remove(&slot);
+            places.0.remove(&slot);
             if let Some(&moved) = self.slots.get(i) {
-                places.insert(moved, i as u32);
+                places.0.insert(moved, i as u32);
             }
         }
         self.shrink();
@@ -75,7 +79,7 @@ impl SlotList {
 
     /// Bytes on the heap.
     pub(super) fn bytes(&self) -> usize {
-        let table = |m: &HashMap<u32, u32>| size_of_val(m) + m.capacity() * (size_of::<(u32, u32)>() + 1);
+        let table = |p: &Places| size_of_val(p) + p.0.capacity() * (size_of::<(u32, u32)>() + 1);
         let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<u32>() } else { 0 };
         spilled + self.places.as_deref().map_or(0, table)
     }

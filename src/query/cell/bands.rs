@@ -1,0 +1,153 @@
+//! Bands of eight rows of a side: what is laid out, what is passed over because the grid holds nothing there, and
+//! what is written after all.
+
+use glam::IVec3;
+
+use super::Walk;
+use crate::bricks::Pages;
+use crate::mask::{PASSED_OVER, ShellScale, Side, SideCells, clear_span, set_span};
+use crate::walk::SideFrustum;
+
+impl Walk<'_> {
+    /// Lays out one side of shell `m`; nothing if no cell of it can meet the frustum.
+    pub(super) fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
+        let side = Side::ALL[index];
+        let axes = side.axes;
+        let dims = self.scene.grid.dims();
+        let v = self.cell;
+        let cells = &mut self.scratch.sides[index];
+        cells.rows = 0;
+        cells.fresh.clear();
+        let depth = m * side.sign;
+        let at = v[axes.normal] + depth;
+        if !(0..dims[axes.normal]).contains(&at) {
+            return None;
+        }
+        let span = |axis: usize| ((-v[axis]).max(-m), (dims[axis] - 1 - v[axis]).min(m));
+        let ((r0, r1), (c0, c1)) = (span(axes.row), span(axes.col));
+        if r0 > r1 || c0 > c1 {
+            return None;
+        }
+        if !self.frustum.meets(side.cell(depth, r0, c0), side.cell(depth, r1, c1)) {
+            return None;
+        }
+        // Columns are addressed by their place in the grid, so that tiles fall on bytes.
+        let first_word = (v[axes.col] + c0) >> 6;
+        cells.row0 = r0;
+        cells.col0 = c0;
+        cells.rows = r1 - r0 + 1;
+        cells.cols = c1 - c0 + 1;
+        cells.words = (((v[axes.col] + c1) >> 6) - first_word) as usize + 1;
+        cells.offset = (v[axes.col] + c0 - first_word * 64) as usize;
+        cells.before = ((v[axes.row] + r0) & 7) as usize;
+        cells.open.clear();
+        cells.bands.clear();
+        cells.bands.resize((cells.before + cells.rows as usize).div_ceil(8), PASSED_OVER);
+        Some(self.frustum.on_side(&side, depth))
+    }
+
+    /// The rows of a band, relative to V.
+    pub(super) fn rows_of_band(cells: &SideCells, band: usize) -> (i32, i32) {
+        let top = cells.row0 - cells.before as i32 + 8 * band as i32;
+        (top.max(cells.row0), (top + 7).min(cells.row0 + cells.rows - 1))
+    }
+
+    /// Whether nothing that a walk looks for is in a plane of pages.
+    pub(super) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().plane_is_empty(axis, page)
+            && scene.volumes.matrix.pages().plane_is_empty(axis, page)
+            && scene.opacity_static.pages().plane_is_empty(axis, page)
+            && scene.opacity_dynamic.pages().plane_is_empty(axis, page)
+            && self.more.is_none_or(|m| m.pages().plane_is_empty(axis, page))
+    }
+
+    /// Whether nothing that a walk looks for is in a row of pages.
+    pub(super) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().row_is_empty(along, page)
+            && scene.volumes.matrix.pages().row_is_empty(along, page)
+            && scene.opacity_static.pages().row_is_empty(along, page)
+            && scene.opacity_dynamic.pages().row_is_empty(along, page)
+            && self.more.is_none_or(|m| m.pages().row_is_empty(along, page))
+    }
+
+    /// Whether nothing that a walk looks for is in a page.
+    pub(super) fn page_is_empty(&self, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.ids.pages().page_is_empty(page)
+            && scene.volumes.matrix.pages().page_is_empty(page)
+            && scene.opacity_static.pages().page_is_empty(page)
+            && scene.opacity_dynamic.pages().page_is_empty(page)
+            && self.more.is_none_or(|m| m.pages().page_is_empty(page))
+    }
+
+    /// Whether some cell in sight lies in the bands of a side that were passed over.
+    pub(super) fn sees_passed_over(&mut self, index: usize, m: i32, scale: &ShellScale) -> bool {
+        let side = Side::ALL[index];
+        let cells = &self.scratch.sides[index];
+        if cells.rows == 0 || !cells.bands.contains(&PASSED_OVER) {
+            return false;
+        }
+        let depth = m * side.sign;
+        let columns = (cells.col0, cells.col0 + cells.cols - 1);
+        let on_side = self.frustum.on_side(&side, depth);
+        let sees = |row: i32| {
+            let Some((lo, hi)) = on_side.row(row, columns) else { return false };
+            let mut open = hi - lo + 1;
+            self.scratch.masks.hidden_runs(index, scale, row, (lo, hi), |a, b| open -= b - a + 1);
+            open > 0
+        };
+        let band_sees = |band: &usize| {
+            let (first, last) = Self::rows_of_band(cells, *band);
+            cells.bands[*band] == PASSED_OVER
+                && self.frustum.meets(side.cell(depth, first, columns.0), side.cell(depth, last, columns.1))
+                && (first..=last).any(sees)
+        };
+        // Where one was in sight before, one mostly is again.
+        let likely = ((self.seen_at[index] * cells.bands.len() as f64) as usize).min(cells.bands.len() - 1);
+        let found = std::iter::once(likely).chain(0..cells.bands.len()).find(band_sees);
+        if let Some(band) = found {
+            self.seen_at[index] = (band as f64 + 0.5) / cells.bands.len() as f64;
+        }
+        found.is_some()
+    }
+
+    /// Writes the open cells of bands that were passed over, around the rows with fresh occluders.
+    pub(super) fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
+        let side = Side::ALL[index];
+        let cells = &mut self.scratch.sides[index];
+        let (reach, rows) = (scale.reach(), cells.rows as usize);
+        let base = cells.offset as i32 - cells.col0;
+        let columns = (cells.col0, cells.col0 + cells.cols - 1);
+        let on_side = self.frustum.on_side(&side, m * side.sign);
+        // The rows up to here were seen to.
+        let mut done = 0;
+        for r in 0..rows {
+            if !cells.fresh[r] {
+                continue;
+            }
+            let first = r.saturating_sub(reach).max(done);
+            done = (r + reach + 1).min(rows);
+            if first >= done {
+                continue;
+            }
+            for band in (first + cells.before) >> 3..=(done - 1 + cells.before) >> 3 {
+                if cells.bands[band] != PASSED_OVER {
+                    continue;
+                }
+                let (top, last) = Self::rows_of_band(cells, band);
+                let words = cells.words;
+                let skip = if band == 0 { cells.before } else { 0 };
+                let open = cells.make_band(band);
+                for (row, line) in (top..=last).zip(open[skip * words..].chunks_mut(words)) {
+                    let Some((lo, hi)) = on_side.row(row, columns) else { continue };
+                    set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
+                    self.scratch.masks.hidden_runs(index, scale, row, (lo, hi), |a, b| {
+                        clear_span(line, (base + a) as usize, (base + b) as usize + 1);
+                    });
+                }
+            }
+        }
+    }
+}
