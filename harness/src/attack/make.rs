@@ -120,6 +120,9 @@ impl<'a> Maker<'a> {
         if self.dice.once_in(4) {
             self.ask();
         }
+        if self.habits.kept && self.dice.once_in(4) {
+            self.stalk(&mut ran);
+        }
         let end = match self.dice.below(10) {
             0 if self.habits.skipped_ends => None,
             1 if self.habits.skipped_ends => Some((0, 0)),
@@ -372,6 +375,21 @@ impl<'a> Maker<'a> {
         let (from, toward, limits) = (self.from(), self.toward(), self.limits());
         let keep = self.habits.kept && self.dice.once_in(3);
         self.ops.push(Op::Look { query, method, from, toward, limits, keep, seed: self.dice.seed() });
+    }
+
+    /// Keeps a set, moves an object step by step, and asks for the set each time.
+    fn stalk(&mut self, ran: &mut u8) {
+        let from = From::Camera(0);
+        let method = self.dice.pick(&[Method::Point, Method::Cell, Method::Cell, Method::Frustum]);
+        let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
+        self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, seed });
+        *ran |= 1;
+        let (who, along) = (self.who(), direction(&mut self.dice));
+        for _ in 0..1 + self.dice.below(3) {
+            let by = self.config.snap(along * self.config.cell * self.dice.pick(&[0.4, 1.0]));
+            self.ops.push(Op::Move { who, by });
+            self.ask();
+        }
     }
 
     fn ask(&mut self) {

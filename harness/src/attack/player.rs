@@ -192,7 +192,7 @@ impl Player {
             }
             Op::Begin { dt, due, seed } => self.begin(*dt, *due, *seed),
             Op::Look { query, method, from, toward, limits, keep, seed } => {
-                let Some(eye) = self.eye(*from) else { return Ok(()) };
+                let eye = self.eye(*from);
                 let Some((view, truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
                 self.look(usize::from(*query % 3), *method, view, truth, *keep, *seed)
             }
@@ -418,20 +418,22 @@ impl Player {
         self.tell(i, bounds, occluder)
     }
 
-    fn eye(&self, from: From) -> Option<Vec3> {
+    /// The eye; a camera where there is no such object or volume.
+    fn eye(&self, from: From) -> Vec3 {
         let world = &self.worlds[self.active];
-        Some(match from {
+        let camera = self.config.cameras[0];
+        match from {
             From::Camera(i) => self.config.cameras[usize::from(i) % 3],
             From::At(p) => p,
-            From::Inside(who, share) => {
-                let thing = &world.things[self.who(who)?];
+            From::Inside(who, share) => self.who(who).map_or(camera, |i| {
+                let thing = &world.things[i];
                 self.config.snap(thing.bounds.center() + share * thing.body.radius as f32)
-            }
+            }),
             From::Volume(who, share) => {
-                let (min, max) = world.scene.tbv(world.things[self.who(who)?].id).ok()??;
-                (min + (max - min) * share.as_dvec3()).as_vec3()
+                let volume = self.who(who).and_then(|i| world.scene.tbv(world.things[i].id).ok().flatten());
+                volume.map_or(camera, |(min, max)| (min + (max - min) * share.as_dvec3()).as_vec3())
             }
-        })
+        }
     }
 
     fn view(

@@ -101,8 +101,9 @@ fn play_with(
     }
 }
 
-/// Leaves out operations as long as the play fails in the same way.
-fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure) -> (Vec<Op>, Failure) {
+/// Leaves out operations as long as the play fails in the same way. Whole frames stay as they are where
+/// each must have its end: another defect would come up instead.
+fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure, frames: bool) -> (Vec<Op>, Failure) {
     ops.truncate(failure.at + 1);
     let mut tally = Tally::default();
     let mut best = failure;
@@ -118,8 +119,15 @@ fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure) -> (Vec<Op>, Fail
     while chunk > 0 {
         let (mut i, before) = (0, ops.len());
         while i < ops.len() {
+            let part = i..(i + chunk).min(ops.len());
+            let stays = |op: &Op| frames && matches!(op, Op::Begin { .. } | Op::Look { .. } | Op::End { .. });
             let mut fewer = ops.clone();
-            fewer.drain(i..(i + chunk).min(ops.len()));
+            let kept: Vec<Op> = fewer[part.clone()].iter().filter(|op| stays(op)).cloned().collect();
+            if kept.len() == part.len() {
+                i += chunk;
+                continue;
+            }
+            fewer.splice(part, kept);
             let (failed, over) = fails(&fewer, thorough, best.kind);
             if let Some(failed) = failed {
                 fewer.truncate(failed.at + 1);
@@ -154,13 +162,14 @@ fn transcript(config: &Config, ops: &[Op], failure: &Failure) -> String {
     text
 }
 
-fn report(config: Config, ops: Vec<Op>, failure: Failure, after: u64) -> Report {
+fn report(config: Config, ops: Vec<Op>, failure: Failure, after: u64, habits: Habits) -> Report {
     // While it is reduced, a panic comes again and again; its message is in the transcript.
     let silent = (failure.kind == Kind::Panic).then(std::panic::take_hook);
     if silent.is_some() {
         std::panic::set_hook(Box::new(|_| ()));
     }
-    let (ops, failure) = reduce(&config, ops, failure);
+    let frames = !habits.skipped_ends && matches!(failure.kind, Kind::Lost | Kind::Held);
+    let (ops, failure) = reduce(&config, ops, failure, frames);
     let transcript = transcript(&config, &ops, &failure);
     if let Some(hook) = silent {
         std::panic::set_hook(hook);
@@ -175,7 +184,7 @@ fn report(config: Config, ops: Vec<Op>, failure: Failure, after: u64) -> Report 
 pub fn play_seed(seed: u64, ops: usize, habits: Habits, tally: &mut Tally) -> Result<(), Box<Report>> {
     let (config, ops) = Maker::new(Dice::new(seed), habits).ops(ops);
     let played = play(&config, &ops, false, tally);
-    played.map_err(|failure| Box::new(report(config, ops, failure, tally.ops)))
+    played.map_err(|failure| Box::new(report(config, ops, failure, tally.ops, habits)))
 }
 
 /// Plays the scene that bytes tell, of up to so many operations.
@@ -185,7 +194,7 @@ pub fn play_seed(seed: u64, ops: usize, habits: Habits, tally: &mut Tally) -> Re
 pub fn play_bytes(bytes: &[u8], ops: usize, habits: Habits) -> Result<(), Box<Report>> {
     let (config, ops) = Maker::new(Dice::Bytes(bytes), habits).ops(ops);
     let played = play(&config, &ops, false, &mut Tally::default());
-    played.map_err(|failure| Box::new(report(config, ops, failure, 0)))
+    played.map_err(|failure| Box::new(report(config, ops, failure, 0, habits)))
 }
 
 /// Plays scene after scene; `progress` is told what was done and found so far, after each.
