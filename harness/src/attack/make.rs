@@ -137,8 +137,34 @@ impl<'a> Maker<'a> {
                 self.change();
             }
         }
+        if self.habits.expiry && end != Some((0, 0)) && end.is_some() && self.dice.once_in(3) {
+            self.run_out();
+        }
         if self.dice.once_in(5) {
             self.rarely();
+        }
+    }
+
+    fn nearer(&mut self, who: u16) -> Op {
+        Op::Nearer { who, side: self.dice.below(6) as u8, share: self.dice.pick(&[0.5, 0.9, 0.99]) }
+    }
+
+    /// One eye looks for some frames, while hidden objects are reported nearer to the walls of their volumes.
+    fn run_out(&mut self) {
+        let from = From::Camera(self.dice.below(3) as u8);
+        let method = self.dice.pick(&[Method::Point, Method::Cell]);
+        for frame in 0..4 {
+            let due = if frame < 2 { Due::All } else { Due::None };
+            let dt = f64::from(self.dice.between(0.02, 0.3));
+            self.ops.push(Op::Begin { dt, due, seed: self.dice.seed() });
+            for _ in 0..if frame == 2 { 6 } else { 0 } {
+                let who = self.who();
+                let op = self.nearer(who);
+                self.ops.push(op);
+            }
+            let (toward, limits, seed) = (Toward::Along(Vec3::X), Limits::Around, self.dice.seed());
+            self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: false, seed });
+            self.ops.push(Op::End { queries: 1, kept: 0 });
         }
     }
 
@@ -180,7 +206,8 @@ impl<'a> Maker<'a> {
                 Op::Remove { who }
             }
             16 | 17 => self.insert(),
-            18..=20 if self.habits.expiry => Op::Leave { who },
+            18 | 19 if self.habits.expiry => Op::Leave { who },
+            20 => self.nearer(who),
             _ => {
                 let share = self.dice.pick(&[1.0, 1.0, 0.5]);
                 Op::Drift { who, along: direction(&mut self.dice), share }

@@ -162,6 +162,12 @@ pub enum Op {
         along: Vec3,
         share: f32,
     },
+    /// Reports a hidden object nearer to a wall of its volume, by a share of the room that it has.
+    Nearer {
+        who: u16,
+        side: u8,
+        share: f32,
+    },
     /// Moves an unreported object out of its volume, or as far as it promised.
     Leave {
         who: u16,

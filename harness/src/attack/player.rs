@@ -185,6 +185,9 @@ impl Player {
                 thing.drift_to(along.as_dvec3() * thing.way * f64::from(*share));
                 Ok(())
             }
+            Op::Nearer { who, side, share } => {
+                self.who(*who).map_or(Ok(()), |i| self.nearer(i, *side, *share))
+            }
             Op::Leave { who } => {
                 let Some(i) = self.who(*who) else { return Ok(()) };
                 self.leave(i);
@@ -356,17 +359,36 @@ impl Player {
         known.map_or(Ok(()), |id| Err((Kind::State, format!("{id} was removed and is known"))))
     }
 
-    /// Moves an unreported object to the wall of its volume that it is nearest to, and beyond if it can.
-    fn leave(&mut self, i: usize) {
-        let world = self.world();
-        let thing = &mut world.things[i];
-        let Ok(Some((min, max))) = world.scene.tbv(thing.id) else { return };
-        let p = thing.body.middle;
+    /// The direction to the wall of its volume that the middle of a hidden object is nearest to, and how far that is.
+    fn wall(&self, i: usize) -> Option<(DVec3, f64)> {
+        let world = &self.worlds[self.active];
+        let (min, max) = world.scene.tbv(world.things[i].id).ok()??;
+        let p = world.things[i].body.middle;
         let (low, high) = (p - min, max - p);
         let axis = low.min(high).min_position();
-        let mut drift = DVec3::ZERO;
-        drift[axis] = if low[axis] < high[axis] { -thing.way } else { thing.way };
-        thing.drift_to(drift);
+        let way = if low[axis] < high[axis] { -DVec3::AXES[axis] } else { DVec3::AXES[axis] };
+        Some((way, low.min(high)[axis]))
+    }
+
+    /// Reports a hidden object nearer to one of the six walls of its volume.
+    fn nearer(&mut self, i: usize, side: u8, share: f32) -> Played {
+        let world = &self.worlds[self.active];
+        let thing = &world.things[i];
+        let Ok(Some((min, max))) = world.scene.tbv(thing.id) else { return Ok(()) };
+        let (axis, up) = (usize::from(side) / 2 % 3, side % 2 == 1);
+        let p = thing.body.middle;
+        let way = if up { (max - p)[axis] - thing.body.radius } else { (min - p)[axis] + thing.body.radius };
+        let by = self.config.snap((DVec3::AXES[axis] * way * f64::from(share)).as_vec3());
+        let (bounds, occluder) = (thing.bounds.moved(by), thing.occluder.as_ref().map(|o| o.moved(by)));
+        self.tell(i, bounds, occluder)
+    }
+
+    /// Moves an unreported object through the wall of its volume that it is nearest to, as far as it can.
+    fn leave(&mut self, i: usize) {
+        if let Some((way, _)) = self.wall(i) {
+            let thing = &mut self.world().things[i];
+            thing.drift_to(way * thing.way);
+        }
     }
 
     fn begin(&mut self, dt: f64, due: Due, seed: u32) -> Played {
