@@ -151,8 +151,8 @@ impl<'a> Maker<'a> {
 
     /// One eye looks for some frames, while hidden objects are reported nearer to the walls of their volumes.
     fn run_out(&mut self) {
-        let from = From::Camera(self.dice.below(3) as u8);
-        let method = self.dice.pick(&[Method::Point, Method::Cell]);
+        let from = From::Camera(self.dice.pick(&[0, 0, 0, 1, 2]));
+        let method = self.dice.pick(&[Method::Point, Method::Point, Method::Cell]);
         for frame in 0..4 {
             let due = if frame < 2 { Due::All } else { Due::None };
             let dt = f64::from(self.dice.between(0.02, 0.3));
@@ -276,8 +276,9 @@ impl<'a> Maker<'a> {
     /// A place: mostly beyond a wall's border, where things come into sight.
     fn place(&mut self) -> Vec3 {
         let (min, size, cell) = (self.config.min, self.config.size(), self.config.cell);
-        let p = match self.dice.below(12) {
-            0..=5 => {
+        let p = match self.dice.below(16) {
+            0..=3 if !self.walls.is_empty() => self.in_shadow(),
+            0..=6 => {
                 let (low, high) = match self.walls.len() as u32 {
                     0 => (min + size * 0.3, min + size * 0.7),
                     n => self.walls[self.dice.below(n) as usize],
@@ -292,17 +293,32 @@ impl<'a> Maker<'a> {
                 p[edge] = end + cell * self.dice.between(-2.5, 2.5);
                 p
             }
-            6..=8 => self.config.inside(&mut self.dice),
+            7..=11 => self.config.inside(&mut self.dice),
             // A corner of cells.
-            9 => min + ((self.config.inside(&mut self.dice) - min) / cell).floor() * cell,
+            12 | 13 => min + ((self.config.inside(&mut self.dice) - min) / cell).floor() * cell,
             // On the floor.
-            10 => self.config.inside(&mut self.dice).with_y(min.y + cell * self.dice.pick(&[0.5, 0.25])),
+            14 => self.config.inside(&mut self.dice).with_y(min.y + cell * self.dice.pick(&[0.5, 0.25])),
             _ => {
                 let share = Vec3::new(self.dice.unit(), self.dice.unit(), self.dice.unit());
                 min + size * (share * 2.0 - 0.5)
             }
         };
         self.config.snap(p)
+    }
+
+    /// Behind an edge of a wall, for the first camera: little out of its sight.
+    fn in_shadow(&mut self) -> Vec3 {
+        let (low, high) = self.walls[self.dice.below(self.walls.len() as u32) as usize];
+        let free = self.dice.below(3) as usize;
+        let mut edge = Vec3::ZERO;
+        for i in 0..3 {
+            let share = if i == free { self.dice.unit() } else { self.dice.below(2) as f32 };
+            edge[i] = low[i] + (high[i] - low[i]) * share;
+        }
+        let inwards = ((low + high) * 0.5 - edge).normalize_or(Vec3::X);
+        let onwards = (edge - self.config.cameras[0]).normalize_or(Vec3::X);
+        let (behind, aside) = (self.dice.between(0.3, 6.0), self.dice.between(-0.2, 2.5));
+        edge + (onwards * behind + inwards * aside) * self.config.cell
     }
 
     fn form(&mut self) -> Form {

@@ -20,7 +20,9 @@ mod run;
 mod truth;
 mod views;
 
+pub use forms::Form;
 pub use make::Habits;
-pub use ops::{Config, Op};
+pub use ops::{Config, Due, From, Hides, Moves, Op, Toward};
 pub use player::{Failure, Kind};
 pub use run::{Report, Run, Tally, long_run, play, play_bytes, play_seed};
+pub use views::{Depth, Limits};

@@ -37,7 +37,7 @@ impl Config {
         let mut corner = || away * dice.pick(&[1.0, -1.0, 0.0]);
         let min = Vec3::new(corner(), corner(), corner());
         let exact = min != Vec3::ZERO || dice.once_in(3);
-        let mut config = Self { min, cell, dims, exact, fine: dice.once_in(24), cameras: [Vec3::ZERO; 3] };
+        let mut config = Self { min, cell, dims, exact, fine: dice.once_in(12), cameras: [Vec3::ZERO; 3] };
         config.cameras = [(); 3].map(|()| config.inside(dice));
         config
     }

@@ -11,6 +11,8 @@ use super::rays::Body;
 use super::truth::{Effort, Sighting, Thing, find_lost};
 use super::views::{Limits, TrueView, look};
 
+/// Objects may be this share of their coordinates out of their volumes: a rounding.
+const ROUNDING: f64 = 1e-9;
 /// Sets that are kept.
 const KEPT: usize = 4;
 /// Ids of removed objects that are tried again.
@@ -23,6 +25,8 @@ pub enum Kind {
     Lost,
     /// A kept set is said to hold, and lacks what is seen.
     Held,
+    /// A volume does not hold its object for sure.
+    Volume,
     /// A set or an id passes for another scene's.
     Passed,
     /// A call is refused that should not be, or taken that should not be.
@@ -103,12 +107,12 @@ impl Player {
     pub fn new(config: &Config, thorough: bool) -> Result<Self, Error> {
         let scene = Scene::new(&GridSpec { min: config.min, cell: config.cell, dims: config.dims })?;
         let mut settings = [Settings::default(); 3];
-        for (settings, (degrees, mask)) in settings.iter_mut().zip([(4.0, 64), (8.0, 64), (2.0, 128)]) {
+        for (settings, (degrees, mask)) in settings.iter_mut().zip([(1.0, 64), (8.0, 64), (3.0, 128)]) {
             if !config.fine {
                 settings.pixel_degrees = degrees;
                 settings.mask_resolution = mask;
                 settings.min_pixels = 16;
-                settings.refine_squares = 32;
+                settings.refine_squares = 64;
                 settings.refine_patches = 100;
             }
         }
@@ -130,7 +134,7 @@ impl Player {
             active: 0,
             queries: [query(settings[0])?, query(settings[1])?, query(settings[2])?],
             kept: Vec::new(),
-            effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 4 } },
+            effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
             parting: 0,
             notes: None,
             checks: 0,
@@ -422,6 +426,25 @@ impl Player {
             };
             if thing.on_expiry() && if thing.owed { wanted } else { thing.held } {
                 self.report(i, &mut dice)?;
+            }
+        }
+        self.check_volumes()
+    }
+
+    /// Whether volumes hold unreported objects wherever they may be by now.
+    fn check_volumes(&self) -> Played {
+        let world = &self.worlds[self.active];
+        for thing in world.things.iter().filter(|t| t.on_expiry() && !t.owed) {
+            let Ok(Some((min, max))) = world.scene.tbv(thing.id) else { continue };
+            let (p, half) = (thing.body.middle, thing.body.extent() + thing.way);
+            let out = (min - (p - half)).max(p + half - max).max_element();
+            if out > ROUNDING * (1.0 + p.abs().max_element()) {
+                let (name, bounds, way) = (thing.name, &thing.bounds, thing.way);
+                let text = format!(
+                    "thing {name} ({}), {bounds:?}, may have gone {way:.9}, {out:.9} out of its volume from {min} to {max}, and is not due",
+                    thing.id
+                );
+                return Err((Kind::Volume, text));
             }
         }
         Ok(())

@@ -210,6 +210,19 @@ impl Body {
         !inside && (far - sight.start) * length > SKINS * grow
     }
 
+    /// Half the edges of the box along the axes around its middle; not for polytopes, which are no bounds.
+    pub fn extent(&self) -> DVec3 {
+        match &self.solid {
+            Solid::Ball { radius } => DVec3::splat(*radius),
+            Solid::Block { half, turn: None } => *half,
+            Solid::Block { half, turn: Some(t) } => {
+                t.x_axis.abs() * half.x + t.y_axis.abs() * half.y + t.z_axis.abs() * half.z
+            }
+            Solid::Convex(_) => DVec3::ZERO,
+            Solid::Triangles(all) => all.iter().flatten().fold(DVec3::ZERO, |most, p| most.max(p.abs())),
+        }
+    }
+
     /// A point of the body, where an eye at `eye` (or infinitely far along `-towards`) first sees it.
     pub fn point(&self, towards: DVec3, distance: f64, dice: &mut Dice) -> DVec3 {
         let mut unit = || f64::from(dice.unit());

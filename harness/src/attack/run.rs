@@ -168,7 +168,7 @@ fn report(config: Config, ops: Vec<Op>, failure: Failure, after: u64, habits: Ha
     if silent.is_some() {
         std::panic::set_hook(Box::new(|_| ()));
     }
-    let frames = !habits.skipped_ends && matches!(failure.kind, Kind::Lost | Kind::Held);
+    let frames = !habits.skipped_ends && matches!(failure.kind, Kind::Lost | Kind::Held | Kind::Volume);
     let (ops, failure) = reduce(&config, ops, failure, frames);
     let transcript = transcript(&config, &ops, &failure);
     if let Some(hook) = silent {

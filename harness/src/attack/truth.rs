@@ -118,9 +118,9 @@ fn place(thing: &Thing, view: &TrueView, attempt: u32, dice: &mut Dice) -> DVec3
         _ if dice.once_in(2) => {
             let (a, b) = towards.any_orthonormal_pair();
             let angle = f64::from(dice.unit()) * std::f64::consts::TAU;
-            (a * angle.cos() + b * angle.sin()) * way * f64::from(dice.unit()).sqrt()
+            (a * angle.cos() + b * angle.sin()) * way * f64::from((dice.unit() * 2.0).min(1.0))
         }
-        _ => DVec3::AXES[dice.below(3) as usize] * way * f64::from(dice.pick(&[1.0, -1.0])),
+        _ => DVec3::AXES[dice.below(3) as usize] * way * dice.pick(&[1.0, -1.0]),
     }
 }
 
