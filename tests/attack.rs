@@ -18,7 +18,7 @@ fn habits() -> Habits {
 
 /// The cases; what fails is reduced by the attack itself.
 fn plays() -> ProptestConfig {
-    ProptestConfig { max_shrink_iters: 0, ..cases(96) }
+    ProptestConfig { max_shrink_iters: 0, ..cases(384) }
 }
 
 proptest! {
