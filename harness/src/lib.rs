@@ -5,6 +5,7 @@
 //! - [`scenes`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`oracle`]: exact visibility, which shares no code with the library.
+//! - [`attack`]: random operations on small scenes, against a model of the truth.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`command_line`]: what the command lines of the examples share.
@@ -14,6 +15,7 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod attack;
 pub mod baselines;
 pub mod command_line;
 pub mod drive;

@@ -1,0 +1,326 @@
+//! Makes operations: frames as an application runs them, with most of what can go wrong in between.
+
+mod shapes;
+
+use casca::Method;
+use glam::Vec3;
+
+use super::dice::Dice;
+use super::ops::{Config, Due, From, Op, Toward, direction};
+use super::views::{Depth, Limits};
+
+/// Habits that can be left out, for example while a defect that they find is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Habits {
+    /// Scenes are cloned.
+    pub clones: bool,
+    /// Frames pass without an end, or end without results.
+    pub skipped_ends: bool,
+    /// Kept sets are asked whether they hold.
+    pub kept: bool,
+    /// Objects are reported on expiry.
+    pub expiry: bool,
+    /// Objects are inserted, and updated, after a frame's end.
+    pub late: bool,
+    /// Grids lie far from the origin.
+    pub far: bool,
+}
+
+impl Default for Habits {
+    fn default() -> Self {
+        Self { clones: true, skipped_ends: true, kept: true, expiry: true, late: true, far: true }
+    }
+}
+
+impl Habits {
+    /// All but those named, by commas between them.
+    pub fn without(names: &str) -> Self {
+        let is = |name: &str| !names.split(',').any(|n| n.trim() == name);
+        Self {
+            clones: is("clones"),
+            skipped_ends: is("skipped_ends"),
+            kept: is("kept"),
+            expiry: is("expiry"),
+            late: is("late"),
+            far: is("far"),
+        }
+    }
+}
+
+/// Things in a scene, at most.
+const MOST_THINGS: usize = 40;
+
+/// Makes the operations of one play.
+pub struct Maker<'a> {
+    dice: Dice<'a>,
+    /// The scene.
+    pub config: Config,
+    habits: Habits,
+    /// Boxes that hide.
+    walls: Vec<(Vec3, Vec3)>,
+    ops: Vec<Op>,
+    /// Numbers of objects that are there, and how many there were.
+    living: Vec<u16>,
+    names: u16,
+}
+
+impl<'a> Maker<'a> {
+    /// Chooses the scene.
+    pub fn new(mut dice: Dice<'a>, habits: Habits) -> Self {
+        let config = Config::new(&mut dice, habits.far);
+        Self { dice, config, habits, walls: Vec::new(), ops: Vec::new(), living: Vec::new(), names: 0 }
+    }
+
+    /// Makes about as many operations as asked for, fewer where bytes are used up.
+    pub fn ops(mut self, count: usize) -> (Config, Vec<Op>) {
+        for _ in 0..1 + self.dice.below(3) {
+            let op = self.wall();
+            self.ops.push(op);
+        }
+        for _ in 0..4 + self.dice.below(20) {
+            let op = self.insert();
+            self.ops.push(op);
+        }
+        while self.ops.len() < count && !self.dice.is_over() {
+            self.frame();
+        }
+        (self.config, self.ops)
+    }
+
+    fn frame(&mut self) {
+        let mut ran = 0u8;
+        // What is inserted at first is a frame of its own, which must end if all do.
+        let first = self.ops.iter().all(|op| matches!(op, Op::Insert { .. }));
+        if !self.dice.once_in(12) && (self.habits.skipped_ends || !first) {
+            let dt = match self.dice.below(16) {
+                0 => 0.0,
+                1 => 1e-6,
+                2 | 3 => f64::from(self.dice.between(0.5, 10.0)),
+                4 if self.dice.once_in(3) => -f64::from(self.dice.between(0.0, 3.0)),
+                5..=9 => f64::from(self.dice.between(0.05, 0.5)),
+                _ => 1.0 / 60.0,
+            };
+            let due = self.dice.pick(&[Due::All, Due::All, Due::Some, Due::None]);
+            let seed = self.dice.seed();
+            self.ops.push(Op::Begin { dt, due, seed });
+        }
+        for _ in 0..self.dice.below(6) {
+            self.change();
+        }
+        for _ in 0..1 + self.dice.below(3) / 2 {
+            self.look(&mut ran);
+        }
+        if self.dice.once_in(3) {
+            self.change();
+            self.ask();
+        }
+        if self.dice.once_in(4) {
+            self.change();
+            self.look(&mut ran);
+        }
+        if self.dice.once_in(4) {
+            self.ask();
+        }
+        if self.habits.kept && self.dice.once_in(4) {
+            self.stalk(&mut ran);
+        }
+        let end = match self.dice.below(10) {
+            0 if self.habits.skipped_ends => None,
+            1 if self.habits.skipped_ends => Some((0, 0)),
+            2 if self.habits.skipped_ends => Some((self.dice.below(8) as u8, 0)),
+            2 => Some((ran | self.dice.below(8) as u8, 0)),
+            3 => Some((ran, self.dice.below(16) as u8)),
+            _ => Some((ran, 0)),
+        };
+        if let Some((queries, kept)) = end {
+            self.ops.push(Op::End { queries, kept });
+            if self.habits.late && self.dice.once_in(12) {
+                self.change();
+            }
+        }
+        if self.habits.expiry && end != Some((0, 0)) && end.is_some() && self.dice.once_in(3) {
+            self.run_out();
+        }
+        if self.dice.once_in(5) {
+            self.rarely();
+        }
+    }
+
+    fn nearer(&mut self, who: u16) -> Op {
+        Op::Nearer { who, side: self.dice.below(6) as u8, share: self.dice.pick(&[0.5, 0.9, 0.99]) }
+    }
+
+    /// One eye looks for some frames, while hidden objects are reported nearer to the walls of their volumes.
+    fn run_out(&mut self) {
+        let from = From::Camera(self.dice.pick(&[0, 0, 0, 1, 2]));
+        let method = self.dice.pick(&[Method::Point, Method::Point, Method::Cell]);
+        for frame in 0..4 {
+            let due = if frame < 2 { Due::All } else { Due::None };
+            let dt = f64::from(self.dice.between(0.02, 0.3));
+            self.ops.push(Op::Begin { dt, due, seed: self.dice.seed() });
+            for _ in 0..if frame == 2 { 6 } else { 0 } {
+                let who = self.who();
+                let op = self.nearer(who);
+                self.ops.push(op);
+            }
+            let (toward, limits, seed) = (Toward::Along(Vec3::X), Limits::Around, self.dice.seed());
+            self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: false, seed });
+            self.ops.push(Op::End { queries: 1, kept: 0 });
+        }
+    }
+
+    /// An object that is there.
+    fn who(&mut self) -> u16 {
+        match self.living.len() as u32 {
+            0 => 0,
+            n => self.living[self.dice.below(n) as usize],
+        }
+    }
+
+    fn name(&mut self) -> u16 {
+        self.names += 1;
+        self.living.push(self.names);
+        self.names
+    }
+
+    fn change(&mut self) {
+        let who = self.who();
+        let op = match self.dice.below(24) {
+            0..=8 => {
+                let step = self.config.cell * self.dice.pick(&[0.05, 0.3, 1.0, 3.0]);
+                let by = self.config.snap(direction(&mut self.dice) * step);
+                Op::Move { who, by }
+            }
+            9..=11 => Op::Jump { who, to: self.place() },
+            12 => {
+                let form = self.form();
+                Op::Reshape { who, form, hides: self.hides() }
+            }
+            13 if self.dice.once_in(3) => Op::Uncover { who },
+            14 => Op::Same { who },
+            15 => {
+                let by = direction(&mut self.dice) * self.config.cell * self.dice.unit();
+                Op::Translate { who, by: self.config.snap(by) }
+            }
+            16 | 17 if self.dice.once_in(2) || self.living.len() >= MOST_THINGS => {
+                self.living.retain(|&name| name != who);
+                Op::Remove { who }
+            }
+            16 | 17 => self.insert(),
+            18 | 19 if self.habits.expiry => Op::Leave { who },
+            20 => self.nearer(who),
+            _ => {
+                let share = self.dice.pick(&[1.0, 1.0, 0.5]);
+                Op::Drift { who, along: direction(&mut self.dice), share }
+            }
+        };
+        self.ops.push(op);
+    }
+
+    fn from(&mut self) -> From {
+        match self.dice.below(24) {
+            0..=11 => From::Camera(0),
+            12..=15 => From::Camera(self.dice.below(3) as u8),
+            16 => From::Inside(self.who(), direction(&mut self.dice) * self.dice.pick(&[0.0, 0.3, 1.0])),
+            17 => From::Volume(self.who(), Vec3::new(self.dice.unit(), self.dice.unit(), self.dice.unit())),
+            18 => From::At(self.config.min + direction(&mut self.dice) * self.config.size() * 3.0),
+            19 if self.dice.once_in(4) => From::At(self.config.min + direction(&mut self.dice) * 1e5),
+            _ => From::At(self.place()),
+        }
+    }
+
+    fn toward(&mut self) -> Toward {
+        if self.dice.once_in(3) {
+            Toward::Along(direction(&mut self.dice))
+        } else {
+            Toward::Object(self.who())
+        }
+    }
+
+    fn limits(&mut self) -> Limits {
+        let depth =
+            self.dice.pick(&[Depth::Usual, Depth::Usual, Depth::Reversed, Depth::Infinite, Depth::Gl]);
+        let aspect = self.dice.between(0.5, 2.0);
+        let mirrored = self.dice.once_in(4);
+        let far = self.config.size().length() * self.dice.pick(&[1.5, 1.5, 0.4]);
+        match self.dice.below(12) {
+            0..=5 => Limits::Around,
+            6 | 7 => {
+                let back = self.config.cell * self.dice.pick(&[0.0, 0.0, 1.0, -1.5]);
+                let planes = (0..1 + self.dice.below(4)).map(|_| (direction(&mut self.dice), back)).collect();
+                Limits::Planes(planes)
+            }
+            8..=10 => Limits::Camera {
+                fov: self.dice.pick(&[1.0, 1.5, 0.3, 2.6]),
+                aspect,
+                near: self.config.cell * self.dice.pick(&[0.01, 0.1, 0.1, 2.0]),
+                far,
+                mirrored,
+                depth,
+                exact: !self.dice.once_in(3),
+            },
+            _ => Limits::Parallel {
+                half: self.config.cell * self.dice.between(2.0, 20.0),
+                aspect,
+                near: self.config.cell * self.dice.pick(&[-60.0, 0.0, 1.0]),
+                far,
+                mirrored,
+                depth,
+                told: !self.dice.once_in(4),
+            },
+        }
+    }
+
+    fn look(&mut self, ran: &mut u8) {
+        let query = self.dice.below(3) as u8;
+        *ran |= 1 << query;
+        let method = match self.dice.below(8) {
+            0 => Method::Frustum,
+            1..=3 => Method::Cell,
+            _ => Method::Point,
+        };
+        let (from, toward, limits) = (self.from(), self.toward(), self.limits());
+        let keep = self.habits.kept && self.dice.once_in(3);
+        self.ops.push(Op::Look { query, method, from, toward, limits, keep, seed: self.dice.seed() });
+    }
+
+    /// Keeps a set, moves an object step by step, and asks for the set each time.
+    fn stalk(&mut self, ran: &mut u8) {
+        let from = From::Camera(0);
+        let method = self.dice.pick(&[Method::Point, Method::Cell, Method::Cell, Method::Frustum]);
+        let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
+        self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, seed });
+        *ran |= 1;
+        let (who, along) = (self.who(), direction(&mut self.dice));
+        for _ in 0..1 + self.dice.below(3) {
+            let by = self.config.snap(along * self.config.cell * self.dice.pick(&[0.4, 1.0]));
+            self.ops.push(Op::Move { who, by });
+            self.ask();
+        }
+    }
+
+    fn ask(&mut self) {
+        if self.habits.kept {
+            let nudge = direction(&mut self.dice) * self.config.cell * self.dice.pick(&[0.0, 0.1, 0.4]);
+            let (toward, limits) = (self.toward(), self.limits());
+            self.ops.push(Op::Ask { nudge, toward, limits, seed: self.dice.seed() });
+        }
+    }
+
+    fn rarely(&mut self) {
+        let clones = self.habits.clones;
+        let op = match self.dice.below(10) {
+            0 if clones => Op::Clone { go_on_with_it: self.dice.once_in(2) },
+            1 | 2 if clones => Op::Switch,
+            3 if clones => Op::Forget,
+            4 | 5 if clones => Op::Cross,
+            6 | 7 => Op::Casters {
+                query: self.dice.below(3) as u8,
+                receivers: self.dice.below(3) as u8,
+                light: direction(&mut self.dice),
+            },
+            _ => Op::List { query: self.dice.below(3) as u8, least: self.dice.pick(&[0.0, 0.1, 10.0]) },
+        };
+        self.ops.push(op);
+    }
+}

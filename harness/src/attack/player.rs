@@ -1,0 +1,384 @@
+//! Plays operations on the library and on the truth, and compares the two.
+
+mod frame;
+mod look;
+
+use casca::{DrawOptions, Error, GridSpec, ObjectDesc, Pvs, Query, Scene, Settings, View};
+use glam::{DVec3, Vec3};
+
+use super::api;
+use super::forms::{Form, Shelf};
+use super::ops::{Config, Hides, Moves, Op};
+use super::rays::Body;
+use super::truth::{Effort, Thing};
+use super::views::TrueView;
+
+/// Objects may be this share of their coordinates out of their volumes: a rounding.
+const ROUNDING: f64 = 1e-9;
+/// Sets that are kept.
+const KEPT: usize = 4;
+/// Ids of removed objects that are tried again.
+const MOST_GONE: usize = 8;
+
+/// In which way a play failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A set lacks what is seen.
+    Lost,
+    /// A kept set is said to hold, and lacks what is seen.
+    Held,
+    /// A volume does not hold its object for sure.
+    Volume,
+    /// A set or an id passes for another scene's.
+    Passed,
+    /// A call is refused that should not be, or taken that should not be.
+    Answer,
+    /// Something is left behind in the matrices, or an answer contradicts itself.
+    State,
+    /// The library panicked.
+    Panic,
+}
+
+/// How a play failed.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    /// In which way.
+    pub kind: Kind,
+    /// Index of the operation.
+    pub at: usize,
+    /// What happened, in words.
+    pub text: String,
+}
+
+type Played = Result<(), (Kind, String)>;
+
+/// A scene, and the truth about it.
+struct World {
+    number: u32,
+    scene: Scene,
+    things: Vec<Thing>,
+    gone: Vec<casca::ObjectId>,
+    now: f64,
+    /// Whether the frame ended with results, and whether a query ran in it.
+    ended: bool,
+    looked: bool,
+    /// Whether it changed since it was parted from the other.
+    changed: bool,
+}
+
+/// Where a set comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Origin {
+    world: u32,
+    /// The parting after which it was found on a scene that differed from the other; 0 if none.
+    parting: u32,
+}
+
+struct Kept {
+    pvs: Pvs,
+    view: View,
+    truth: TrueView,
+    origin: Origin,
+}
+
+/// Plays operations.
+pub struct Player {
+    config: Config,
+    shelf: Shelf,
+    worlds: Vec<World>,
+    active: usize,
+    queries: [(Query, Option<Origin>); 3],
+    kept: Vec<Kept>,
+    effort: Effort,
+    parting: u32,
+    /// Notes on what was played, if they are wanted.
+    pub notes: Option<Vec<String>>,
+    /// Rounds of the check that looked for lost objects.
+    pub checks: u64,
+}
+
+fn refused(what: &str) -> impl Fn(Error) -> (Kind, String) + use<'_> {
+    move |error| (Kind::Answer, format!("{what} is refused: {error}"))
+}
+
+impl Player {
+    /// An empty scene. A thorough player looks at more points.
+    ///
+    /// # Errors
+    /// As the library's constructors.
+    pub fn new(config: &Config, thorough: bool) -> Result<Self, Error> {
+        let scene = Scene::new(&GridSpec { min: config.min, cell: config.cell, dims: config.dims })?;
+        let mut settings = [Settings::default(); 3];
+        for (settings, (degrees, mask)) in settings.iter_mut().zip([(1.0, 64), (8.0, 64), (3.0, 128)]) {
+            if !config.fine {
+                settings.pixel_degrees = degrees;
+                settings.mask_resolution = mask;
+                settings.min_pixels = 16;
+                settings.refine_squares = 64;
+                settings.refine_patches = 100;
+            }
+        }
+        let query = |settings| Query::with_settings(settings).map(|q| (q, None));
+        let world = World {
+            number: 1,
+            scene,
+            things: Vec::new(),
+            gone: Vec::new(),
+            now: 0.0,
+            ended: false,
+            looked: false,
+            changed: false,
+        };
+        Ok(Self {
+            config: config.clone(),
+            shelf: Shelf::new()?,
+            worlds: vec![world],
+            active: 0,
+            queries: [query(settings[0])?, query(settings[1])?, query(settings[2])?],
+            kept: Vec::new(),
+            effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
+            parting: 0,
+            notes: None,
+            checks: 0,
+        })
+    }
+
+    fn world(&mut self) -> &mut World {
+        &mut self.worlds[self.active]
+    }
+
+    fn note(&mut self, text: impl FnOnce(&Self) -> String) {
+        if self.notes.is_some() {
+            let text = text(self);
+            self.notes.iter_mut().for_each(|notes| notes.push(text.clone()));
+        }
+    }
+
+    /// The index of a thing.
+    fn who(&self, who: u16) -> Option<usize> {
+        self.worlds[self.active].things.iter().position(|thing| thing.name == who)
+    }
+
+    /// Plays one operation.
+    ///
+    /// # Errors
+    /// Says how library and truth disagree.
+    pub fn play(&mut self, op: &Op) -> Played {
+        match op {
+            Op::Insert { name, form, hides, moves } => self.insert(*name, form, *hides, *moves),
+            Op::Move { who, by } => self.shift(*who, |_| *by),
+            Op::Jump { who, to } => self.shift(*who, |thing| *to - thing.bounds.center()),
+            Op::Reshape { who, form, hides } => {
+                let Some(i) = self.who(*who) else { return Ok(()) };
+                self.tell(i, form.clone(), hides.form(form, &self.config))
+            }
+            Op::Uncover { who } => {
+                let Some(i) = self.who(*who) else { return Ok(()) };
+                let bounds = self.world().things[i].bounds.clone();
+                self.tell(i, bounds, None)
+            }
+            Op::Same { who } => {
+                let Some(i) = self.who(*who) else { return Ok(()) };
+                let thing = &self.world().things[i];
+                let (bounds, occluder) = (thing.bounds.clone(), thing.occluder.clone());
+                self.tell(i, bounds, occluder)
+            }
+            Op::Translate { who, by } => self.translate(*who, *by),
+            Op::Remove { who } => self.remove(*who),
+            Op::Drift { who, along, share } => {
+                let Some(i) = self.who(*who) else { return Ok(()) };
+                let thing = &mut self.world().things[i];
+                thing.drift_to(along.as_dvec3() * thing.way * f64::from(*share));
+                Ok(())
+            }
+            Op::Nearer { who, side, share } => {
+                self.who(*who).map_or(Ok(()), |i| self.nearer(i, *side, *share))
+            }
+            Op::Leave { who } => {
+                let Some(i) = self.who(*who) else { return Ok(()) };
+                self.leave(i);
+                Ok(())
+            }
+            Op::Begin { dt, due, seed } => self.begin(*dt, *due, *seed),
+            Op::Look { query, method, from, toward, limits, keep, seed } => {
+                let eye = self.eye(*from);
+                let Some((view, truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
+                self.look(usize::from(*query % 3), *method, view, truth, *keep, *seed)
+            }
+            Op::Ask { nudge, toward, limits, seed } => self.ask(*nudge, *toward, limits, *seed),
+            Op::End { queries, kept } => self.end(*queries, *kept),
+            Op::Clone { go_on_with_it } => self.part(*go_on_with_it),
+            Op::Switch => {
+                self.active = (self.active + 1) % self.worlds.len();
+                Ok(())
+            }
+            Op::Forget => {
+                if self.worlds.len() == 2 {
+                    let gone = self.worlds.remove(1 - self.active).number;
+                    self.active = 0;
+                    self.kept.retain(|k| k.origin.world != gone);
+                }
+                Ok(())
+            }
+            Op::Cross => self.cross(),
+            Op::Casters { query, receivers, light } => self.casters(*query, *receivers, *light),
+            Op::List { query, least } => {
+                let (world, (query, origin)) =
+                    (&self.worlds[self.active], &self.queries[usize::from(*query % 3)]);
+                if origin.is_some_and(|o| o.world == world.number) {
+                    let mut options = DrawOptions::default();
+                    options.least_size = *least;
+                    let listed = query.pvs().draw_list(&world.scene, &options, &mut Vec::new());
+                    listed.map_err(refused("a list"))?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn insert(&mut self, name: u16, form: &Form, hides: Hides, moves: Moves) -> Played {
+        let occluder = hides.form(form, &self.config);
+        let Some((bounds, cover)) = self.shapes(form, occluder.as_ref()) else { return Ok(()) };
+        let mut desc = match moves {
+            Moves::Fixed | Moves::FixedWithin(_) => ObjectDesc::fixed(bounds),
+            _ => ObjectDesc::dynamic(bounds),
+        };
+        desc = match moves {
+            Moves::Within(speed) | Moves::FixedWithin(speed) => desc.max_speed(speed),
+            Moves::OnExpiry(speed) => desc.max_speed(speed).reported_on_expiry(),
+            Moves::Fixed | Moves::Free => desc,
+        };
+        if let Some(cover) = cover {
+            desc = desc.occluder(cover);
+        }
+        let odd = matches!(moves, Moves::FixedWithin(_));
+        let id = match self.world().scene.insert(desc) {
+            Ok(_) if odd && api::STRICT => {
+                return Err((Kind::Answer, "a greatest speed of something fixed is taken".into()));
+            }
+            Ok(id) => id,
+            Err(_) if odd => return Ok(()),
+            Err(error) => return Err(refused("an insertion")(error)),
+        };
+        let (body, own_cover) = (Body::new(form), occluder.as_ref().map(Body::new));
+        let own = self.worlds.len() == 2;
+        self.note(|_| format!("thing {name} is {id}"));
+        let world = self.world();
+        world.changed = true;
+        world.things.push(Thing {
+            name,
+            id,
+            bounds: form.clone(),
+            occluder,
+            moves,
+            body,
+            cover: own_cover,
+            way: 0.0,
+            drift: DVec3::ZERO,
+            held: false,
+            found: false,
+            owed: false,
+            own,
+        });
+        Ok(())
+    }
+
+    /// The shapes of the library; `None` where it has none, as for a box that is cut away.
+    fn shapes(
+        &self,
+        form: &Form,
+        occluder: Option<&Form>,
+    ) -> Option<(casca::Bounds, Option<casca::Occluder>)> {
+        let (bounds, itself) = form.shapes(&self.shelf).ok()?;
+        let cover = match occluder {
+            Some(o) if o == form => Some(itself),
+            Some(o) => Some(o.shapes(&self.shelf).ok()?.1),
+            None => None,
+        };
+        Some((bounds?, cover))
+    }
+
+    fn shift(&mut self, who: u16, by: impl Fn(&Thing) -> Vec3) -> Played {
+        let Some(i) = self.who(who) else { return Ok(()) };
+        let thing = &self.world().things[i];
+        let by = by(thing);
+        let (bounds, occluder) = (thing.bounds.moved(by), thing.occluder.as_ref().map(|o| o.moved(by)));
+        self.tell(i, bounds, occluder)
+    }
+
+    /// Updates an object.
+    fn tell(&mut self, i: usize, bounds: Form, occluder: Option<Form>) -> Played {
+        let Some((shape, cover)) = self.shapes(&bounds, occluder.as_ref()) else { return Ok(()) };
+        let world = self.world();
+        let thing = &mut world.things[i];
+        let uncovers = thing.occluder.is_some() && occluder.is_none();
+        match world.scene.update(thing.id, shape, cover) {
+            Ok(()) if uncovers && api::STRICT => {
+                Err((Kind::Answer, "an occluder is dropped silently".into()))
+            }
+            Ok(()) => {
+                world.changed |= thing.bounds != bounds || thing.occluder != occluder;
+                thing.told(bounds, occluder);
+                let name = thing.name;
+                self.note(|p| {
+                    format!("thing {name} is told to be {:?}", p.worlds[p.active].things[i].bounds)
+                });
+                Ok(())
+            }
+            Err(_) if uncovers => Ok(()),
+            Err(error) => Err(refused("an update")(error)),
+        }
+    }
+
+    fn translate(&mut self, who: u16, by: Vec3) -> Played {
+        let Some(i) = self.who(who) else { return Ok(()) };
+        let world = self.world();
+        let thing = &mut world.things[i];
+        let mesh = |f: &Form| matches!(f, Form::Mesh { .. });
+        let refusable = mesh(&thing.bounds) || thing.occluder.as_ref().is_some_and(mesh);
+        match world.scene.translate(thing.id, by) {
+            Ok(()) => {
+                world.changed |= by != Vec3::ZERO;
+                let occluder = thing.occluder.as_ref().map(|o| o.translated(by));
+                thing.told(thing.bounds.translated(by), occluder);
+                Ok(())
+            }
+            Err(_) if refusable => Ok(()),
+            Err(error) => Err(refused("a translation")(error)),
+        }
+    }
+
+    fn remove(&mut self, who: u16) -> Played {
+        self.who(who).map_or(Ok(()), |i| self.take_out(i))
+    }
+
+    fn take_out(&mut self, i: usize) -> Played {
+        let world = self.world();
+        let thing = world.things.remove(i);
+        world.scene.remove(thing.id).map_err(refused("a removal"))?;
+        world.changed = true;
+        world.gone.push(thing.id);
+        if world.gone.len() > MOST_GONE {
+            world.gone.remove(0);
+        }
+        let known = world.gone.iter().find(|id| world.scene.bounds(**id).is_ok());
+        known.map_or(Ok(()), |id| Err((Kind::State, format!("{id} was removed and is known"))))
+    }
+
+    /// Takes everything out.
+    ///
+    /// # Errors
+    /// Says what is left behind.
+    pub fn finish(&mut self) -> Played {
+        for active in 0..self.worlds.len() {
+            self.active = active;
+            while !self.world().things.is_empty() {
+                self.take_out(0)?;
+            }
+            if let Some(left) = api::leftovers(&self.world().scene) {
+                return Err((Kind::State, format!("an emptied scene holds {left}")));
+            }
+        }
+        Ok(())
+    }
+}

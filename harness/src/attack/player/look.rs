@@ -1,0 +1,176 @@
+//! Looks: sets compared with the truth.
+
+use casca::{Method, View};
+use glam::Vec3;
+
+use super::super::api;
+use super::super::dice::Dice;
+use super::super::ops::{From, Toward};
+use super::super::truth::{Sighting, Thing, find_lost};
+use super::super::views::{Limits, TrueView, look};
+use super::{KEPT, Kept, Kind, Origin, Played, Player, refused};
+
+impl Player {
+    /// The eye; a camera where there is no such object or volume.
+    pub(super) fn eye(&self, from: From) -> Vec3 {
+        let world = &self.worlds[self.active];
+        let camera = self.config.cameras[0];
+        match from {
+            From::Camera(i) => self.config.cameras[usize::from(i) % 3],
+            From::At(p) => p,
+            From::Inside(who, share) => self.who(who).map_or(camera, |i| {
+                let thing = &world.things[i];
+                self.config.snap(thing.bounds.center() + share * thing.body.radius as f32)
+            }),
+            From::Volume(who, share) => {
+                let volume = self.who(who).and_then(|i| world.scene.tbv(world.things[i].id).ok().flatten());
+                volume.map_or(camera, |(min, max)| (min + (max - min) * share.as_dvec3()).as_vec3())
+            }
+        }
+    }
+
+    pub(super) fn view(
+        &self,
+        eye: Vec3,
+        toward: Toward,
+        limits: &Limits,
+    ) -> Result<Option<(View, TrueView)>, (Kind, String)> {
+        let forward = match toward {
+            Toward::Along(d) => d,
+            Toward::Object(who) => {
+                self.who(who).map_or(Vec3::X, |i| self.worlds[self.active].things[i].bounds.center() - eye)
+            }
+        };
+        match look(eye, forward, limits) {
+            Ok(views) => Ok(Some(views)),
+            // Far away, a matrix in single precision is no camera's, or not that eye's.
+            Err(_) if (eye.abs().max_element()) > 500.0 => Ok(None),
+            Err(error) => {
+                Err((Kind::Answer, format!("the view {eye} {forward} {limits:?} is refused: {error}")))
+            }
+        }
+    }
+
+    /// Whether what was found on the active scene by now tells it from the other.
+    pub(super) fn origin(&self) -> Origin {
+        let differ = self.worlds.len() == 2 && self.worlds.iter().any(|w| w.changed);
+        let parting = if differ { self.parting } else { 0 };
+        Origin { world: self.worlds[self.active].number, parting }
+    }
+
+    pub(super) fn look(
+        &mut self,
+        query: usize,
+        method: Method,
+        view: View,
+        truth: TrueView,
+        keep: bool,
+        seed: u32,
+    ) -> Played {
+        let origin = self.origin();
+        let world = &mut self.worlds[self.active];
+        let (query, from) = &mut self.queries[query];
+        let mut settings = *query.settings();
+        settings.method = method;
+        query.set_settings(settings).map_err(refused("a method"))?;
+        let pvs = query.run(&world.scene, &view);
+        *from = Some(origin);
+        world.looked = true;
+        for thing in &mut world.things {
+            thing.found |= pvs.contains(thing.id);
+        }
+        let known = world.things.iter().filter(|t| pvs.contains(t.id)).count();
+        if known != pvs.len() {
+            return Err((Kind::State, format!("a set of {} holds {known} of the living", pvs.len())));
+        }
+        let lost = find_lost(
+            &world.things,
+            &truth,
+            |t| pvs.contains(t.id),
+            self.effort,
+            &mut Dice::new(seed.into()),
+        );
+        self.checks += 1;
+        let kept = keep.then(|| pvs.clone());
+        let eye = truth.eye;
+        self.note(|p| {
+            let found = p.worlds[p.active].things.iter().filter(|t| t.found).map(|t| t.name);
+            format!("eye {eye:?}, found in this frame: things {:?}", found.collect::<Vec<_>>())
+        });
+        if let Some(pvs) = kept {
+            if self.kept.len() == KEPT {
+                self.kept.remove(0);
+            }
+            self.kept.push(Kept { pvs, view, truth, origin });
+        }
+        lost.map_or(Ok(()), |s| Err((Kind::Lost, self.tell_lost(&s, &format!("{method:?}")))))
+    }
+
+    /// A lost object in words.
+    pub(super) fn tell_lost(&self, lost: &Sighting, by: &str) -> String {
+        let world = &self.worlds[self.active];
+        let thing = &world.things[lost.thing];
+        format!(
+            "{by} lacks thing {} ({}), {:?} {:?}, which is {} from there (it may be {:.9} away) and seen from {} at {} \
+             from a share of {} on; its volume is {:?}, the time {}",
+            thing.name,
+            thing.id,
+            thing.moves,
+            thing.bounds,
+            lost.drift,
+            thing.way,
+            lost.sight.eye,
+            lost.sight.eye + lost.sight.way,
+            lost.sight.start,
+            world.scene.tbv(thing.id),
+            world.now,
+        )
+    }
+
+    pub(super) fn ask(&mut self, nudge: Vec3, toward: Toward, limits: &Limits, seed: u32) -> Played {
+        for k in 0..self.kept.len() {
+            self.ask_one(k, None, seed)?;
+            let Some(eye) = self.kept[k].truth.eye else { continue };
+            let Ok(Some(other)) = self.view(eye.as_vec3() + nudge, toward, limits) else { continue };
+            self.ask_one(k, Some(other), seed)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn ask_one(&mut self, k: usize, other: Option<(View, TrueView)>, seed: u32) -> Played {
+        let (world, kept) = (&self.worlds[self.active], &self.kept[k]);
+        let (view, truth) = other.as_ref().map_or((&kept.view, &kept.truth), |(v, t)| (v, t));
+        if !kept.pvs.holds(&world.scene, view) {
+            return Ok(());
+        }
+        let away = kept.origin.world != world.number;
+        if away && kept.origin.parting == self.parting && self.worlds.len() == 2 {
+            return Err((Kind::Passed, "a set of the other scene is said to hold".into()));
+        }
+        self.checks += 1;
+        let held = |t: &Thing| kept.pvs.contains(t.id);
+        let lost = find_lost(&world.things, truth, held, self.effort, &mut Dice::new(seed.into()));
+        let by = format!(
+            "a set of {:?}{} that is said to hold{}",
+            kept.pvs.method(),
+            if away { " of the other scene" } else { "" },
+            if other.is_some() { " for another view" } else { "" }
+        );
+        lost.map_or(Ok(()), |s| Err((Kind::Held, self.tell_lost(&s, &by))))
+    }
+
+    pub(super) fn casters(&mut self, query: u8, receivers: u8, light: Vec3) -> Played {
+        let (query, receivers) = (usize::from(query % 3), usize::from(receivers % 3));
+        let origin = self.origin();
+        let world = &self.worlds[self.active];
+        if self.queries[receivers].1.is_none_or(|o| o.world != origin.world) {
+            return Ok(());
+        }
+        let set = self.queries[receivers].0.pvs().clone();
+        let (query, from) = &mut self.queries[query];
+        query.shadow_casters(&world.scene, &set, light, &mut Vec::new()).map_err(refused("casters"))?;
+        *from = Some(origin);
+        api::memory(&world.scene);
+        Ok(())
+    }
+}

@@ -1,0 +1,241 @@
+//! Views: as the library takes them, and as they truly are.
+
+use casca::{Error, Plane, View};
+use glam::camera::rh::view::look_to_mat4;
+use glam::{DMat3, DVec3, DVec4, Mat4, Vec3, Vec4};
+
+use super::api;
+use super::rays::Sight;
+
+/// Points count as inside a half-space this share of their coordinates within it.
+const INSIDE: f64 = 1e-9;
+/// Planes closer to the eye than this share of the coordinates may count as planes through it.
+const THROUGH_EYE: f64 = 1e-6;
+/// Rows of a matrix that cancel to this share leave rounding only: an infinite far plane.
+const NO_PLANE: f64 = 1e-6;
+/// Planes that parallel rays cross at less than this sine cut nothing off.
+const ALONG: f64 = 1e-6;
+
+/// How depth is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Depth {
+    /// 0 at the near plane, 1 at the far one.
+    Usual,
+    /// 1 at the near plane, 0 at the far one.
+    Reversed,
+    /// 0 at the near plane, without a far one.
+    Infinite,
+    /// -1 at the near plane, 1 at the far one.
+    Gl,
+}
+
+/// What bounds a view.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Limits {
+    /// Nothing.
+    Around,
+    /// Planes: a normal each, and how far behind the eye the plane is, in lengths of the normal.
+    Planes(Vec<(Vec3, f32)>),
+    /// A perspective matrix.
+    Camera {
+        /// Height of the view in radians.
+        fov: f32,
+        /// Width over height.
+        aspect: f32,
+        /// Distance of the near plane.
+        near: f32,
+        /// Distance of the far plane.
+        far: f32,
+        /// Whether left and right change places.
+        mirrored: bool,
+        /// How depth is written.
+        depth: Depth,
+        /// Whether the library is told the eye.
+        exact: bool,
+    },
+    /// An orthographic matrix.
+    Parallel {
+        /// Half the height of the view.
+        half: f32,
+        /// Width over height.
+        aspect: f32,
+        /// Distance of the near plane, also negative.
+        near: f32,
+        /// Distance of the far plane.
+        far: f32,
+        /// Whether left and right change places.
+        mirrored: bool,
+        /// How depth is written.
+        depth: Depth,
+        /// Whether the library is told at which end the rays start.
+        told: bool,
+    },
+}
+
+/// A view as it truly is.
+#[derive(Debug, Clone)]
+pub struct TrueView {
+    /// The eye, if there is one.
+    pub eye: Option<DVec3>,
+    /// The direction of parallel rays.
+    direction: DVec3,
+    /// Unit normals inwards, offsets, and whether the plane may cut off what is close to the eye.
+    planes: Vec<(DVec3, f64, bool)>,
+}
+
+fn perspective(fov: f32, aspect: f32, near: f32, far: f32, depth: Depth) -> Mat4 {
+    let f = 1.0 / (fov * 0.5).tan();
+    let (a, b) = match depth {
+        Depth::Usual => (far / (near - far), near * far / (near - far)),
+        Depth::Reversed => (near / (far - near), near * far / (far - near)),
+        Depth::Infinite => (-1.0, -near),
+        Depth::Gl => ((far + near) / (near - far), 2.0 * far * near / (near - far)),
+    };
+    Mat4::from_cols(
+        Vec4::new(f / aspect, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, f, 0.0, 0.0),
+        Vec4::new(0.0, 0.0, a, -1.0),
+        Vec4::new(0.0, 0.0, b, 0.0),
+    )
+}
+
+fn orthographic(half: f32, aspect: f32, near: f32, far: f32, depth: Depth) -> Mat4 {
+    let (a, b) = match depth {
+        Depth::Reversed => (1.0 / (far - near), far / (far - near)),
+        Depth::Gl => (2.0 / (near - far), (far + near) / (near - far)),
+        Depth::Usual | Depth::Infinite => (1.0 / (near - far), near / (near - far)),
+    };
+    Mat4::from_cols(
+        Vec4::new(1.0 / (half * aspect), 0.0, 0.0, 0.0),
+        Vec4::new(0.0, 1.0 / half, 0.0, 0.0),
+        Vec4::new(0.0, 0.0, a, 0.0),
+        Vec4::new(0.0, 0.0, b, 1.0),
+    )
+}
+
+/// The view of an eye that looks along `forward`, for the library and as it truly is.
+///
+/// # Errors
+/// As the library's constructors.
+pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
+    let forward = forward.normalize_or(Vec3::X);
+    let up = if forward.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
+    let around = TrueView { eye: Some(eye.as_dvec3()), direction: forward.as_dvec3(), planes: Vec::new() };
+    let mirror = |mirrored: bool| Mat4::from_scale(Vec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
+    match limits {
+        Limits::Around => Ok((View::around(eye)?, around)),
+        Limits::Planes(planes) => {
+            let planes: Vec<Plane> = planes
+                .iter()
+                .map(|&(normal, back)| Plane { normal, offset: back * normal.length() - normal.dot(eye) })
+                .collect();
+            let exact = |p: &Plane| {
+                let n = p.normal.as_dvec3();
+                let length = n.length();
+                (n / length, f64::from(p.offset) / length, true)
+            };
+            let truth = TrueView { planes: planes.iter().map(exact).collect(), ..around };
+            Ok((View::from_planes(eye, &planes)?, truth))
+        }
+        &Limits::Camera { fov, aspect, near, far, mirrored, depth, exact } => {
+            let matrix = mirror(mirrored) * perspective(fov, aspect, near, far, depth);
+            let matrix = matrix * look_to_mat4(eye, forward, up);
+            let mut truth = TrueView { planes: planes_of(matrix, depth == Depth::Gl), ..around };
+            if !exact || depth == Depth::Gl {
+                truth.eye = eye_of(matrix);
+            }
+            let view = match (depth, exact) {
+                (Depth::Gl, _) => View::from_view_projection_gl(matrix),
+                (_, true) => api::perspective(eye, matrix),
+                (_, false) => View::from_view_projection(matrix),
+            };
+            Ok((view?, truth))
+        }
+        &Limits::Parallel { half, aspect, near, far, mirrored, depth, told } => {
+            let matrix = mirror(mirrored) * orthographic(half, aspect, near, far, depth);
+            let matrix = matrix * look_to_mat4(eye, forward, up);
+            let m = matrix.as_dmat4();
+            let across = m.row(0).truncate().cross(m.row(1).truncate()).normalize_or_zero();
+            let direction = across * across.dot(forward.as_dvec3()).signum();
+            let planes = planes_of(matrix, depth == Depth::Gl);
+            let view = match (depth, told) {
+                (Depth::Gl, _) => View::from_view_projection_gl(matrix),
+                (_, true) => View::orthographic(forward, matrix),
+                (_, false) => View::from_view_projection(matrix),
+            };
+            Ok((view?, TrueView { eye: None, direction, planes }))
+        }
+    }
+}
+
+/// The planes of clip space, in world space.
+fn planes_of(matrix: Mat4, gl: bool) -> Vec<(DVec3, f64, bool)> {
+    let m = matrix.as_dmat4();
+    let [x, y, z, w] = [m.row(0), m.row(1), m.row(2), m.row(3)];
+    let near = if gl { w + z } else { z };
+    let rows = [(w + x, x, false), (w - x, x, false), (w + y, y, false), (w - y, y, false)];
+    let all = rows.into_iter().chain([(near, z, true), (w - z, z, true)]);
+    all.filter_map(|(row, part, cuts): (DVec4, DVec4, bool)| {
+        let length = row.truncate().length();
+        let size = part.truncate().length() + w.truncate().length();
+        (length > NO_PLANE * size).then(|| (row.truncate() / length, row.w / length, cuts))
+    })
+    .collect()
+}
+
+/// The eye of a perspective matrix.
+fn eye_of(matrix: Mat4) -> Option<DVec3> {
+    let m = matrix.as_dmat4();
+    let [x, y, w] = [m.row(0), m.row(1), m.row(3)];
+    let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+    let eye = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
+    eye.is_finite().then_some(eye)
+}
+
+impl TrueView {
+    /// From a point towards the viewer (of length 1), and how far that is.
+    pub fn towards(&self, p: DVec3) -> (DVec3, f64) {
+        match self.eye {
+            Some(eye) => ((eye - p).normalize_or(DVec3::X), (eye - p).length()),
+            None => (-self.direction, f64::INFINITY),
+        }
+    }
+
+    /// The sight of a point that is surely in the view.
+    pub fn sight(&self, p: DVec3) -> Option<Sight> {
+        let reach = p.abs().max_element() + self.eye.map_or(0.0, |e| e.abs().max_element());
+        let inside = |&(n, h, _): &(DVec3, f64, bool)| n.dot(p) + h > INSIDE * (reach + 1.0);
+        if !self.planes.iter().all(inside) {
+            return None;
+        }
+        match self.eye {
+            Some(eye) => {
+                let way = p - eye;
+                if way.length() <= INSIDE * (reach + 1.0) {
+                    return None;
+                }
+                let cut = |&(n, h, _): &(DVec3, f64, bool)| {
+                    let behind = -(n.dot(eye) + h);
+                    if behind > THROUGH_EYE * (reach + h.abs()) {
+                        behind / (n.dot(p) + h + behind)
+                    } else {
+                        0.0
+                    }
+                };
+                let cutting = self.planes.iter().filter(|p| p.2);
+                Some(Sight { eye, way, start: cutting.map(cut).fold(0.0, f64::max) })
+            }
+            None => {
+                // From where the rays enter the half-spaces.
+                let back = |&(n, h, _): &(DVec3, f64, bool)| (n.dot(p) + h) / n.dot(self.direction);
+                let entered = |p: &&(DVec3, f64, bool)| p.0.dot(self.direction) > ALONG;
+                let far = self.planes.iter().filter(entered).map(back).fold(f64::INFINITY, f64::min);
+                (far.is_finite() && far > 0.0).then(|| Sight {
+                    eye: p - self.direction * far,
+                    way: self.direction * far,
+                    start: 0.0,
+                })
+            }
+        }
+    }
+}
