@@ -10,7 +10,7 @@ use glam::{Mat4, Vec3};
 /// - an eye that is not the matrix's is refused.
 ///
 /// Until then such calls are played, and both answers are taken.
-pub const STRICT: bool = false;
+pub const STRICT: bool = true;
 
 /// Ends a frame with results, each with whether its query ever ran.
 ///
