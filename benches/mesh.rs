@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, ObjectDesc, Scene, TriMesh};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 /// A wavy sheet of 2 n^2 triangles.
 fn sheet(n: u32, corner: Vec3, size: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -43,6 +43,28 @@ fn meshes(c: &mut Criterion) {
             |(p, t)| TriMesh::new(p, t).expect("a sheet is a mesh"),
             BatchSize::PerIteration,
         );
+    });
+    group.bench_function(format!("prepare {} triangles as bounds only", triangles.len()), |b| {
+        b.iter_batched(
+            || (positions.clone(), triangles.clone()),
+            |(p, t)| TriMesh::bounds_only(p, t).expect("a sheet is a mesh"),
+            BatchSize::PerIteration,
+        );
+    });
+
+    // Each triangle reaches through most of the grid.
+    let corner = |i: u32| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i * 29 % 103) as f32);
+    let slanted: Vec<[u32; 3]> = (0..40).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let slanted = TriMesh::new((0..120).map(corner).collect(), slanted).expect("triangles are a mesh");
+    let slanted = Arc::new(slanted);
+    let spec = GridSpec { min: Vec3::ZERO, cell: 0.75, dims: UVec3::splat(140) };
+    let mut scene = Scene::new(&spec).expect("the grid is sound");
+    group.bench_function("insert and remove 40 large triangles", |b| {
+        b.iter(|| {
+            let desc = ObjectDesc::fixed(slanted.clone()).occluder(slanted.clone());
+            let id = scene.insert(desc).expect("the mesh is sound");
+            scene.remove(id).expect("it is there");
+        });
     });
 
     let wall = panels(100);

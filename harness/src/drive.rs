@@ -22,11 +22,14 @@ pub struct Driver {
 /// Outlines of patches may leave those of static triangles by this share of a cell.
 const TOLERANCE: f32 = 1.0 / 60.0;
 
+/// A mesh, and the same as prepared.
+type Prepared = (Arc<Mesh>, Arc<TriMesh>);
+
 /// Makes shapes of the library.
 struct Shaper {
     /// Meshes that move are prepared once, with and without what hides; they are kept so that none takes the place
     /// of another.
-    moving: HashMap<(*const Mesh, bool), (Arc<Mesh>, Arc<TriMesh>)>,
+    moving: HashMap<(*const Mesh, bool), Prepared>,
     how: Preparation,
 }
 

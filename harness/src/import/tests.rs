@@ -800,8 +800,16 @@ fn roles_are_known_or_refused() {
         ("7", (true, true)),
         ("null", (true, true)),
     ] {
-        let object = &with(extras).unwrap().objects[0];
+        let world = with(extras).unwrap();
+        let object = &world.objects[0];
         assert_eq!((object.occludes, object.tested), roles, "{extras}");
+        // What is tested only is prepared as bounds only.
+        let grid = grid_for(&world.grid, None).unwrap();
+        let driver = Driver::new(&world, &grid, |_| ()).unwrap();
+        match driver.scene.bounds(driver.id(0)).unwrap() {
+            casca::Bounds::Mesh(mesh) => assert_eq!(mesh.occludes(), roles.0, "{extras}"),
+            other => panic!("{other:?} is no mesh"),
+        }
     }
     for role in [r#""Occluder""#, r#""""#, "null", "1", r#"["both"]"#] {
         says(with(&format!(r#"{{"role":{role}}}"#)), &["node 0 (\"leaf\")", role]);
