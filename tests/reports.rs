@@ -223,3 +223,20 @@ fn an_unreported_object_may_leave_the_grid() {
         scene.remove(id).unwrap();
     }
 }
+
+#[test]
+fn an_object_that_is_due_is_in_every_set_though_its_old_place_is_out_of_the_view() {
+    for method in METHODS {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+        // In the cell of the eye, and behind it.
+        let ball = Sphere::new(Vec3::new(16.1, 16.5, 16.5), 0.05);
+        let id = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry()).unwrap();
+        assert_eq!(scene.begin_frame(7.0).unwrap(), [id]);
+        let eye = Vec3::new(16.5, 16.5, 16.5);
+        let ahead = Plane { normal: Vec3::X, offset: -16.5 };
+        let view = View::from_planes(eye, &[ahead]).unwrap();
+        assert!(query(method).run(&scene, &view).contains(id), "{method:?}");
+        scene.update(id, ball, None).unwrap();
+        assert!(!query(method).run(&scene, &view).contains(id), "{method:?}");
+    }
+}

@@ -115,14 +115,7 @@ impl<'a> Walk<'a> {
             }
         }
         for &slot in &self.scene.always {
-            let object = self.scene.object(slot);
-            if object.is_unlocated() {
-                if self.scratch.mark_decided(slot) {
-                    self.pvs.push(self.scene.id(slot));
-                }
-            } else {
-                self.decide(slot);
-            }
+            self.decide(slot);
         }
         self.pvs.stats = self.stats;
     }
@@ -200,7 +193,9 @@ impl<'a> Walk<'a> {
             return;
         }
         self.stats.objects_tested += 1;
-        if self.view.may_see(&self.scene.object(slot).bounds) {
+        let object = self.scene.object(slot);
+        // It may be anywhere, whatever its old bounds say.
+        if object.is_unlocated() || self.view.may_see(&object.bounds) {
             self.pvs.push(self.scene.id(slot));
         }
     }

@@ -1,0 +1,82 @@
+//! What solids leave behind: opaque cells go with the last solid that fills them, and stay until then.
+
+use std::sync::Arc;
+
+use casca::{Aabb, GridSpec, Method, ObjectDesc, Plane, Query, Scene, Settings, Sphere, TriMesh, View};
+use glam::{UVec3, Vec3};
+
+fn scene(cells: u32) -> Scene {
+    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(cells) }).unwrap()
+}
+
+fn query(method: Method) -> Query {
+    let mut settings = Settings::default();
+    settings.method = method;
+    Query::with_settings(settings).unwrap()
+}
+
+#[test]
+fn occluders_that_nobody_reported_leave_no_opaque_cells() {
+    for method in [Method::Point, Method::Cell] {
+        let mut scene = scene(24);
+        let at = |x: f32| Aabb::new(Vec3::new(x, 4.0, 10.0), Vec3::new(x + 8.0, 20.0, 14.0));
+        let movers = [6.0, 9.0].map(|x| {
+            let desc = ObjectDesc::dynamic(at(x)).occluder(at(x)).max_speed(1.0);
+            scene.insert(desc.reported_on_expiry()).unwrap()
+        });
+        let ball = Sphere::new(Vec3::new(11.5, 12.0, 18.0), 0.4);
+        let ball = scene.insert(ObjectDesc::fixed(ball)).unwrap();
+        // A view beside both from so near that no volume fits.
+        let away = Plane { normal: Vec3::NEG_Z, offset: 9.0 };
+        let mut query = query(method);
+        scene.begin_frame(0.0).unwrap();
+        query.run(&scene, &View::from_planes(Vec3::new(11.5, 12.0, 9.5), &[away]).unwrap());
+        scene.end_frame([query.pvs()]).unwrap();
+        let due = scene.begin_frame(1.0).unwrap();
+        assert!(movers.iter().all(|id| due.contains(id)));
+        for id in movers {
+            let far = Aabb::new(Vec3::new(1.0, 1.0, 20.0), Vec3::new(2.0, 2.0, 22.0));
+            scene.update(id, far, Some(far.into())).unwrap();
+        }
+        let pvs = query.run(&scene, &View::around(Vec3::new(11.5, 12.5, 2.5)).unwrap());
+        assert!(pvs.contains(ball), "{method:?}");
+        movers.iter().for_each(|&id| scene.remove(id).unwrap());
+        assert_eq!(scene.dynamic_opacity().count(), 0);
+    }
+}
+
+/// A closed box of triangles.
+fn shell(min: Vec3, max: Vec3) -> Arc<TriMesh> {
+    let corner =
+        |i: usize| Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 1 { max[a] } else { min[a] }));
+    let quads = [[0u32, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    Arc::new(TriMesh::new((0..8).map(corner).collect(), triangles).unwrap())
+}
+
+#[test]
+fn an_eye_in_a_closed_mesh_sees_what_is_in_it_whatever_came_and_went() {
+    for (abut, method) in
+        [(false, Method::Point), (true, Method::Point), (false, Method::Cell), (true, Method::Cell)]
+    {
+        let mut scene = scene(16);
+        let mesh = shell(Vec3::splat(2.3), Vec3::splat(12.3));
+        scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+        if abut {
+            let slab = Aabb::new(Vec3::ONE, Vec3::new(14.0, 14.0, 2.6));
+            scene.insert(ObjectDesc::fixed(slab).occluder(slab)).unwrap();
+        }
+        let inside = Sphere::new(Vec3::new(10.5, 10.5, 4.5), 0.1);
+        let inside = scene.insert(ObjectDesc::fixed(inside)).unwrap();
+        let opaque = scene.static_opacity().count();
+        // A solid at the eye comes and goes.
+        let guest = Sphere::new(Vec3::splat(5.5), 0.9);
+        let guest = scene.insert(ObjectDesc::fixed(guest).occluder(guest)).unwrap();
+        scene.remove(guest).unwrap();
+        assert_eq!(scene.static_opacity().count(), opaque);
+        scene.begin_frame(0.1).unwrap();
+        let mut query = query(method);
+        let pvs = query.run(&scene, &View::around(Vec3::splat(5.6)).unwrap());
+        assert!(pvs.contains(inside), "{method:?}, a slab beside it: {abut}");
+    }
+}
