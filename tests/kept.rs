@@ -181,7 +181,7 @@ fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
                 let i = which % movers.len();
                 let (id, sphere) = &mut movers[i];
                 sphere.center = (sphere.center + offset).clamp(Vec3::ONE, Vec3::splat(23.0));
-                scene.update(*id, *sphere, (i % 2 == 0).then(|| (*sphere).into())).unwrap();
+                scene.update(*id, *sphere, i.is_multiple_of(2).then(|| (*sphere).into())).unwrap();
             }
             Step::Look(eye, give) => {
                 let mut query = query(method);
@@ -189,7 +189,7 @@ fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
                 given.extend(give.then(|| pvs.clone()));
                 kept[eye] = Some(pvs);
             }
-            Step::End => drop(scene.end_frame(&given.drain(..).collect::<Vec<_>>()).unwrap()),
+            Step::End => drop(scene.end_frame(&std::mem::take(&mut given)).unwrap()),
             Step::Time(by) => {
                 now += by;
                 scene.begin_frame(now).unwrap();
