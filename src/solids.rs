@@ -1,14 +1,14 @@
 //! The solids of a scene in its matrices: what they make opaque, alone and together.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::bricks::{BRICK, Pages};
-use crate::cells::{Asked, Piece, bricks_of_page, misses, opaque, touched, touched_where};
+use crate::bricks::Pages;
+use crate::cells::{Asked, Piece, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
-use crate::matrix::{ALL, Mask, NONE, beside, block_mask, both, cells_of, either, without};
+use crate::matrix::{ALL, CellBox, Mask, NONE, beside, block_mask, both, cells_of, either, without};
 use crate::scene::Scene;
 use crate::shape::{Occluder, union_contains};
 
@@ -22,38 +22,8 @@ type Place = [i32; 3];
 /// Other static solids that may lie anywhere: objects too large for the lists of cells.
 type Large = SmallVec<[u32; 8]>;
 
-/// The cells that a solid makes opaque: whole pages, and bricks elsewhere.
-#[derive(Default)]
-struct Own {
-    pages: BTreeSet<Place>,
-    bricks: BTreeMap<Place, Mask>,
-}
-
-impl Own {
-    fn brick(&self, brick: IVec3) -> &Mask {
-        if self.pages.contains(&(brick >> 3i32).to_array()) {
-            return &ALL;
-        }
-        self.bricks.get(&brick.to_array()).unwrap_or(&NONE)
-    }
-
-    /// The bricks that may have a neighbour of which not all is the solid's.
-    fn surface(&self) -> impl Iterator<Item = (IVec3, Mask)> {
-        let inner = |page: IVec3| {
-            let whole = |step: IVec3| self.pages.contains(&(page + step).to_array());
-            IVec3::AXES.into_iter().all(|step| whole(step) && whole(-step))
-        };
-        let outer = self.pages.iter().map(|&page| IVec3::from_array(page)).filter(move |&page| !inner(page));
-        let of_pages = outer.flat_map(|page| {
-            let on_surface = move |b: &IVec3| {
-                let at = *b - page * BRICK;
-                at.min_element() == 0 || at.max_element() == BRICK - 1
-            };
-            bricks_of_page(page).filter(on_surface).map(|b| (b, ALL))
-        });
-        of_pages.chain(self.bricks.iter().map(|(&b, &mask)| (IVec3::from_array(b), mask)))
-    }
-}
+/// The cells of a solid in bricks that have opaque cells of others, in them or beside them.
+type Near = BTreeMap<Place, Mask>;
 
 impl Scene {
     /// Writes what a visible dynamic object makes opaque.
@@ -145,21 +115,15 @@ impl Scene {
 
     /// Writes what a static solid makes opaque, alone and together with others.
     pub(crate) fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
+        self.mark_rims(occluder);
         let (bits, counts) = (&mut self.opacity_static, &mut self.counts_static);
-        let mut own = Own::default();
         opaque(occluder, &self.grid, &mut |piece| match piece {
-            Piece::Page(page) if counts.add_page(bits, page) => {
-                own.pages.insert(page.to_array());
-            }
-            piece => piece.bricks(|brick, mask| {
-                counts.add(bits, brick, mask);
-                own.bricks.insert(brick.to_array(), *mask);
-            }),
+            Piece::Page(page) if counts.add_page(bits, page) => {}
+            piece => piece.bricks(|brick, mask| counts.add(bits, brick, mask)),
         });
         if !occluder.is_solid() {
             return;
         }
-        self.mark_rims(&own);
         let large = self.large_solids(occluder, slot);
         let mut joint = Vec::new();
         // Only where others are near may cells be filled together with them.
@@ -178,28 +142,67 @@ impl Scene {
         self.join(joint);
     }
 
-    /// Marks the cells of a solid that lie beside opaque cells of others: where solids abut along a plane of the
-    /// grid, no cell is filled by both.
-    fn mark_rims(&mut self, own: &Own) {
-        let last = (self.grid.dims() - 1) >> 3i32;
-        for (brick, mask) in own.surface() {
-            let mut rims = NONE;
-            for (axis, step) in IVec3::AXES.into_iter().enumerate() {
-                for up in [false, true] {
-                    let next = if up { brick + step } else { brick - step };
-                    if next.cmplt(IVec3::ZERO).any() || next.cmpgt(last).any() {
-                        continue;
-                    }
-                    let bits = &self.opacity_static;
-                    let solid = beside(bits.brick(brick), bits.brick(next), axis, up);
-                    let own = beside(&mask, own.brick(next), axis, up);
-                    rims = either(&rims, &both(&mask, &without(&solid, &own)));
-                }
+    /// Marks the cells that a solid will make opaque beside opaque cells of others: where solids abut along a plane
+    /// of the grid, no cell is filled by both.
+    fn mark_rims(&mut self, occluder: &Occluder) {
+        let mut rims = Vec::new();
+        let near = self.cells_near_others(occluder);
+        for (&place, mask) in &near {
+            let brick = IVec3::from_array(place);
+            let mut rim = NONE;
+            for (next, axis, up) in self.bricks_beside(brick) {
+                let bits = &self.opacity_static;
+                let others = beside(bits.brick(brick), bits.brick(next), axis, up);
+                // A cell of both is no seam. Bricks that are not here have no cells of others.
+                let own = beside(mask, near.get(&next.to_array()).unwrap_or(&NONE), axis, up);
+                rim = either(&rim, &both(mask, &without(&others, &own)));
             }
-            if rims != NONE {
-                self.fused.add_rims(brick, &rims);
+            if rim != NONE {
+                rims.push((brick, rim));
             }
         }
+        rims.iter().for_each(|(brick, rim)| self.fused.add_rims(*brick, rim));
+    }
+
+    /// The cells of a solid that is not written yet, as far as others are near.
+    fn cells_near_others(&self, occluder: &Occluder) -> Near {
+        let mut near = Near::new();
+        let around = occluder.block();
+        let (lo, hi) = self.grid.cover(around.min, around.max);
+        let Some((lo, hi)) = self.grid.clip(lo - 1, hi + 1) else { return near };
+        let pages = self.opacity_static.pages();
+        let empty = |lo: IVec3, hi: IVec3| {
+            CellBox { lo: lo >> 6i32, hi: hi >> 6i32 }.cells().all(|page| pages.page_is_empty(page))
+        };
+        if !occluder.is_solid() || empty(lo, hi) {
+            return near;
+        }
+        let last = self.grid.dims() - 1;
+        opaque(occluder, &self.grid, &mut |piece| {
+            if let Piece::Page(page) = piece
+                && empty(((page << 6i32) - 1).max(IVec3::ZERO), ((page << 6i32) + 64).min(last))
+            {
+                return;
+            }
+            piece.bricks(|brick, mask| {
+                let held = |b: IVec3| *self.opacity_static.brick(b) != NONE;
+                if held(brick) || self.bricks_beside(brick).any(|(next, ..)| held(next)) {
+                    near.insert(brick.to_array(), *mask);
+                }
+            });
+        });
+        near
+    }
+
+    /// The bricks of the grid that share a face with a brick: axis, and whether they lie above.
+    fn bricks_beside(&self, brick: IVec3) -> impl Iterator<Item = (IVec3, usize, bool)> + use<> {
+        let last = (self.grid.dims() - 1) >> 3i32;
+        IVec3::AXES.into_iter().enumerate().flat_map(move |(axis, step)| {
+            let inside = move |b: &IVec3| b.cmpge(IVec3::ZERO).all() && b.cmple(last).all();
+            [(brick - step, axis, false), (brick + step, axis, true)]
+                .into_iter()
+                .filter(move |n| inside(&n.0))
+        })
     }
 
     /// Takes away what a static solid made opaque, but for cells inside the union of others. It is in no
