@@ -54,6 +54,12 @@ impl Fused {
         self.stale.insert(brick.to_array());
     }
 
+    /// Cells of a brick lie beside those of no other solid any more.
+    pub(crate) fn forget_rims(&mut self, brick: IVec3, cells: &Mask) {
+        self.rims.clear_mask(brick, cells);
+        self.stale.insert(brick.to_array());
+    }
+
     /// Cells of a brick have no such reason any more.
     pub(crate) fn part(&mut self, brick: IVec3, cells: &Mask) {
         self.cells.clear_mask(brick, cells);
@@ -61,12 +67,12 @@ impl Fused {
 
     /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block touches.
     pub(crate) fn for_cells(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
-        for brick in bricks_there(self.cells.pages(), lo >> 3i32, hi >> 3i32) {
-            let mask = self.cells.brick(brick);
-            if *mask != NONE {
-                out(brick, mask);
-            }
-        }
+        masks_there(&self.cells, lo, hi, out);
+    }
+
+    /// Calls `out` with the cells that were beside another solid's, of all bricks that a block touches.
+    pub(crate) fn for_rims(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
+        masks_there(&self.rims, lo, hi, out);
     }
 
     /// Cells of a brick are no longer opaque: boxes that hold some of them go.
@@ -144,6 +150,16 @@ impl Fused {
 
     pub(crate) fn bytes(&self) -> usize {
         self.cells.bytes() + self.rims.bytes() + self.boxes.bytes() + self.stale.len() * 24
+    }
+}
+
+/// Calls `out` with the set cells of all bricks that a block touches.
+fn masks_there(cells: &BitMatrix, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
+    for brick in bricks_there(cells.pages(), lo >> 3i32, hi >> 3i32) {
+        let mask = cells.brick(brick);
+        if *mask != NONE {
+            out(brick, mask);
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::cells::{Asked, Piece, misses, opaque, touched, touched_where};
 use crate::geometry::Block;
 use crate::matrix::{ALL, CellBox, Mask, NONE, beside, block_mask, both, cells_of, either, without};
 use crate::scene::Scene;
-use crate::shape::{Occluder, union_contains};
+use crate::shape::{Occluder, Shape, union_contains};
 
 /// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
 /// fill a cell together with it. More than that leave the cell transparent.
@@ -21,6 +21,16 @@ type Place = [i32; 3];
 
 /// Other static solids that may lie anywhere: objects too large for the lists of cells.
 type Large = SmallVec<[u32; 8]>;
+
+/// No object.
+const NOBODY: u32 = u32::MAX;
+
+/// The mask of cells of one brick.
+fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
+    let mut mask = NONE;
+    cells.for_each(|c| mask[(c.z & 7) as usize] |= 1 << ((c.y & 7) << 3 | c.x & 7));
+    mask
+}
 
 /// The cells of a solid in bricks that have opaque cells of others, in them or beside them.
 type Near = BTreeMap<Place, Mask>;
@@ -249,10 +259,7 @@ impl Scene {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
         self.fused.for_cells(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
-            let mut lost = NONE;
-            for c in cells_of(brick, &mask).filter(|&c| !self.solid_with(c, slot, &large, None)) {
-                lost[(c.z & 7) as usize] |= 1 << ((c.y & 7) << 3 | c.x & 7);
-            }
+            let lost = mask_of(cells_of(brick, &mask).filter(|&c| !self.solid_with(c, slot, &large, None)));
             if lost != NONE {
                 open.push((brick, lost));
             }
@@ -262,6 +269,32 @@ impl Scene {
             self.fused.part(brick, &mask);
             self.fused.clear_cells(brick, &gone);
         }
+        self.forget_rims(lo, hi);
+    }
+
+    /// Cells beside those of a solid that is gone are rims only where yet other solids meet.
+    fn forget_rims(&mut self, lo: IVec3, hi: IVec3) {
+        let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(self.grid.dims() - 1));
+        let mut idle: Vec<(IVec3, Mask)> = Vec::new();
+        self.fused.for_rims(lo, hi, &mut |brick, mask| {
+            let mask = both(mask, &block_mask(brick, lo, hi));
+            let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_rim(c)));
+            if gone != NONE {
+                idle.push((brick, gone));
+            }
+        });
+        idle.iter().for_each(|(brick, cells)| self.fused.forget_rims(*brick, cells));
+    }
+
+    /// Whether no single solid fills an opaque cell and all opaque cells beside it.
+    fn is_rim(&self, cell: IVec3) -> bool {
+        let mut steps = IVec3::AXES.into_iter().flat_map(|step| [cell + step, cell - step]);
+        self.opacity_static.get(cell)
+            && steps.any(|next| {
+                let (min, max) = self.grid.range_bounds(cell.min(next), cell.max(next));
+                self.opacity_static.get(next)
+                    && !self.static_solids(cell, NOBODY).any(|solid| solid.contains_box(min, max))
+            })
     }
 
     /// Makes cells opaque that solids fill together.

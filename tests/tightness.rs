@@ -58,10 +58,16 @@ fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
         scene.begin_frame(0.0).unwrap();
         let views = views(eye.into(), 0.05);
         views.iter().for_each(|view| both_hide(&scene, view, behind));
-        // A half that is gone hides nothing.
+        let boxes = |scene: &Scene| {
+            let mut query = query(Method::Point);
+            query.run(scene, &View::around(eye.into()).unwrap()).stats().cells_drawn
+        };
+        assert!(boxes(&scene) > 0);
+        // A half that is gone hides nothing, and leaves no seam to close.
         scene.remove(halves[1]).unwrap();
         scene.begin_frame(1.0).unwrap();
         assert!(query(Method::Point).run(&scene, &views[0]).contains(behind));
+        assert_eq!(boxes(&scene), 0);
     }
 }
 
