@@ -117,7 +117,7 @@ pub enum Due {
     None,
 }
 
-/// What is done to a scene. Objects are named by a number each; what is done to one that is not there is left out.
+/// A call on a scene. Each object has a number for a name; calls on objects that do not exist are passed over.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub enum Op {
@@ -145,7 +145,7 @@ pub enum Op {
     Uncover {
         who: u16,
     },
-    /// Updates with what is known already.
+    /// Updates with the bounds that the scene has already.
     Same {
         who: u16,
     },
@@ -156,7 +156,7 @@ pub enum Op {
     Remove {
         who: u16,
     },
-    /// Moves an unreported object by a share of what it promised.
+    /// Moves an unreported object by a share of the way that its promise allows.
     Drift {
         who: u16,
         along: Vec3,

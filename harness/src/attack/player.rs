@@ -23,9 +23,9 @@ const MOST_GONE: usize = 8;
 /// In which way a play failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// A set lacks what is seen.
+    /// A set lacks a visible object.
     Lost,
-    /// A kept set is said to hold, and lacks what is seen.
+    /// A kept set is said to hold, and lacks a visible object.
     Held,
     /// A volume does not hold its object for sure.
     Volume,
