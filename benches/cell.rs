@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
 use casca::{Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
-use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::measure::{Settled, median, ratio};
-use casca_harness::scenes::{SceneKind, SceneOptions, build};
-use casca_harness::world::{FRAME_SECONDS, Motion, Shape, World};
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::measure::{Settled, median, ratio};
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
+use casca_lab::world::{FRAME_SECONDS, Motion, Shape, World};
 use criterion::Criterion;
 
 fn spheres(hidden_extra: usize) -> World {

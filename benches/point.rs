@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use casca::{Query, Settings};
-use casca_harness::measure::{Settled, median, ratio};
-use casca_harness::scenes::{SceneKind, SceneOptions, build};
+use casca_lab::measure::{Settled, median, ratio};
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use criterion::Criterion;
 
 const WALK: &str = "point, walk of 50 queries";

@@ -13,9 +13,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use casca::{FileError, Preparation, TriMesh};
-use casca_harness::command_line::{EXIT_CODES, Outcome, PathError, finish, say, try_writing};
-use casca_harness::import;
-use casca_harness::world::{Mesh, Shape};
+use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, finish, say, try_writing};
+use casca_lab::import;
+use casca_lab::world::{Mesh, Shape};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use casca_harness::command_line::{EXIT_CODES, Outcome, finish, make_folder, say, try_writing_into};
-use casca_harness::import;
-use casca_harness::lab::{
+use casca_lab::command_line::{EXIT_CODES, Outcome, finish, make_folder, say, try_writing_into};
+use casca_lab::import;
+use casca_lab::lab::{
     Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
 };
 use clap::Parser;

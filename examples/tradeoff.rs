@@ -8,12 +8,12 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use casca_harness::command_line::{
+use casca_lab::command_line::{
     EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, finish, say, try_writing_into,
 };
-use casca_harness::lab::LabError;
-use casca_harness::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
-use casca_harness::scenes::{SceneKind, SceneOptions};
+use casca_lab::lab::LabError;
+use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
+use casca_lab::scenes::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -7,7 +7,7 @@ use casca::{
     Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Settings, Sphere,
     View,
 };
-use casca_harness::cases;
+use casca_lab::cases;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -4,7 +4,7 @@
 use casca::matrix::{BitMatrix, OcclusionMatrix};
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, Settings, View};
-use casca_harness::cases;
+use casca_lab::cases;
 use glam::{DVec3, IVec3, Vec3};
 use proptest::prelude::*;
 

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use casca::{
     Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Settings, Sphere, TriMesh,
 };
-use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::scenes::{SceneKind, SceneOptions, build};
-use casca_harness::world::FRAME_SECONDS;
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
+use casca_lab::world::FRAME_SECONDS;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Affine3A, Vec3};
 

@@ -23,9 +23,9 @@ mod stage;
 
 use std::path::Path;
 
-use casca_harness::command_line::SceneName;
-use casca_harness::scenes::{SceneKind, SceneOptions};
-use casca_harness::world::Camera;
+use casca_lab::command_line::SceneName;
+use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_lab::world::Camera;
 
 use canvas::{Canvas, coloured};
 use gpu::{COLOUR, Gpu, GpuError};

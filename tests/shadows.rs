@@ -7,10 +7,10 @@ use std::sync::Arc;
 use casca::{
     Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Settings, Sphere, TriMesh, View,
 };
-use casca_harness::cases;
-use casca_harness::drive::Driver;
-use casca_harness::oracle::RayOracle;
-use casca_harness::world::{Camera, Mesh, Motion, Object, Shape};
+use casca_lab::cases;
+use casca_lab::drive::Driver;
+use casca_lab::oracle::RayOracle;
+use casca_lab::world::{Camera, Mesh, Motion, Object, Shape};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, DVec3, EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;

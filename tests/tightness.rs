@@ -92,8 +92,8 @@ fn solids_beside_the_eye_are_not_cut_because_their_box_is() {
 }
 
 mod laboratory {
-    use casca_harness::drive::{Driver, grid_for, view_of};
-    use casca_harness::scenes::{SceneKind, SceneOptions, build};
+    use casca_lab::drive::{Driver, grid_for, view_of};
+    use casca_lab::scenes::{SceneKind, SceneOptions, build};
 
     use super::*;
 

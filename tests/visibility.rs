@@ -8,12 +8,12 @@ use casca::{
     Bounds, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings,
     Sphere, View,
 };
-use casca_harness::baselines::{Hzb, RayBuffer};
-use casca_harness::cases;
-use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::oracle::{Oracle, OracleOptions};
-use casca_harness::scenes::{SceneKind, SceneOptions, build};
-use casca_harness::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use casca_lab::baselines::{Hzb, RayBuffer};
+use casca_lab::cases;
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::oracle::{Oracle, OracleOptions};
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
+use casca_lab::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Quat, UVec3, Vec3};
 use proptest::prelude::*;

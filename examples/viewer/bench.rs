@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use casca_harness::scenes::{self, SceneKind, SceneOptions};
+use casca_lab::scenes::{self, SceneKind, SceneOptions};
 
 use super::canvas::{Canvas, coloured};
 use super::gpu::{COLOUR, Gpu};

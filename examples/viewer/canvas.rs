@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use casca_harness::command_line::PathError;
-use casca_harness::world::{Camera, Object};
+use casca_lab::command_line::PathError;
+use casca_lab::world::{Camera, Object};
 
 use super::geometry::{DrawList, Geometry, colour_of};
 use super::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};

@@ -5,8 +5,8 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use casca::{Query, Scene};
-use casca_harness::drive::{Driver, view_of};
-use casca_harness::world::{Camera, Object};
+use casca_lab::drive::{Driver, view_of};
+use casca_lab::world::{Camera, Object};
 
 /// Nothing, or what went wrong.
 pub type Done = Result<(), Box<dyn Error>>;

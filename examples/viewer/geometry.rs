@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use casca_harness::world::{Mesh, Object, Shape};
+use casca_lab::world::{Mesh, Object, Shape};
 
 /// An object as the shaders take it.
 #[repr(C)]

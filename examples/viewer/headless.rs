@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use casca_harness::command_line::{make_folder, say};
-use casca_harness::world::{Camera, Shape};
+use casca_lab::command_line::{make_folder, say};
+use casca_lab::world::{Camera, Shape};
 use glam::Vec3;
 
 use super::canvas::{Canvas, coloured, write_png};

@@ -20,8 +20,8 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use casca_harness::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder, say};
-use casca_harness::scenes::{SceneKind, SceneOptions};
+use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder, say};
+use casca_lab::scenes::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
 use gpu::Gpu;

@@ -5,8 +5,8 @@ use std::thread::{self, JoinHandle};
 use casca::matrix::BitMatrix;
 use casca::reference::{Cap, occlusion_by_caps};
 use casca::{Query, Scene, Settings};
-use casca_harness::drive::view_of;
-use casca_harness::world::{Camera, Object, Shape};
+use casca_lab::drive::view_of;
+use casca_lab::world::{Camera, Object, Shape};
 use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
 
 use super::renderer::{Corner, Line, Marks};

@@ -8,7 +8,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_harness::command_line::make_folder;
+use casca_lab::command_line::make_folder;
 
 use super::canvas::{Canvas, coloured, write_png};
 use super::gpu::{COLOUR, Gpu};

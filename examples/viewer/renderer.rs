@@ -1,7 +1,7 @@
 //! Draws lists of objects: as a picture, or as an item buffer with the numbers of the objects.
 
 use bytemuck::{Pod, Zeroable};
-use casca_harness::world::Camera;
+use casca_lab::world::Camera;
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, TextureFormat, VertexFormat, VertexStepMode, vertex_attr_array};
 

@@ -6,10 +6,10 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use casca::{Query, Scene, Settings};
-use casca_harness::baselines::{Hzb, RayBuffer};
-use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::measure::timed;
-use casca_harness::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_lab::baselines::{Hzb, RayBuffer};
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::measure::timed;
+use casca_lab::world::{Camera, FRAME_SECONDS, Object, World};
 
 use super::frame_loop::{self, Done};
 use super::geometry::Geometry;

@@ -5,9 +5,9 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use casca_harness::command_line::SceneName;
-use casca_harness::scenes::{SceneKind, SceneOptions};
-use casca_harness::world::{Camera, FRAME_SECONDS};
+use casca_lab::command_line::SceneName;
+use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_lab::world::{Camera, FRAME_SECONDS};
 use glam::Vec3;
 use wgpu::CurrentSurfaceTexture;
 use winit::application::ApplicationHandler;

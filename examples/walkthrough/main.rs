@@ -11,17 +11,17 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use casca::{Aabb, GridSpec, Method, Query};
-use casca_harness::baselines::{Hzb, RayBuffer};
-use casca_harness::command_line::{Outcome, PathError, finish, say, try_writing, try_writing_into};
-use casca_harness::drive::{Driver, grid_for, view_of};
-use casca_harness::import::ImportError;
-use casca_harness::measure::timed;
-use casca_harness::oracle::{ItemBuffer, Oracle, OracleOptions};
-use casca_harness::pictures::{
+use casca_lab::baselines::{Hzb, RayBuffer};
+use casca_lab::command_line::{Outcome, PathError, finish, say, try_writing, try_writing_into};
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::import::ImportError;
+use casca_lab::measure::timed;
+use casca_lab::oracle::{ItemBuffer, Oracle, OracleOptions};
+use casca_lab::pictures::{
     FrameCounts, FramePicture, TopView, buffers, chart, frame as frame_picture, top_view,
 };
-use casca_harness::scenes::SceneOptions;
-use casca_harness::world::{FRAME_SECONDS, World};
+use casca_lab::scenes::SceneOptions;
+use casca_lab::world::{FRAME_SECONDS, World};
 use indicatif::{ProgressBar, ProgressStyle};
 use options::{GridChoice, MethodName, Options};
 use serde_json::json;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use casca::{MAX_CELLS_PER_AXIS, Method, Query, Settings};
-use casca_harness::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTHS};
+use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTHS};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, value_parser};
 use glam::UVec3;

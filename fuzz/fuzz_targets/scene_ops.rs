@@ -8,8 +8,8 @@ use casca::{
     Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Settings, Sphere,
     View,
 };
-use casca_harness::oracle::RayOracle;
-use casca_harness::world::{Motion, Object, Shape};
+use casca_lab::oracle::RayOracle;
+use casca_lab::world::{Motion, Object, Shape};
 use glam::{DVec3, Mat4, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 

@@ -12,8 +12,8 @@ use casca::{
     Aabb, Bounds, Facing, GridSpec, Instance, Method, ObjectDesc, ObjectId, Occluder, Preparation, Query,
     Scene, Settings, TriMesh, View,
 };
-use casca_harness::cases;
-use casca_harness::world::Camera;
+use casca_lab::cases;
+use casca_lab::world::Camera;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, DAffine3, DVec3, Mat3A, Quat, UVec3, Vec3, Vec3A};
 use proptest::prelude::*;

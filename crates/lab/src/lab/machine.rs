@@ -28,7 +28,7 @@ pub(super) fn machine() -> String {
 /// The commit of the working tree, and whether it was changed; of the compiler, its version.
 pub(super) fn commit() -> String {
     let commit = output("git", &["rev-parse", "--short", "HEAD"]).unwrap_or_else(|| "unknown".to_owned());
-    let changed = output("git", &["status", "--porcelain", "--untracked-files=no", "--", "src", "harness"]);
+    let changed = output("git", &["status", "--porcelain", "--untracked-files=no", "--", "src", "crates"]);
     let changed = if changed.is_some() { " with changes" } else { "" };
     let compiler = output("rustc", &["--version"]).unwrap_or_else(|| "rustc unknown".to_owned());
     format!("{commit}{changed}, {compiler}")

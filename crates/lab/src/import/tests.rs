@@ -227,7 +227,7 @@ fn deep_trees_need_no_deep_stack() {
 
 #[test]
 fn reads_the_real_scenes() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
     for (file, objects, triangles) in [
         ("sponza.glb", 339, 262_267),
         ("sponza-parts.glb", 1444, 262_267),
