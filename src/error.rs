@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::{DVec3, Quat, UVec3, Vec3};
 
-use crate::ObjectId;
+use crate::id::ObjectId;
 
 /// Why a call was refused. The scene or query is left as it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

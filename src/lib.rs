@@ -13,46 +13,40 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-mod aggressive;
-mod bricks;
-mod cells;
-mod cut;
-mod draw;
+mod derived;
 mod error;
-mod fused;
 mod geometry;
 mod grid;
-mod mask;
+mod id;
 pub mod matrix;
+mod mesh;
+mod method;
+mod numeric;
 mod object;
 mod occlusion;
-mod outer;
 mod pvs;
 mod query;
 pub mod reference;
 mod scene;
-mod shadows;
 mod shape;
-mod solids;
-mod surface;
-mod tbv;
 mod view;
 mod walk;
 
-pub use aggressive::AggressiveOpacity;
-pub use draw::{DrawItem, DrawOptions};
+pub use derived::{AggressiveOpacity, DrawItem, DrawOptions};
 pub use error::{Error, FileError};
-pub use geometry::{Aabb, Obb, Sphere};
+pub use geometry::{Aabb, Obb, Plane, Sphere};
+pub use grid::run::CellRun;
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
-pub use object::{Motion, ObjectDesc, ObjectId, Reports};
-pub use occlusion::OcclusionImage;
+pub use id::ObjectId;
+pub use mesh::{Facing, Instance, Preparation, TriMesh};
+pub use method::{Method, Settings};
+pub use object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
+pub use occlusion::image::OcclusionImage;
 pub use pvs::{Pvs, Stats};
-pub use query::{Method, Query, Settings};
+pub use query::Query;
 pub use scene::{FrameReport, MemoryUse, Scene};
-pub use shape::{
-    Bounds, CellRun, Convex, Facing, Instance, MAX_CONVEX, Occluder, Preparation, Shape, TriMesh,
-};
-pub use view::{MAX_PLANES, Plane, View};
+pub use shape::{Convex, MAX_CONVEX, Shape};
+pub use view::{MAX_PLANES, View};
 
 #[doc = include_str!("../README.md")]
 #[cfg(doctest)]

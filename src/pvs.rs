@@ -2,10 +2,9 @@
 
 use glam::IVec3;
 
-use crate::object::ObjectId;
-use crate::query::Method;
-use crate::scene::Scene;
-use crate::view::{Origin, View};
+use crate::id::ObjectId;
+use crate::method::Method;
+use crate::view::View;
 
 /// What a query did, the same on every machine. The library has no clock: measure around [`crate::Query::run`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -167,53 +166,5 @@ impl Pvs {
     /// taken to be hidden: then the set holds all that lies inside the half-spaces.
     pub fn view_cell(&self) -> Option<IVec3> {
         self.cell
-    }
-
-    /// Whether this result still holds for a new view. In doubt, no.
-    ///
-    /// For all methods, nothing moved that matters, and the new view sees nothing outside the
-    /// half-spaces of this result's. [`Method::Frustum`] asks no more; nor does [`Method::Cell`]
-    /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
-    /// (nor does any other plane that lies between its eye and what it sees), and
-    /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
-    /// - [`Method::Point`]: the new eye is at the same point.
-    ///
-    /// So a result of [`Method::Cell`] in all directions ([`View::around`]) holds for every view from its cell.
-    /// Aggressive results never hold. Costs the planes of both views, and the cells before the near plane.
-    pub fn holds(&self, scene: &Scene, view: &View) -> bool {
-        let Some(own) = &self.view else { return false };
-        let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
-        if self.aggressive || scene.tag() != self.scene || revision != self.revision {
-            return false;
-        }
-        // A volume that was hidden stands for all that moves in it; one that was seen does not.
-        if self.revealed.iter().any(|&id| scene.moved_since(id, self.moves)) {
-            return false;
-        }
-        if own == view {
-            return true;
-        }
-        let (min, max) = scene.extent();
-        if !own.holds(view, min, max) {
-            return false;
-        }
-        match self.method {
-            Method::Frustum => true,
-            // Also where the eye is in an occluder: that one was left out.
-            Method::Point => {
-                own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view)
-            }
-            // Nothing was taken to be hidden.
-            Method::Cell if self.stats.eye_in_occluder => true,
-            // The half-spaces were widened to hold the whole cell: every point of it will do.
-            Method::Cell => {
-                let Origin::Eye { at, error } = view.origin else { return false };
-                let cell_of = |p| Some(scene.grid().cell_of(p));
-                cell_of(at - error) == self.cell
-                    && cell_of(at + error) == self.cell
-                    && !scene.inside_occluder(at)
-                    && !scene.near_plane_cuts(view)
-            }
-        }
     }
 }

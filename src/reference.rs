@@ -14,8 +14,8 @@
 
 use glam::{IVec2, IVec3};
 
-use crate::mask::Side;
-use crate::matrix::{BitMatrix, OcclusionMatrix};
+use crate::grid::side::Side;
+use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 
 /// The outline of the blocked cells of one side of a shell, in the side's two
 /// coordinates (columns, rows), relative to the viewer's cell.

@@ -4,9 +4,10 @@
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
 
+use crate::geometry::plane::HalfSpace;
 use crate::grid::Grid;
-use crate::mask::Side;
-use crate::view::{HalfSpace, Origin, View};
+use crate::grid::side::Side;
+use crate::view::{Origin, View};
 
 /// Half-spaces are widened by this many cells: far more than the rounding of
 /// coordinates up to 2^21 cells, far less than a cell.
@@ -169,8 +170,8 @@ mod tests {
     use glam::{UVec3, Vec3};
 
     use super::*;
+    use crate::geometry::Plane;
     use crate::grid::GridSpec;
-    use crate::view::Plane;
 
     #[test]
     fn absurd_planes_overflow_nothing() {

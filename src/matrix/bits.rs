@@ -1,9 +1,9 @@
 //! Bit matrices O and H: one bit a cell, 64 cells a word, read as 8x8 tiles.
 
+use crate::grid::bricks::{BRICK, Bricks, Pages};
+use crate::grid::cell_box::CellBox;
+use crate::grid::side::SideAxes;
 use glam::IVec3;
-
-use super::tbv::CellBox;
-use crate::bricks::{BRICK, Bricks, Pages};
 
 /// Cells of a brick: word z holds its slice, bit 8y+x.
 pub(crate) type Mask = [u64; 8];
@@ -254,23 +254,6 @@ impl BitMatrix {
 pub(crate) fn span8(lo: i32, hi: i32) -> u64 {
     let (lo, hi) = (lo.max(0), hi.min(7));
     if lo > hi { 0 } else { (0xff >> (7 - hi)) & (0xff << lo) & 0xff }
-}
-
-/// Which axes of space are the normal, the columns and the rows of a side of
-/// a chessboard shell. Columns run along x where they can.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct SideAxes {
-    pub(crate) normal: usize,
-    pub(crate) col: usize,
-    pub(crate) row: usize,
-}
-
-impl SideAxes {
-    pub(crate) const ALL: [Self; 3] = [
-        Self { normal: 0, col: 1, row: 2 },
-        Self { normal: 1, col: 0, row: 2 },
-        Self { normal: 2, col: 0, row: 1 },
-    ];
 }
 
 /// Reads a tile out of a brick whose word z holds slice z (bit 8y+x).

@@ -4,8 +4,8 @@
 
 use glam::IVec3;
 
-use super::bits::{ALL, BitMatrix, Mask, NONE, both, places_of, without};
-use crate::bricks::{Bricks, Pages};
+use crate::grid::bricks::{Bricks, Pages};
+use crate::matrix::bits::{ALL, BitMatrix, Mask, NONE, both, places_of, without};
 
 /// How many solids beyond the first hold the cells of a brick.
 #[derive(Clone, Default)]

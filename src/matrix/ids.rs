@@ -2,9 +2,10 @@
 
 use glam::IVec3;
 
-use super::bits::{ALL, Mask, NONE, SideAxes, count, places_of, tile_of, without};
-use super::slots::SlotList;
-use crate::bricks::{Bricks, Pages};
+use crate::grid::bricks::{Bricks, Pages};
+use crate::grid::side::SideAxes;
+use crate::matrix::bits::{ALL, Mask, NONE, count, places_of, tile_of, without};
+use crate::matrix::slots::SlotList;
 
 /// The mark of a cell with several objects; the rest of the word is the index of its list.
 const SEVERAL: u32 = 1 << 31;

@@ -7,18 +7,13 @@
 //! - [`TbvMatrix`]: Txy, Txz and Tyz, the projections of hollow temporal
 //!   bounding volumes.
 
-mod bits;
-mod counts;
-mod ids;
-mod slots;
-mod tbv;
+pub(crate) mod bits;
+pub(crate) mod counts;
+pub(crate) mod fused;
+pub(crate) mod ids;
+pub(crate) mod slots;
+pub(crate) mod tbv;
 
 pub use bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use ids::IdMatrix;
 pub use tbv::TbvMatrix;
-
-pub(crate) use bits::{
-    ALL, Mask, NONE, SideAxes, beside, block_mask, both, cells_of, either, span8, without,
-};
-pub(crate) use counts::Counts;
-pub(crate) use tbv::CellBox;

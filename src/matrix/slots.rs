@@ -13,25 +13,25 @@ struct Places(HashMap<u32, u32>);
 
 /// A list without repetition. Short ones keep their order.
 #[derive(Clone, Default)]
-pub(super) struct SlotList {
+pub(crate) struct SlotList {
     slots: SmallVec<[u32; 6]>,
     /// Of a long list, the place of each.
     places: Option<Box<Places>>,
 }
 
 impl SlotList {
-    pub(super) fn as_slice(&self) -> &[u32] {
+    pub(crate) fn as_slice(&self) -> &[u32] {
         &self.slots
     }
 
-    pub(super) fn find(&self, slot: u32) -> Option<usize> {
+    pub(crate) fn find(&self, slot: u32) -> Option<usize> {
         match &self.places {
             Some(places) => places.0.get(&slot).map(|&i| i as usize),
             None => self.slots.iter().position(|&s| s == slot),
         }
     }
 
-    pub(super) fn push(&mut self, slot: u32) {
+    pub(crate) fn push(&mut self, slot: u32) {
         self.slots.push(slot);
         if let Some(places) = &mut self.places {
             places.0.insert(slot, self.slots.len() as u32 - 1);
@@ -41,7 +41,7 @@ impl SlotList {
     }
 
     /// Exchanges two places.
-    pub(super) fn swap(&mut self, i: usize, j: usize) {
+    pub(crate) fn swap(&mut self, i: usize, j: usize) {
         self.slots.swap(i, j);
         if let Some(places) = &mut self.places {
             places.0.insert(self.slots[i], i as u32);
@@ -50,7 +50,7 @@ impl SlotList {
     }
 
     /// Takes one out and puts the last into its place.
-    pub(super) fn swap_remove(&mut self, i: usize) {
+    pub(crate) fn swap_remove(&mut self, i: usize) {
         let slot = self.slots.swap_remove(i);
         if let Some(places) = &mut self.places {
             places.0.remove(&slot);
@@ -62,7 +62,7 @@ impl SlotList {
     }
 
     /// Takes one out. The others of a short list keep their order.
-    pub(super) fn remove(&mut self, i: usize) {
+    pub(crate) fn remove(&mut self, i: usize) {
         if self.places.is_some() {
             self.swap_remove(i);
         } else {
@@ -78,7 +78,7 @@ impl SlotList {
     }
 
     /// Bytes on the heap.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let table = |p: &Places| size_of_val(p) + p.0.capacity() * (size_of::<(u32, u32)>() + 1);
         let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<u32>() } else { 0 };
         spilled + self.places.as_deref().map_or(0, table)

@@ -10,48 +10,22 @@
 //! The projections are kept brick by brick, so that a volume is found only from
 //! the part of space where it is, however many others share its rows.
 
+use crate::grid::bricks::{BRICK, Bricks, Pages};
+use crate::grid::cell_box::CellBox;
+use crate::grid::side::SideAxes;
+use crate::matrix::bits::span8;
 use glam::IVec3;
 
-use super::bits::{SideAxes, span8};
-use crate::bricks::{BRICK, Bricks, Pages};
-
-/// A block of cells, both corners included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct CellBox {
-    pub(crate) lo: IVec3,
-    pub(crate) hi: IVec3,
-}
-
-impl CellBox {
-    pub(crate) fn contains(&self, cell: IVec3) -> bool {
-        cell.cmpge(self.lo).all() && cell.cmple(self.hi).all()
-    }
-
-    pub(crate) fn cells(self) -> impl Iterator<Item = IVec3> {
-        let Self { lo, hi } = self;
-        (lo.z..=hi.z).flat_map(move |z| {
-            (lo.y..=hi.y).flat_map(move |y| (lo.x..=hi.x).map(move |x| IVec3::new(x, y, z)))
-        })
-    }
-
-    /// The bricks that the surface passes through.
-    fn surface_bricks(self) -> impl Iterator<Item = IVec3> {
-        let (b0, b1) = (self.lo >> 3i32, self.hi >> 3i32);
-        (b0.z..=b1.z).flat_map(move |z| {
-            (b0.y..=b1.y).flat_map(move |y| {
-                (b0.x..=b1.x).map(move |x| IVec3::new(x, y, z)).filter(move |&b| !self.swallows(b))
-            })
-        })
-    }
-
-    /// Whether all cells of a brick lie strictly inside.
-    fn swallows(&self, brick: IVec3) -> bool {
-        let (first, last) = (brick * BRICK, brick * BRICK + BRICK - 1);
-        first.cmpgt(self.lo).all() && last.cmplt(self.hi).all()
-    }
-
+/// The walls of a block of cells, brick by brick.
+trait Hollow {
     /// The hollow projection along one axis as an 8x8 tile of a brick: bit 8b+a
     /// for the axes a and b that remain.
+    fn hollow(&self, brick: IVec3, a: usize, b: usize) -> u64;
+
+    fn projections(&self, brick: IVec3) -> Projections;
+}
+
+impl Hollow for CellBox {
     fn hollow(&self, brick: IVec3, a: usize, b: usize) -> u64 {
         let corner = brick * BRICK;
         let (a0, a1) = (self.lo[a] - corner[a], self.hi[a] - corner[a]);

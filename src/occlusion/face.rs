@@ -5,7 +5,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-use crate::mask::Side;
+use crate::grid::side::Side;
 
 /// A plane of directions. Points are given relative to the origin (the eye, or
 /// the middle of the plane of parallel rays); a point's coordinates are `(u, v)`, both in

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::OcclusionBuffers;
-use super::tiles::TILE;
+use crate::occlusion::OcclusionBuffers;
+use crate::occlusion::tiles::TILE;
 
 /// What one side of the view cube (or the plane of parallel rays) covers, inside the view.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub struct OcclusionImage {
 impl OcclusionBuffers {
     /// All sides that the view looks through.
     pub(crate) fn images(&self) -> Vec<OcclusionImage> {
-        let image = |b: &super::FaceBuffer| {
+        let image = |b: &crate::occlusion::FaceBuffer| {
             let ((x0, x1), (y0, y1)) = (b.px, b.py);
             let mut depth = Vec::new();
             for y in y0..y1 {

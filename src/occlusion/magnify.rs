@@ -4,11 +4,11 @@
 //! of triangles that reach into them, drawn together at a finer pitch: silhouettes are then a
 //! pixel wide that is an eighth as wide, and no seam stays between patches of different batches.
 
-use super::surface::SurfaceScratch;
-use super::target::Target;
-use super::tiles::TILE;
-use super::{BIN, Drawable, FaceBuffer, OcclusionBuffers};
 use crate::occlusion::face::Rect;
+use crate::occlusion::surface::{Drawable, SurfaceScratch};
+use crate::occlusion::target::Target;
+use crate::occlusion::tiles::TILE;
+use crate::occlusion::{BIN, FaceBuffer, OcclusionBuffers};
 
 /// A target with this many uncovered pixels on one face is taken to be visible.
 const PIXELS: usize = 16;

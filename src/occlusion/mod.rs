@@ -10,36 +10,26 @@
 //! After the thesis' future work (section 5, occluder fusion in image space) and the sources named in
 //! [`tiles`].
 
-mod face;
-mod image;
-mod magnify;
-mod outline;
-mod refine;
-mod silhouette;
-mod solid;
-mod surface;
-mod target;
-mod tiles;
-
-use glam::DVec3;
-use smallvec::SmallVec;
-
-pub use image::OcclusionImage;
-pub(crate) use magnify::Magnifier;
-pub(crate) use outline::Polytope;
-pub(crate) use refine::Effort;
-pub(crate) use solid::Solid;
-pub(crate) use surface::Drawable;
-pub(crate) use target::Target;
+pub(crate) mod face;
+pub(crate) mod image;
+pub(crate) mod magnify;
+pub(crate) mod refine;
+pub(crate) mod silhouette;
+pub(crate) mod solid;
+pub(crate) mod surface;
+pub(crate) mod target;
+pub(crate) mod tiles;
 
 use crate::geometry::Block;
-use crate::mask::Side;
+use crate::grid::side::Side;
+use crate::occlusion::face::{Face, Linear, Rect};
+use crate::occlusion::silhouette::{Front, Silhouette};
+use crate::occlusion::solid::{Shadow, Solid};
+use crate::occlusion::target::{FaceTarget, Target, above, below};
+use crate::occlusion::tiles::{TILE, Tile, bits, block, span};
 use crate::view::{Origin, View};
-use face::{Face, Linear, Rect};
-use silhouette::{Front, Silhouette};
-use solid::Shadow;
-use target::{FaceTarget, above, below};
-use tiles::{TILE, Tile, bits, block, span};
+use glam::DVec3;
+use smallvec::SmallVec;
 
 /// Occluders are listed for squares of this many tiles along each side.
 const BIN: i64 = 4;
@@ -703,7 +693,10 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::polytope(Polytope::block(&occluder), None) else { continue };
+            let Some(solid) = Solid::polytope(crate::geometry::polytope::Polytope::block(&occluder), None)
+            else {
+                continue;
+            };
             buffers.draw(&solid, 0);
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);

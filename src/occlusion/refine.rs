@@ -9,9 +9,9 @@
 
 use smallvec::SmallVec;
 
-use super::face::Rect;
-use super::target::{FaceTarget, Target, below};
-use super::{FaceBuffer, Listed, OcclusionBuffers, Verdict};
+use crate::occlusion::face::Rect;
+use crate::occlusion::target::{FaceTarget, Target, below};
+use crate::occlusion::{FaceBuffer, Listed, OcclusionBuffers, Verdict};
 
 /// How hard to try.
 #[derive(Debug, Clone, Copy)]

@@ -7,8 +7,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::face::{Face, Linear, Rect};
-use super::outline::{CONE_MARGIN, Half, Outline};
+use crate::geometry::polytope::{CONE_MARGIN, Half, Outline};
+use crate::occlusion::face::{Face, Linear, Rect};
 
 /// The conic is scaled so that its terms are at most about 3: sums of ten of them
 /// err by less than this.

@@ -3,25 +3,25 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::face::{Face, Rect};
-use super::outline::{Half, Outline, Polytope};
-use super::silhouette::{Front, Silhouette, contour_depth};
 use crate::geometry::Block;
+use crate::geometry::polytope::{Half, Outline, Polytope};
+use crate::occlusion::face::{Face, Rect};
+use crate::occlusion::silhouette::{Front, Silhouette, contour_depth};
 
 /// Where a solid hides what its silhouette covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Shadow {
     /// Behind all of these planes, as `m . x <= h`;
-    pub(super) planes: SmallVec<[Half; 3]>,
+    pub(crate) planes: SmallVec<[Half; 3]>,
     /// inside this ball.
-    pub(super) ball: Option<(DVec3, f64)>,
+    pub(crate) ball: Option<(DVec3, f64)>,
 }
 
 /// A convex occluder relative to the origin of the rays.
 #[derive(Debug, Clone)]
 pub(crate) struct Solid {
     outline: Outline,
-    pub(super) shadow: Shadow,
+    pub(crate) shadow: Shadow,
     vertices: SmallVec<[DVec3; 8]>,
     block: Block,
 }
@@ -56,7 +56,7 @@ impl Solid {
     }
 
     /// Its front as a face sees it.
-    pub(super) fn front(&self, face: &Face) -> Front {
+    pub(crate) fn front(&self, face: &Face) -> Front {
         let reach = self.block.min.abs().max(self.block.max.abs()).max_element();
         Front::new(face, &self.outline, &self.shadow.planes, self.farthest(face), reach)
     }
@@ -72,7 +72,7 @@ impl Solid {
     }
 
     /// Its silhouette with a rectangle around it and its least depth, if the face sees it.
-    pub(super) fn on_face(&self, face: &Face) -> Option<(Rect, f64, Silhouette)> {
+    pub(crate) fn on_face(&self, face: &Face) -> Option<(Rect, f64, Silhouette)> {
         let (rect, depth) = face.block(&self.block)?;
         let silhouette = Silhouette::new(&self.outline, face);
         let tighter = match &self.outline {

@@ -13,13 +13,13 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use super::face::{Face, Linear, Rect};
-use super::target::{above, below};
-use super::tiles::TILE;
-use super::{BIN, FaceBuffer, ListedPatch, OcclusionBuffers, SHADES, Shade, floor};
 use crate::geometry::Block;
-use crate::shape::Placement;
-use crate::surface::{NONE, Side, Surface};
+use crate::geometry::placement::Placement;
+use crate::mesh::surface::{NONE, Side, Surface};
+use crate::occlusion::face::{Face, Linear, Rect};
+use crate::occlusion::target::{above, below};
+use crate::occlusion::tiles::TILE;
+use crate::occlusion::{BIN, FaceBuffer, ListedPatch, OcclusionBuffers, SHADES, Shade, floor};
 
 /// Pixels by which edges are widened on each side.
 const TOUCH: f64 = 1e-5;
@@ -156,7 +156,7 @@ impl SeenSides {
 
 /// What drawing keeps to spare allocations.
 #[derive(Default)]
-pub(super) struct SurfaceScratch {
+pub(crate) struct SurfaceScratch {
     seen: Vec<Seen>,
     /// For each patch of the scene, the number of the drawing and its place in `seen`.
     places: Vec<(u32, u32)>,
@@ -476,7 +476,7 @@ impl OcclusionBuffers {
 
 impl FaceBuffer {
     /// Draws patches together; `patches` is greater than all their numbers.
-    pub(super) fn draw_surfaces(
+    pub(crate) fn draw_surfaces(
         &mut self,
         batch: &[Drawable],
         origin: DVec3,

@@ -3,11 +3,11 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use super::face::{Face, Linear, Rect};
-use super::outline::{Half, Outline, Polytope};
-use super::silhouette::{Front, Silhouette};
-use super::solid::Shadow;
 use crate::geometry::Block;
+use crate::geometry::polytope::{Half, Outline, Polytope};
+use crate::occlusion::face::{Face, Linear, Rect};
+use crate::occlusion::silhouette::{Front, Silhouette};
+use crate::occlusion::solid::Shadow;
 
 /// What is tested, relative to the origin of the rays.
 #[derive(Debug, Clone)]

@@ -8,19 +8,26 @@
 
 use glam::{DMat3, DVec3, IVec3};
 
-use super::{FAR_VIEWER, Scratch, Settings};
-use crate::bricks::Pages;
-use crate::cut::may_meet;
 use crate::geometry::Block;
+use crate::geometry::placement::Placement;
+use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
-use crate::mask::Side;
-use crate::matrix::CellBox;
-use crate::occlusion::{
-    Drawable, Effort, Magnifier, OcclusionBuffers, Pitch, Polytope, Solid, Target, Verdict,
-};
+use crate::grid::bricks::Pages;
+use crate::grid::cell_box::CellBox;
+use crate::grid::side::Side;
+use crate::method::Settings;
+use crate::object::{Bounds, Occluder};
+use crate::occlusion::magnify::Magnifier;
+use crate::occlusion::refine::Effort;
+use crate::occlusion::solid::Solid;
+use crate::occlusion::surface::Drawable;
+use crate::occlusion::target::Target;
+use crate::occlusion::{OcclusionBuffers, Pitch, Verdict};
 use crate::pvs::{Pvs, Stats};
+use crate::query::{FAR_VIEWER, Scratch};
 use crate::scene::{Object, Scene};
-use crate::shape::{Bounds, Occluder, Placement, Shape};
+use crate::shape::Shape;
+use crate::view::cut::may_meet;
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
 
@@ -49,8 +56,8 @@ const PORTION: usize = 64;
 
 /// What the walk keeps from query to query to spare allocations.
 #[derive(Debug, Default)]
-pub(super) struct PointScratch {
-    pub(super) buffers: OcclusionBuffers,
+pub(crate) struct PointScratch {
+    pub(crate) buffers: OcclusionBuffers,
     bricks: Vec<IVec3>,
     /// Bricks of a shell with volumes, if they are not hidden.
     volumes: Vec<IVec3>,
@@ -69,7 +76,7 @@ pub(super) struct PointScratch {
 }
 
 /// One run of the point method.
-pub(super) struct Walk<'a> {
+pub(crate) struct Walk<'a> {
     scene: &'a Scene,
     view: &'a View,
     settings: &'a Settings,
@@ -88,7 +95,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         scene: &'a Scene,
         view: &'a View,
         settings: &'a Settings,
@@ -104,7 +111,7 @@ impl<'a> Walk<'a> {
         Self { scene, view, settings, pvs, scratch, cut, unsure, grid, fuses, around, stats }
     }
 
-    pub(super) fn run(mut self) {
+    pub(crate) fn run(mut self) {
         let grid = self.grid;
         let (min, max) = self.scene.extent();
         let pitch = Pitch {

@@ -2,11 +2,11 @@
 
 use glam::{DVec3, IVec3};
 
-use super::{CellRun, Shape};
-use crate::Aabb;
-use crate::cells::{Rows, rows_of};
-use crate::geometry::Block;
+use crate::geometry::{Aabb, Block};
 use crate::grid::Grid;
+use crate::grid::run::{CellRun, rows_of};
+use crate::shape::Shape;
+use crate::shape::traits::Rows;
 
 impl Shape for Aabb {
     fn bounds(&self) -> (DVec3, DVec3) {

@@ -6,10 +6,11 @@
 
 use glam::{DVec3, IVec3};
 
-use super::{CellRun, Shape};
-use crate::Sphere;
-use crate::cells::Rows;
+use crate::geometry::Sphere;
 use crate::grid::Grid;
+use crate::grid::run::CellRun;
+use crate::shape::Shape;
+use crate::shape::traits::Rows;
 
 impl Sphere {
     fn parts(&self) -> (DVec3, f64, f64) {

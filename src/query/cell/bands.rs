@@ -3,14 +3,15 @@
 
 use glam::IVec3;
 
-use super::Walk;
-use crate::bricks::Pages;
-use crate::mask::{PASSED_OVER, ShellScale, Side, SideCells, clear_span, set_span};
+use crate::grid::bricks::Pages;
+use crate::grid::side::Side;
+use crate::query::cell::Walk;
+use crate::query::cell::masks::{PASSED_OVER, ShellScale, SideCells, clear_span, set_span};
 use crate::walk::SideFrustum;
 
 impl Walk<'_> {
     /// Lays out one side of shell `m`; nothing if no cell of it can meet the frustum.
-    pub(super) fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
+    pub(crate) fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
         let side = Side::ALL[index];
         let axes = side.axes;
         let dims = self.scene.grid.dims();
@@ -47,13 +48,13 @@ impl Walk<'_> {
     }
 
     /// The rows of a band, relative to V.
-    pub(super) fn rows_of_band(cells: &SideCells, band: usize) -> (i32, i32) {
+    pub(crate) fn rows_of_band(cells: &SideCells, band: usize) -> (i32, i32) {
         let top = cells.row0 - cells.before as i32 + 8 * band as i32;
         (top.max(cells.row0), (top + 7).min(cells.row0 + cells.rows - 1))
     }
 
     /// Whether nothing that a walk looks for is in a plane of pages.
-    pub(super) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
+    pub(crate) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
         let scene = self.scene;
         scene.ids.pages().plane_is_empty(axis, page)
             && scene.volumes.matrix.pages().plane_is_empty(axis, page)
@@ -63,7 +64,7 @@ impl Walk<'_> {
     }
 
     /// Whether nothing that a walk looks for is in a row of pages.
-    pub(super) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
+    pub(crate) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
         let scene = self.scene;
         scene.ids.pages().row_is_empty(along, page)
             && scene.volumes.matrix.pages().row_is_empty(along, page)
@@ -73,7 +74,7 @@ impl Walk<'_> {
     }
 
     /// Whether nothing that a walk looks for is in a page.
-    pub(super) fn page_is_empty(&self, page: IVec3) -> bool {
+    pub(crate) fn page_is_empty(&self, page: IVec3) -> bool {
         let scene = self.scene;
         scene.ids.pages().page_is_empty(page)
             && scene.volumes.matrix.pages().page_is_empty(page)
@@ -83,7 +84,7 @@ impl Walk<'_> {
     }
 
     /// Whether some cell in sight lies in the bands of a side that were passed over.
-    pub(super) fn sees_passed_over(&mut self, index: usize, m: i32, scale: &ShellScale) -> bool {
+    pub(crate) fn sees_passed_over(&mut self, index: usize, m: i32, scale: &ShellScale) -> bool {
         let side = Side::ALL[index];
         let cells = &self.scratch.sides[index];
         if cells.rows == 0 || !cells.bands.contains(&PASSED_OVER) {
@@ -114,7 +115,7 @@ impl Walk<'_> {
     }
 
     /// Writes the open cells of bands that were passed over, around the rows with fresh occluders.
-    pub(super) fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
+    pub(crate) fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
         let side = Side::ALL[index];
         let cells = &mut self.scratch.sides[index];
         let (reach, rows) = (scale.reach(), cells.rows as usize);

@@ -13,18 +13,18 @@ use robust::{Coord3D, orient3d};
 const FACE_MARGIN: f64 = 16.0 * f64::EPSILON;
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above that corner.
-pub(super) fn lowered(least: f64, reach: f64) -> f64 {
+pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
     least - FACE_MARGIN * reach
 }
 
 /// A closed convex surface.
-pub(super) struct Closed {
-    pub(super) vertices: Vec<DVec3>,
+pub(crate) struct Closed {
+    pub(crate) vertices: Vec<DVec3>,
     /// Outward normal and offset; no corner of the face lies below it, so that what is
     /// inside all of these half-spaces is inside the hull.
-    pub(super) faces: Vec<(DVec3, f64)>,
+    pub(crate) faces: Vec<(DVec3, f64)>,
     /// Two vertices, and the two faces that meet there.
-    pub(super) edges: Vec<[u16; 4]>,
+    pub(crate) edges: Vec<[u16; 4]>,
 }
 
 /// Triangles that make one flat face, and the corners around them.
@@ -40,7 +40,7 @@ fn sees(points: &[DVec3], [a, b, c]: [usize; 3], p: DVec3) -> bool {
 }
 
 /// Whether a point lies strictly inside of a surface.
-pub(super) fn surrounds(points: &[DVec3], triangles: &[[usize; 3]], p: DVec3) -> bool {
+pub(crate) fn surrounds(points: &[DVec3], triangles: &[[usize; 3]], p: DVec3) -> bool {
     // Outside of the triangle turned over is inside of it.
     triangles.iter().all(|&[a, b, c]| sees(points, [a, c, b], p))
 }
@@ -63,7 +63,7 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 
 /// The triangles of the hull, seen counterclockwise from outside. Points no farther than `keep` from the hull
 /// of the others are left out; `None` if all lie that close to one plane.
-pub(super) fn triangles(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
+pub(crate) fn triangles(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
     let corner = |i: usize| points[i];
     let mut hull = first(points, keep)?;
     // How far points lie outside; upper bounds, since the hull grows.
@@ -187,7 +187,7 @@ fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Vec<Facet> {
 
 /// The hull of points, without those no farther than `keep` from the hull of the others, with triangles joined
 /// that lie in one plane to within `flat`; `None` if the points are flat.
-pub(super) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
+pub(crate) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
     let triangles = triangles(points, keep)?;
     let single = |t: usize| Facet { triangles: vec![t], ring: triangles[t].to_vec() };
     assembled(points, &triangles, &facets(points, &triangles, flat)).or_else(|| {

@@ -6,9 +6,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::hull;
-use super::{FLAT, Plane};
 use crate::error::Error;
+use crate::geometry::Plane;
+use crate::shape::convex::{FLAT, hull};
 
 /// Sums of four products by error-free transformations err by less than this share of the sum of their
 /// magnitudes, beyond one rounding (Ogita, Rump and Oishi 2005: (4 * 2^-53)^2 = 2^-102).
@@ -28,17 +28,17 @@ const ASKEW: f64 = 1e-7;
 /// solid, once more helps where far planes mislead the first guess.
 const PASSES: usize = 3;
 
-pub(super) const NO_SOLID: Error = Error::Convex("its half-spaces bound no solid");
+pub(crate) const NO_SOLID: Error = Error::Convex("its half-spaces bound no solid");
 const TOO_THIN: Error = Error::Convex(
     "between its half-spaces is less room than double precision resolves so far from the origin",
 );
 
 /// Corners of a solid.
-pub(super) struct Corners {
+pub(crate) struct Corners {
     /// Proven to lie in every half-space.
-    pub(super) inside: Vec<DVec3>,
+    pub(crate) inside: Vec<DVec3>,
     /// As computed, possibly outside by a rounding.
-    pub(super) found: Vec<DVec3>,
+    pub(crate) found: Vec<DVec3>,
 }
 
 /// `normal . x + offset` as if computed in twice the precision, and a bound of its error: zero if nothing
@@ -116,7 +116,7 @@ fn first_guess(planes: &[Plane]) -> DVec3 {
 }
 
 /// The corners of the intersection of half-spaces, each of which has a direction.
-pub(super) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
+pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
     let mut center = first_guess(planes);
     for _ in 0..PASSES {
         center += middle(&around(planes, center)).ok_or(NO_SOLID)?;

@@ -1,0 +1,11 @@
+//! Geometry that knows neither grid nor scene.
+
+pub(crate) mod block;
+pub(crate) mod placement;
+pub(crate) mod plane;
+pub(crate) mod polytope;
+pub(crate) mod primitives;
+
+pub(crate) use block::Block;
+pub use plane::Plane;
+pub use primitives::{Aabb, Obb, Sphere};

@@ -1,0 +1,38 @@
+//! Planes and half-spaces.
+
+use glam::{DVec3, DVec4, Vec3};
+
+/// Half a space: the points `p` with `normal.dot(p) + offset >= 0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Points into the half-space; any length but zero.
+    pub normal: Vec3,
+    /// Zero for planes through the origin.
+    pub offset: f32,
+}
+
+/// A half-space with a normal of length 1, in `f64`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HalfSpace {
+    pub(crate) normal: DVec3,
+    pub(crate) offset: f64,
+}
+
+impl HalfSpace {
+    /// Normalises a plane; `None` if it has no direction.
+    pub(crate) fn new(v: DVec4) -> Option<Self> {
+        let length = v.truncate().length();
+        (length > 0.0 && length.is_finite() && v.w.is_finite())
+            .then(|| Self { normal: v.truncate() / length, offset: v.w / length })
+    }
+
+    pub(crate) fn distance(&self, p: DVec3) -> f64 {
+        self.normal.dot(p) + self.offset
+    }
+
+    /// Margin for decisions about coordinates up to `reach`: the sums and
+    /// products of a distance err by less than 16 units in the last place.
+    pub(crate) fn margin(&self, reach: f64) -> f64 {
+        16.0 * f64::EPSILON * (reach + self.offset.abs())
+    }
+}

@@ -1,0 +1,314 @@
+//! The regular grid: where its cells lie and which cell holds a point.
+//!
+//! All grid planes are exact `f64` numbers (see [`Grid::new`]), and every
+//! decision about cells compares coordinates with those planes, so that
+//! neighbouring cells share their face exactly and no rounding lies between.
+
+pub(crate) mod bricks;
+pub(crate) mod cell_box;
+pub(crate) mod run;
+pub(crate) mod side;
+
+use glam::{DVec3, IVec3, UVec3, Vec3};
+
+use crate::error::{Error, finite3};
+use crate::geometry::Aabb;
+use crate::grid::bricks::BRICK;
+
+/// Greatest number of cells along one axis.
+pub const MAX_CELLS_PER_AXIS: u32 = 8192;
+
+/// Coordinates beyond this many cells from the grid's corner are clamped: far
+/// enough to be outside, small enough for exact integer arithmetic.
+const FAR_CELLS: f64 = (1u64 << 30) as f64;
+
+/// What a grid should be: a corner, the edge length of its cubic cells and how
+/// many of them lie along each axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridSpec {
+    /// Least corner in world units.
+    pub min: Vec3,
+    /// Edge length of a cell in world units.
+    pub cell: f32,
+    /// Cells along x, y and z: 1 to [`MAX_CELLS_PER_AXIS`] each.
+    pub dims: UVec3,
+}
+
+impl GridSpec {
+    /// The grid with cells of edge `cell` that holds `region`.
+    ///
+    /// # Errors
+    /// Refuses a region that is not finite or inverted, a cell size that is not
+    /// positive, and a region that needs more than [`MAX_CELLS_PER_AXIS`] cells along an axis.
+    pub fn covering(region: Aabb, cell: f32) -> Result<Self, Error> {
+        region.check("the region")?;
+        if !(cell.is_normal() && cell > 0.0) {
+            return Err(Error::CellSize(cell));
+        }
+        let extent = region.max.as_dvec3() - region.min.as_dvec3();
+        let dims = (extent / f64::from(cell)).ceil().max(DVec3::ONE);
+        if dims.max_element() > f64::from(MAX_CELLS_PER_AXIS) {
+            let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
+            return Err(Error::GridDims { dims, max: MAX_CELLS_PER_AXIS });
+        }
+        let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
+        let spec = Self { min: region.min, cell, dims };
+        let grid = Grid::new(&spec)?;
+        // The corner is snapped down by less than a cell: one more may be needed.
+        let short = region.max.as_dvec3().cmpgt(grid.max());
+        let dims = dims + UVec3::new(short.x.into(), short.y.into(), short.z.into());
+        let spec = Self { dims, ..spec };
+        Grid::new(&spec)?;
+        Ok(spec)
+    }
+
+    /// The grid that holds `region` with cells that suit a number of objects: 9 times its cube root of them
+    /// along the longest axis, 32 to 512.
+    ///
+    /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones take longer to
+    /// walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the valley wide. Where most objects move and are
+    /// hidden, finer may be faster.
+    ///
+    /// ```
+    /// use casca::{Aabb, GridSpec};
+    /// use glam::Vec3;
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let spec = GridSpec::fit(Aabb::new(Vec3::ZERO, Vec3::new(100.0, 20.0, 60.0)), 5000)?;
+    /// assert!(spec.dims.x.abs_diff(154) <= 1);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`GridSpec::covering`].
+    pub fn fit(region: Aabb, objects: usize) -> Result<Self, Error> {
+        let cells = (9.0 * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
+        Self::with_cells(region, cells as u32)
+    }
+
+    /// The grid that holds `region` with `cells` cells along its longest axis.
+    ///
+    /// # Errors
+    /// As [`GridSpec::covering`].
+    pub fn with_cells(region: Aabb, cells: u32) -> Result<Self, Error> {
+        region.check("the region")?;
+        let longest = (region.max - region.min).max_element().max(f32::MIN_POSITIVE);
+        if cells == 0 || cells >= MAX_CELLS_PER_AXIS {
+            return Err(Error::GridDims { dims: UVec3::splat(cells), max: MAX_CELLS_PER_AXIS });
+        }
+        Self::covering(region, longest / cells as f32)
+    }
+}
+
+/// A grid whose planes are exact. Cells have integer coordinates from 0; a cell
+/// outside the grid has coordinates below 0 or from [`Grid::dims`] on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    origin: DVec3,
+    cell: f64,
+    dims: IVec3,
+}
+
+impl Grid {
+    /// Checks `spec` and lays its planes.
+    ///
+    /// The corner is snapped down to a multiple of the cell size's last
+    /// binary digit (at most 2^-23 of a cell). Corner and planes are then
+    /// multiples of one power of two below 2^52 times it, so `corner + i * cell` is exact.
+    ///
+    /// # Errors
+    /// Refuses corners that are not finite, cell sizes that are not positive
+    /// normal numbers, 0 or more than [`MAX_CELLS_PER_AXIS`] cells, and
+    /// corners more than about 2^28 cells from the origin.
+    pub fn new(spec: &GridSpec) -> Result<Self, Error> {
+        finite3("the grid's corner", spec.min)?;
+        if !(spec.cell.is_normal() && spec.cell > 0.0) {
+            return Err(Error::CellSize(spec.cell));
+        }
+        if spec.dims.min_element() == 0 || spec.dims.max_element() > MAX_CELLS_PER_AXIS {
+            return Err(Error::GridDims { dims: spec.dims, max: MAX_CELLS_PER_AXIS });
+        }
+        let cell = f64::from(spec.cell);
+        let unit = 2f64.powi(spec.cell.to_bits().wrapping_shr(23) as i32 - 127 - 23);
+        let units = (spec.min.as_dvec3() / unit).floor();
+        if units.abs().max_element() > 2f64.powi(51) {
+            return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
+        }
+        Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec3() })
+    }
+
+    /// The grid of bricks of 8x8x8 cells. Its planes are planes of this grid, just as exact.
+    pub(crate) fn bricks(&self) -> Self {
+        Self {
+            origin: self.origin,
+            cell: self.cell * f64::from(BRICK),
+            dims: (self.dims + BRICK - 1) / BRICK,
+        }
+    }
+
+    /// Least corner in world units.
+    pub fn min(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Greatest corner in world units.
+    pub fn max(&self) -> DVec3 {
+        self.origin + self.dims.as_dvec3() * self.cell
+    }
+
+    /// Edge length of a cell.
+    pub fn cell_size(&self) -> f64 {
+        self.cell
+    }
+
+    /// Cells along each axis.
+    pub fn dims(&self) -> IVec3 {
+        self.dims
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> u64 {
+        self.dims.to_array().iter().map(|&n| n as u64).product()
+    }
+
+    /// Whether the cell is one of the grid's.
+    pub fn contains(&self, cell: IVec3) -> bool {
+        cell.cmpge(IVec3::ZERO).all() && cell.cmplt(self.dims).all()
+    }
+
+    /// World coordinate of plane `i` along `axis`: the lower face of cell `i`.
+    pub(crate) fn plane(&self, axis: usize, i: i32) -> f64 {
+        self.origin[axis] + f64::from(i) * self.cell
+    }
+
+    /// The corners of a cell.
+    pub fn cell_bounds(&self, cell: IVec3) -> (DVec3, DVec3) {
+        self.range_bounds(cell, cell)
+    }
+
+    /// The corners of the block of cells from `lo` to `hi`, both included.
+    pub(crate) fn range_bounds(&self, lo: IVec3, hi: IVec3) -> (DVec3, DVec3) {
+        (self.origin + lo.as_dvec3() * self.cell, self.origin + (hi + 1).as_dvec3() * self.cell)
+    }
+
+    /// The cell that holds `point`, inside the grid or not; a point on a face
+    /// belongs to the upper cell. Coordinates saturate 2^30 cells away.
+    pub fn cell_of(&self, point: DVec3) -> IVec3 {
+        IVec3::from_array([0, 1, 2].map(|axis| self.cell_along(axis, point[axis])))
+    }
+
+    /// [`Grid::cell_of`] along one axis.
+    pub(crate) fn cell_along(&self, axis: usize, p: f64) -> i32 {
+        let guess = ((p - self.origin[axis]) / self.cell).floor().clamp(-FAR_CELLS, FAR_CELLS);
+        let i = guess as i32;
+        // The quotient may be off by one rounding: the planes decide.
+        if self.plane(axis, i) > p && guess > -FAR_CELLS {
+            i - 1
+        } else if self.plane(axis, i + 1) <= p && guess < FAR_CELLS {
+            i + 1
+        } else {
+            i
+        }
+    }
+
+    /// The least block of cells whose closed cells cover the box from `min` to
+    /// `max`: a box that ends on a face does not reach into the next cell.
+    pub(crate) fn cover(&self, min: DVec3, max: DVec3) -> (IVec3, IVec3) {
+        let x = self.cover_along(0, min.x, max.x);
+        let y = self.cover_along(1, min.y, max.y);
+        let z = self.cover_along(2, min.z, max.z);
+        (IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
+    }
+
+    /// As [`Grid::cover`], along one axis.
+    pub(crate) fn cover_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
+        let lo = self.cell_along(axis, min);
+        let hi = self.cell_along(axis, max).max(lo);
+        if hi > lo && self.plane(axis, hi) >= max { (lo, hi - 1) } else { (lo, hi) }
+    }
+
+    /// The cells wholly inside the box from `min` to `max`, clipped to the
+    /// grid; `None` if there is none.
+    pub(crate) fn inside(&self, min: DVec3, max: DVec3) -> Option<(IVec3, IVec3)> {
+        let x = self.inside_along(0, min.x, max.x);
+        let y = self.inside_along(1, min.y, max.y);
+        let z = self.inside_along(2, min.z, max.z);
+        self.clip(IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
+    }
+
+    /// As [`Grid::inside`], along one axis and beyond the grid; the last comes before the first where there is none.
+    pub(crate) fn inside_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
+        let (lo, hi) = (self.cell_along(axis, min), self.cell_along(axis, max));
+        (
+            if self.plane(axis, lo) < min { lo + 1 } else { lo },
+            if self.plane(axis, hi + 1) > max { hi - 1 } else { hi },
+        )
+    }
+
+    /// The part of a block of cells inside the grid; `None` if there is none.
+    pub(crate) fn clip(&self, lo: IVec3, hi: IVec3) -> Option<(IVec3, IVec3)> {
+        let (lo, hi) = (lo.max(IVec3::ZERO), hi.min(self.dims - 1));
+        lo.cmple(hi).all().then_some((lo, hi))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(min: Vec3, cell: f32, dims: UVec3) -> Grid {
+        Grid::new(&GridSpec { min, cell, dims }).unwrap()
+    }
+
+    #[test]
+    fn refuses_what_is_no_grid() {
+        let spec = |min, cell, dims| Grid::new(&GridSpec { min, cell, dims });
+        let ok = UVec3::splat(4);
+        assert!(matches!(spec(Vec3::splat(f32::NAN), 1.0, ok), Err(Error::NotFinite { .. })));
+        for cell in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45] {
+            assert!(matches!(spec(Vec3::ZERO, cell, ok), Err(Error::CellSize(_))), "{cell}");
+        }
+        assert!(matches!(spec(Vec3::ZERO, 1.0, UVec3::new(4, 0, 4)), Err(Error::GridDims { .. })));
+        assert!(matches!(spec(Vec3::ZERO, 1.0, UVec3::MAX), Err(Error::GridDims { .. })));
+        assert!(matches!(spec(Vec3::splat(1e30), 1.0, ok), Err(Error::GridTooFar { .. })));
+    }
+
+    #[test]
+    fn planes_are_exact_and_cells_meet() {
+        for (min, cell) in [(-50.0, 1.0), (1e6, 0.1), (-0.3, 0.1), (123.456, 0.0625), (1e-20, 3.7)] {
+            let g = grid(Vec3::splat(min), cell, UVec3::splat(5000));
+            for i in [0, 1, 17, 999, 4999] {
+                let p = g.plane(0, i + 1) - g.plane(0, i);
+                assert_eq!(p, f64::from(cell), "{min} {cell} {i}");
+                assert_eq!(g.cell_of(DVec3::splat(g.plane(0, i))).x, i);
+                let below = f64::from_bits(g.plane(0, i + 1).to_bits() - 1);
+                if g.plane(0, i + 1) > 0.0 {
+                    assert_eq!(g.cell_of(DVec3::splat(below)).x, i);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cover_and_inside() {
+        let g = grid(Vec3::ZERO, 1.0, UVec3::splat(10));
+        let cover = g.cover(DVec3::splat(1.0), DVec3::new(2.0, 2.5, 1.0));
+        assert_eq!(cover, (IVec3::ONE, IVec3::new(1, 2, 1)));
+        let inside = g.inside(DVec3::splat(0.5), DVec3::splat(3.0));
+        assert_eq!(inside, Some((IVec3::ONE, IVec3::splat(2))));
+        assert_eq!(g.inside(DVec3::splat(0.5), DVec3::splat(1.5)), None);
+        assert_eq!(g.inside(DVec3::splat(-5.0), DVec3::splat(50.0)), Some((IVec3::ZERO, IVec3::splat(9))));
+        assert_eq!(g.cell_of(DVec3::splat(1e300)), IVec3::splat(1 << 30));
+        assert_eq!(g.cell_of(DVec3::splat(-1e300)), IVec3::splat(-(1 << 30)));
+    }
+
+    #[test]
+    fn covering_holds_its_region() {
+        for (lo, hi, cell) in [(0.0, 10.0, 1.0), (-3.3, 7.7, 0.1), (1000.1, 1000.2, 0.05), (5.0, 5.0, 1.0)] {
+            let spec = GridSpec::covering(Aabb { min: Vec3::splat(lo), max: Vec3::splat(hi) }, cell).unwrap();
+            let g = Grid::new(&spec).unwrap();
+            assert!(g.min().x <= f64::from(lo) && g.max().x >= f64::from(hi), "{spec:?}");
+        }
+    }
+}

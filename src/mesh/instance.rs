@@ -1,0 +1,206 @@
+//! Instances: a mesh put somewhere. It moves by its transform; what was prepared stays.
+
+use crate::error::Error;
+use crate::geometry::Block;
+use crate::geometry::placement::Placement;
+use crate::geometry::polytope::Polytope;
+use crate::grid::Grid;
+use crate::grid::run::{CellRun, rows_of};
+use crate::mesh::tri_mesh::TriMesh;
+use crate::shape::Shape;
+use crate::shape::traits::Rows;
+use std::sync::Arc;
+
+use glam::{Affine3A, DAffine3, DMat3, DVec3, IVec3, Vec3, Vec3A};
+
+/// Renderers transform vertices in single precision: they may lie this share of the largest
+/// coordinate from where double precision puts them.
+const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
+
+/// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are those of
+/// its bounding box, and none of them is opaque.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use casca::{Instance, ObjectDesc, TriMesh};
+/// use glam::{Affine3A, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+/// let door = Instance::new(Arc::new(leaf), Affine3A::from_rotation_y(0.5))?;
+/// let desc = ObjectDesc::dynamic(door.clone()).occluder(door);
+/// # let _ = desc;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// Apart, so that shapes stay small.
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    mesh: Arc<TriMesh>,
+    transform: Affine3A,
+    placement: Placement,
+    block: Block,
+}
+
+impl Instance {
+    /// The mesh under a transform.
+    ///
+    /// Costs the corners of the solids that the mesh is tested by: some tens.
+    ///
+    /// # Errors
+    /// Refuses transforms that are not finite, or lead to coordinates that are not in single precision.
+    pub fn new(mesh: Arc<TriMesh>, transform: Affine3A) -> Result<Self, Error> {
+        let not_finite = |value: DVec3| Error::NotFinite { what: "a mesh as transformed", value };
+        let affine = DAffine3::from_mat3_translation(
+            glam::Mat3::from(transform.matrix3).as_dmat3(),
+            glam::Vec3::from(transform.translation).as_dvec3(),
+        );
+        if !affine.is_finite() {
+            return Err(not_finite(affine.translation));
+        }
+        let m = affine.matrix3;
+        let growth =
+            (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt();
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut reach = 0.0f64;
+        for v in mesh.parts().iter().flat_map(|part| part.vertices()) {
+            let p = affine.transform_point3(v);
+            (min, max) = (min.min(p), max.max(p));
+            reach = reach.max(growth * v.abs().max_element() + affine.translation.abs().max_element());
+        }
+        if reach.is_nan() || reach > f64::from(f32::MAX) {
+            return Err(not_finite(max));
+        }
+        let error = SINGLE * reach;
+        // The cofactors are the inverse transpose times the determinant, and need no division.
+        let cofactors =
+            DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        let turned = m.determinant();
+        let normals = (turned.abs() > 1e-9 * growth.powi(3)).then(|| cofactors * turned.signum());
+        let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+        let square = x.length_squared();
+        let alike = |v: DVec3| (v.length_squared() - square).abs() <= 1e-5 * square;
+        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= 1e-5 * square;
+        let keeps_angles = turned > 0.0 && alike(y) && alike(z) && right(x, y) && right(y, z) && right(z, x);
+        let placement = Placement { affine, growth, error, normals, keeps_angles };
+        let block = Block { min: min - error, max: max + error };
+        Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block }) })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<TriMesh> {
+        &self.inner.mesh
+    }
+
+    /// Where it is.
+    pub fn transform(&self) -> Affine3A {
+        self.inner.transform
+    }
+
+    /// The same, moved.
+    ///
+    /// # Errors
+    /// As [`Instance::new`].
+    pub fn translated(&self, offset: Vec3) -> Result<Self, Error> {
+        let mut transform = self.inner.transform;
+        transform.translation += Vec3A::from(offset);
+        Self::new(self.inner.mesh.clone(), transform)
+    }
+
+    pub(crate) fn placement(&self) -> &Placement {
+        &self.inner.placement
+    }
+
+    /// The solids that it is tested by, relative to an origin.
+    pub(crate) fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
+        let Placement { affine, error, normals, .. } = self.inner.placement;
+        self.inner.mesh.parts().iter().map(move |part| {
+            let mut polytope = part.seen_from(DVec3::ZERO);
+            for v in &mut polytope.vertices {
+                *v = affine.transform_point3(*v) - origin;
+            }
+            let block = polytope.bounds();
+            let boxed = || Polytope::block(&Block { min: block.min - error, max: block.max + error });
+            // Flattened: only its box is known.
+            let Some(normals) = normals else { return boxed() };
+            let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
+            let mut least = f64::INFINITY;
+            for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
+                let n = (normals * face.0).normalize_or_zero();
+                let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
+                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(polytope.vertices[usize::from(v)]));
+                *face = (n, ends.fold(f64::NEG_INFINITY, f64::max));
+                least = least.min(face.1 - n.dot(center));
+            }
+            // Room for what single precision leaves open: all faces move out by as much at least.
+            let scale = 1.0 + 2.0 * error / least;
+            if !(1.0..1.1).contains(&scale) {
+                return boxed();
+            }
+            for v in &mut polytope.vertices {
+                *v = center + (*v - center) * scale;
+            }
+            for (n, h) in &mut polytope.faces {
+                let middle = n.dot(center);
+                *h = middle + (*h - middle) * scale;
+            }
+            polytope
+        })
+    }
+}
+
+impl Shape for Instance {
+    fn bounds(&self) -> (DVec3, DVec3) {
+        (self.inner.block.min, self.inner.block.max)
+    }
+
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let (lo, hi) = grid.cover(self.inner.block.min, self.inner.block.max);
+        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                out(CellRun { x0: lo.x, x1: hi.x, y, z });
+            }
+        }
+    }
+
+    fn opaque(&self, _: &Grid, _: &mut dyn FnMut(CellRun)) {}
+
+    fn contains_box(&self, _: DVec3, _: DVec3) -> bool {
+        false
+    }
+
+    fn contains_point(&self, _: DVec3) -> bool {
+        false
+    }
+}
+
+impl PartialEq for Instance {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(self.mesh(), other.mesh()) && self.transform() == other.transform()
+    }
+}
+
+impl Rows for Instance {
+    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+        let (min, max) = self.bounds();
+        let (a, b) = grid.cover(min, max);
+        rows_of(a.max(lo), b.min(hi), out);
+    }
+
+    fn opaque_rows(&self, _: &Grid, _: IVec3, _: IVec3, _: &mut dyn FnMut(CellRun)) {}
+
+    fn misses(&self, min: DVec3, max: DVec3) -> bool {
+        !Block::new(self.bounds()).meets(&Block { min, max })
+    }
+
+    fn fills(&self, min: DVec3, max: DVec3) -> bool {
+        Block::new(self.bounds()).contains(&Block { min, max })
+    }
+}

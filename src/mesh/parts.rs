@@ -1,0 +1,318 @@
+//! Parts: convex solids around pieces of a mesh, to test its visibility with.
+//!
+//! A box, along the axes of the world or of the piece, with edges and corners cut off where the piece leaves
+//! room (a discrete orientation polytope, Klosowski et al. 1998). Large meshes whose pieces
+//! fill much less than the whole are cut into pieces first.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use crate::shape::convex::Convex;
+
+/// How often a mesh is halved, at most.
+const DEPTH: u32 = 6;
+
+/// Halves are kept if together they have less than this share of the area of what they are halves of.
+const WORTH_CUTTING: f64 = 0.8;
+
+/// Planes are added where they cut off this share of the diagonal.
+const WORTH_A_PLANE: f64 = 0.02;
+
+/// Faces are moved out by this share of the coordinates, more than all roundings.
+const ROOM: f64 = 1e-7;
+
+/// A set of triangles with its box.
+struct Piece {
+    triangles: Vec<u32>,
+    min: DVec3,
+    max: DVec3,
+}
+
+/// What a box costs as a stand-in for its contents: rays that meet it, and eyes that it holds.
+fn cost(min: DVec3, max: DVec3) -> f64 {
+    let d = max - min;
+    d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
+}
+
+impl Piece {
+    fn new(triangles: Vec<u32>, corners: &dyn Fn(u32) -> [DVec3; 3]) -> Self {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in triangles.iter().flat_map(|&t| corners(t)) {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        Self { triangles, min, max }
+    }
+
+    /// Two halves, cut across the longest side.
+    fn halves(&self, corners: &dyn Fn(u32) -> [DVec3; 3]) -> Option<[Self; 2]> {
+        let axis = (self.max - self.min).max_position();
+        let middle = 1.5 * (self.min[axis] + self.max[axis]);
+        let low = |t: &u32| corners(*t).iter().map(|p| p[axis]).sum::<f64>() < middle;
+        let (low, high): (Vec<u32>, Vec<u32>) = self.triangles.iter().partition(|t| low(t));
+        (!low.is_empty() && !high.is_empty()).then(|| [Self::new(low, corners), Self::new(high, corners)])
+    }
+
+    /// The pieces that it is best cut into.
+    fn cut(self, corners: &dyn Fn(u32) -> [DVec3; 3], depth: u32) -> Vec<Self> {
+        let Some(halves) = (depth > 0).then(|| self.halves(corners)).flatten() else { return vec![self] };
+        let pieces: Vec<Self> = halves.into_iter().flat_map(|half| half.cut(corners, depth - 1)).collect();
+        let sum: f64 = pieces.iter().map(|p| cost(p.min, p.max)).sum();
+        if sum < WORTH_CUTTING * cost(self.min, self.max) { pieces } else { vec![self] }
+    }
+}
+
+/// Convex solids that together hold a mesh.
+pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
+    let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize].as_dvec3());
+    let whole = Piece::new((0..triangles.len() as u32).collect(), &corners);
+    let mut done = whole.cut(&corners, DEPTH);
+    // Large ones are seen first.
+    done.sort_by(|a, b| cost(b.min, b.max).total_cmp(&cost(a.min, a.max)));
+    done.iter()
+        .map(|piece| {
+            let mut vertices: Vec<u32> =
+                piece.triangles.iter().flat_map(|&t| triangles[t as usize]).collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            let points: Vec<DVec3> = vertices.iter().map(|&v| positions[v as usize].as_dvec3()).collect();
+            around(&points)
+        })
+        .collect()
+}
+
+/// The axes of a set of points: those of its scatter (Jacobi's rotations), least spread last.
+fn own_axes(points: &[DVec3]) -> DMat3 {
+    let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let mut m = [[0.0f64; 3]; 3];
+    for p in points {
+        let d = *p - middle;
+        for (i, row) in m.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += d[i] * d[j];
+            }
+        }
+    }
+    let mut axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    for _ in 0..12 {
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            if m[i][j].abs() <= 1e-14 * (m[i][i].abs() + m[j][j].abs()) {
+                continue;
+            }
+            let theta = (m[j][j] - m[i][i]) / (2.0 * m[i][j]);
+            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for row in &mut m {
+                (row[i], row[j]) = (c * row[i] - s * row[j], s * row[i] + c * row[j]);
+            }
+            let (a, b) = (m[i], m[j]);
+            for k in 0..3 {
+                (m[i][k], m[j][k]) = (c * a[k] - s * b[k], s * a[k] + c * b[k]);
+            }
+            (axes[i], axes[j]) = (axes[i] * c - axes[j] * s, axes[i] * s + axes[j] * c);
+        }
+    }
+    DMat3::from_cols(axes[0], axes[1], axes[2])
+}
+
+/// How far points reach along a direction, both ways.
+fn reach(points: &[DVec3], n: DVec3) -> (f64, f64) {
+    points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
+        let at = n.dot(*p);
+        (lo.min(at), hi.max(at))
+    })
+}
+
+/// A convex solid around points.
+fn around(points: &[DVec3]) -> Convex {
+    let largest = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let box_of = |axes: &DMat3| {
+        let mut half = DVec3::ZERO;
+        let mut center = DVec3::ZERO;
+        for i in 0..3 {
+            let (lo, hi) = reach(points, axes.col(i));
+            half[i] = (hi - lo) * 0.5;
+            center += axes.col(i) * ((lo + hi) * 0.5);
+        }
+        (half, center)
+    };
+    let surface = |half: DVec3| half.x * half.y + half.y * half.z + half.z * half.x;
+    let world = box_of(&DMat3::IDENTITY);
+    let own = own_axes(points);
+    let turned = own.determinant().abs() > 0.99;
+    let (axes, (half, center)) = match box_of(&own) {
+        fit if turned && surface(fit.0) < 0.9 * surface(world.0) => (own, fit),
+        _ => (DMat3::IDENTITY, world),
+    };
+    // Flat pieces get some thickness: solids have an inside.
+    let size = half.length();
+    let room = ROOM * (largest + size) + f64::MIN_POSITIVE;
+    let thin = (1e-4 * size).max(room);
+    let half = half.max(DVec3::splat(thin)) + room;
+    let mut solid = Solid::boxed(&axes, center, half);
+    // Where a plane cuts off most, first.
+    let mut planes: Vec<(f64, DVec3, f64)> = Vec::new();
+    for (x, y, z) in DIAGONALS {
+        let n = (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize();
+        let (lo, hi) = reach(points, n);
+        for (n, h) in [(n, hi + room), (-n, room - lo)] {
+            planes.push((solid.beyond(n, h), n, h));
+        }
+    }
+    planes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, n, h) in planes {
+        if solid.beyond(n, h) > WORTH_A_PLANE * size {
+            solid.cut(n, h, 1e-3 * room);
+        }
+    }
+    solid.convex()
+}
+
+/// A convex solid as it is cut.
+struct Solid {
+    vertices: Vec<DVec3>,
+    /// Outward plane, and corners in a ring.
+    faces: Vec<((DVec3, f64), Vec<usize>)>,
+}
+
+impl Solid {
+    fn boxed(axes: &DMat3, center: DVec3, half: DVec3) -> Self {
+        let corner = |i: usize| {
+            let s = |bit: usize| if i >> bit & 1 == 1 { half[bit] } else { -half[bit] };
+            center + axes.x_axis * s(0) + axes.y_axis * s(1) + axes.z_axis * s(2)
+        };
+        let mut faces = Vec::new();
+        for axis in 0..3 {
+            let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+            let n = axes.col(axis);
+            faces.push(((-n, half[axis] - n.dot(center)), vec![0, v, u | v, u]));
+            let high = 1 << axis;
+            faces.push(((n, half[axis] + n.dot(center)), vec![high, high | u, high | u | v, high | v]));
+        }
+        Self { vertices: (0..8).map(corner).collect(), faces }
+    }
+
+    /// How far it reaches beyond a plane.
+    fn beyond(&self, n: DVec3, h: f64) -> f64 {
+        self.vertices.iter().map(|v| n.dot(*v) - h).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Takes away what lies beyond a plane by more than `eps`.
+    fn cut(&mut self, n: DVec3, h: f64, eps: f64) {
+        let above: Vec<f64> = self.vertices.iter().map(|v| n.dot(*v) - h).collect();
+        let out = |v: usize| above[v] > eps;
+        let mut crossings: Vec<((usize, usize), usize)> = Vec::new();
+        // The new face's edges, from corner to corner.
+        let mut rim: Vec<(usize, usize)> = Vec::new();
+        let mut faces = Vec::new();
+        for (plane, ring) in std::mem::take(&mut self.faces) {
+            let mut kept = Vec::with_capacity(ring.len() + 1);
+            let (mut leaves, mut enters) = (None, None);
+            for (i, &a) in ring.iter().enumerate() {
+                let b = ring[(i + 1) % ring.len()];
+                if !out(a) {
+                    kept.push(a);
+                }
+                if out(a) != out(b) {
+                    let edge = (a.min(b), a.max(b));
+                    let known = crossings.iter().find(|c| c.0 == edge).map(|c| c.1);
+                    let at = known.unwrap_or_else(|| {
+                        let t = (above[edge.0] / (above[edge.0] - above[edge.1])).clamp(0.0, 1.0);
+                        let p = self.vertices[edge.0].lerp(self.vertices[edge.1], t);
+                        self.vertices.push(p);
+                        crossings.push((edge, self.vertices.len() - 1));
+                        self.vertices.len() - 1
+                    });
+                    kept.push(at);
+                    if out(b) { leaves = Some(at) } else { enters = Some(at) }
+                }
+            }
+            if let (Some(leaves), Some(enters)) = (leaves, enters) {
+                rim.push((enters, leaves));
+            }
+            if kept.len() >= 3 {
+                faces.push((plane, kept));
+            }
+        }
+        let mut ring: Vec<usize> = Vec::new();
+        if let Some(&(first, mut at)) = rim.first() {
+            ring.push(first);
+            while at != first && ring.len() <= rim.len() {
+                ring.push(at);
+                at = rim.iter().find(|e| e.0 == at).map_or(first, |e| e.1);
+            }
+        }
+        if ring.len() >= 3 {
+            faces.push(((n, h), ring));
+        }
+        self.faces = faces;
+    }
+
+    fn convex(self) -> Convex {
+        let mut number = vec![u16::MAX; self.vertices.len()];
+        let mut vertices = Vec::new();
+        let mut edges: Vec<[u16; 4]> = Vec::new();
+        for (f, (_, ring)) in self.faces.iter().enumerate() {
+            for (i, &a) in ring.iter().enumerate() {
+                if number[a] == u16::MAX {
+                    number[a] = vertices.len() as u16;
+                    vertices.push(self.vertices[a]);
+                }
+                let b = ring[(i + 1) % ring.len()];
+                let runs = |ring: &Vec<usize>| {
+                    (0..ring.len()).any(|j| ring[j] == b && ring[(j + 1) % ring.len()] == a)
+                };
+                let other = self.faces.iter().position(|(_, ring)| runs(ring));
+                if let Some(g) = other.filter(|&g| f < g) {
+                    edges.push([a as u16, b as u16, f as u16, g as u16]);
+                }
+            }
+        }
+        for edge in &mut edges {
+            (edge[0], edge[1]) = (number[usize::from(edge[0])], number[usize::from(edge[1])]);
+        }
+        Convex { vertices, faces: self.faces.iter().map(|f| f.0).collect(), edges, lost: 0.0 }
+    }
+}
+
+/// Directions across the edges and corners of a box, one of each two.
+const DIAGONALS: [(f64, f64, f64); 10] = [
+    (1.0, 1.0, 0.0),
+    (1.0, -1.0, 0.0),
+    (1.0, 0.0, 1.0),
+    (1.0, 0.0, -1.0),
+    (0.0, 1.0, 1.0),
+    (0.0, 1.0, -1.0),
+    (1.0, 1.0, 1.0),
+    (1.0, 1.0, -1.0),
+    (1.0, -1.0, 1.0),
+    (1.0, -1.0, -1.0),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solids_around_points_hold_them_and_close() {
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        for n in [1, 2, 3, 4, 8, 20, 100] {
+            for round in 0..30 {
+                let stretch = DVec3::new(1.0, if round % 3 == 0 { 0.0 } else { 1.0 }, 1e3);
+                let points: Vec<DVec3> =
+                    (0..n).map(|_| DVec3::new(random(), random(), random()) * stretch).collect();
+                let solid = around(&points);
+                let (v, f, e) = (solid.vertices.len(), solid.faces.len(), solid.edges.len());
+                assert_eq!(v + f, e + 2, "{n} points, round {round}: {v} corners, {f} faces, {e} edges");
+                for &(m, h) in &solid.faces {
+                    assert!(points.iter().all(|p| m.dot(*p) <= h));
+                    // Corners lie inside all faces, but for rounding.
+                    assert!(solid.vertices.iter().all(|p| m.dot(*p) <= h + 1e-9 * (1.0 + h.abs())));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! Seams: where the surfaces of different static objects meet.
+
+use std::collections::BTreeMap;
+
+use smallvec::SmallVec;
+
+use crate::mesh::surface::weld::key;
+use crate::mesh::surface::{NONE, Surface};
+
+/// The ends of an open edge in order, and what tells its chain from others.
+type Chain = ([[u32; 3]; 2], u64);
+
+/// An open side of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Open {
+    slot: u32,
+    side: u32,
+    /// Number of its patch.
+    number: u32,
+    /// Whether the patch runs along it from its lesser end.
+    upwards: bool,
+}
+
+/// A link of an object's side that comes, or goes: object, side, number of the other patch and whether
+/// the two run in opposite directions.
+type Change = (u32, u32, Option<(u32, bool)>);
+
+/// Up to this many changes of an object's links are made one by one; more are merged into the list.
+const FEW: usize = 4;
+
+/// What is known of the surface of one object.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Place {
+    /// Number of its first patch, if it has any.
+    pub(crate) base: u32,
+    /// Its open sides that run along one of another object: side, number of the other patch, and
+    /// whether the two run in opposite directions. In order of sides.
+    pub(crate) links: Vec<(u32, u32, bool)>,
+}
+
+/// Numbers the patches of all surfaces, and joins static ones.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Seams {
+    places: Vec<Place>,
+    /// For each number ever given, the object.
+    owners: Vec<u32>,
+    /// Ranges given back, by the logarithm of their length.
+    free: Vec<Vec<u32>>,
+    /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
+    /// Thousands may share one.
+    open: BTreeMap<(Chain, u32, u32), (u32, bool)>,
+}
+
+impl Seams {
+    /// All numbers are smaller.
+    pub(crate) fn patches(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// The object that has a patch.
+    pub(crate) fn owner(&self, number: u32) -> u32 {
+        self.owners[number as usize]
+    }
+
+    pub(crate) fn place(&self, slot: u32) -> &Place {
+        &self.places[slot as usize]
+    }
+
+    fn class(count: usize) -> usize {
+        count.next_power_of_two().trailing_zeros() as usize
+    }
+
+    /// Numbers the patches of an object's surface, for as long as it has it.
+    pub(crate) fn insert(&mut self, slot: u32, surface: &Surface, fixed: bool) {
+        if self.places.len() <= slot as usize {
+            self.places.resize_with(slot as usize + 1, Place::default);
+        }
+        let class = Self::class(surface.patches.len());
+        if self.free.len() <= class {
+            self.free.resize_with(class + 1, Vec::new);
+        }
+        let base = self.free[class].pop().unwrap_or_else(|| {
+            self.owners.resize(self.owners.len() + (1 << class), NONE);
+            self.owners.len() as u32 - (1 << class)
+        });
+        self.owners[base as usize..][..surface.patches.len()].fill(slot);
+        self.places[slot as usize] = Place { base, links: Vec::new() };
+        if !fixed {
+            return;
+        }
+        let mut changes = Vec::new();
+        for (chain, open) in opens(slot, surface, base) {
+            self.open.insert((chain, slot, open.side), (open.number, open.upwards));
+            let all = self.at(chain);
+            match *all.as_slice() {
+                [a, b] => link(a, b, &mut changes),
+                // More than two: none of them cancels any other.
+                [_, _, _] => unlink(all.into_iter().filter(|o| *o != open), &mut changes),
+                _ => {}
+            }
+        }
+        self.apply(changes);
+    }
+
+    /// The open sides at a chain: four of them, if there are more.
+    fn at(&self, chain: Chain) -> SmallVec<[Open; 4]> {
+        let all = self.open.range((chain, 0, 0)..=(chain, u32::MAX, u32::MAX)).take(4);
+        all.map(|(&(_, slot, side), &(number, upwards))| Open { slot, side, number, upwards }).collect()
+    }
+
+    /// Changes links; of several changes of one the last counts.
+    fn apply(&mut self, mut changes: Vec<Change>) {
+        changes.sort_by_key(|c| (c.0, c.1));
+        for own in changes.chunk_by(|a, b| a.0 == b.0) {
+            let links = &mut self.places[own[0].0 as usize].links;
+            let last = own.chunk_by(|a, b| a.1 == b.1).filter_map(|same| same.last());
+            if own.len() <= FEW {
+                for &(_, side, new) in last {
+                    let at = links.partition_point(|l| l.0 < side);
+                    let there = links.get(at).is_some_and(|l| l.0 == side);
+                    links.splice(at..at + usize::from(there), new.map(|(number, way)| (side, number, way)));
+                }
+                continue;
+            }
+            let mut merged = Vec::with_capacity(links.len() + own.len());
+            let mut rest = links.as_slice();
+            for &(_, side, new) in last {
+                let before = rest.partition_point(|l| l.0 < side);
+                merged.extend_from_slice(&rest[..before]);
+                let there = rest.get(before).is_some_and(|l| l.0 == side);
+                rest = &rest[before + usize::from(there)..];
+                merged.extend(new.map(|(number, way)| (side, number, way)));
+            }
+            merged.extend_from_slice(rest);
+            *links = merged;
+        }
+    }
+
+    /// Takes a surface out.
+    pub(crate) fn remove(&mut self, slot: u32, surface: &Surface, fixed: bool) {
+        let place = std::mem::take(&mut self.places[slot as usize]);
+        self.free[Self::class(surface.patches.len())].push(place.base);
+        if !fixed {
+            return;
+        }
+        let mut changes = Vec::new();
+        for (chain, open) in opens(slot, surface, place.base) {
+            self.open.remove(&(chain, slot, open.side));
+            let all = self.at(chain);
+            match *all.as_slice() {
+                [_] => unlink(all.into_iter(), &mut changes),
+                [a, b] => link(a, b, &mut changes),
+                _ => {}
+            }
+        }
+        // Its own links are gone already.
+        changes.retain(|c| c.0 != slot);
+        self.apply(changes);
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.owners.capacity() * 4
+            + self.places.capacity() * size_of::<Place>()
+            + self.places.iter().map(|p| p.links.capacity() * 12).sum::<usize>()
+            // Nodes of the tree are at least half full.
+            + 2 * self.open.len() * size_of::<((Chain, u32, u32), (u32, bool))>()
+    }
+}
+
+/// Two open sides of different objects run along each other.
+fn link(a: Open, b: Open, changes: &mut Vec<Change>) {
+    if a.slot != b.slot {
+        let opposite = a.upwards != b.upwards;
+        changes.extend([(a, b), (b, a)].map(|(o, other)| (o.slot, o.side, Some((other.number, opposite)))));
+    }
+}
+
+fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
+    changes.extend(sides.map(|o| (o.slot, o.side, None)));
+}
+
+/// The open sides of a surface.
+fn opens(slot: u32, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain, Open)> {
+    let mut patch = 0;
+    surface.open.iter().map(move |&(index, chain)| {
+        // Sides are in the order of their patches.
+        while surface.patches[patch as usize].last <= index {
+            patch += 1;
+        }
+        let side = &surface.sides[index as usize];
+        let ends = [key(side.from), key(side.to)];
+        let upwards = ends[0] <= ends[1];
+        let ends = if upwards { ends } else { [ends[1], ends[0]] };
+        ((ends, chain), Open { slot, side: index, number: base + patch, upwards })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::mesh::surface::Rules;
+
+    /// A strip along x with a jagged upper side of `n` edges, `upper` or lower of it.
+    fn strip(n: u32, upper: bool) -> Surface {
+        let jag = |i: u32| Vec3::new(i as f32, if i.is_multiple_of(2) { 0.3 } else { -0.3 }, 0.0);
+        let far = |i: u32| Vec3::new(i as f32, if upper { 2.0 } else { -2.0 }, 0.0);
+        // Sides of the two run along the jags in opposite orders.
+        let p: Vec<Vec3> = (0..=n).map(jag).chain((0..=n).map(far)).collect();
+        let quad = |i: u32| {
+            let (a, b, c, d) = (i, i + 1, n + 2 + i, n + 1 + i);
+            if upper { [[a, b, c], [a, c, d]] } else { [[b, a, d], [b, d, c]] }
+        };
+        let t: Vec<[u32; 3]> = (0..n).flat_map(quad).collect();
+        Surface::new(&p, &t, &Rules { tolerance: 0.0, cosine: 0.2, least: 0.0, front: false })
+    }
+
+    /// The links of each object, found anew: where just two open sides have the same chain.
+    fn links(seams: &Seams, there: &[(u32, &Surface)]) -> Vec<Vec<(u32, u32, bool)>> {
+        let mut all: Vec<(Chain, Open)> = Vec::new();
+        for &(slot, surface) in there {
+            all.extend(opens(slot, surface, seams.place(slot).base));
+        }
+        let one = |slot: u32| {
+            let own = all.iter().filter(|o| o.1.slot == slot);
+            let linked = own.filter_map(|(chain, o)| {
+                let same: Vec<&Open> = all.iter().filter(|x| x.0 == *chain).map(|x| &x.1).collect();
+                let other = same.iter().find(|x| x.slot != slot).filter(|_| same.len() == 2)?;
+                Some((o.side, other.number, o.upwards != other.upwards))
+            });
+            linked.collect()
+        };
+        there.iter().map(|t| one(t.0)).collect()
+    }
+
+    #[test]
+    fn links_are_those_of_pairs_whatever_came_and_went() {
+        let surfaces = [strip(7, false), strip(7, true), strip(3, true), strip(1, false)];
+        let mut seams = Seams::default();
+        let mut there: Vec<(u32, &Surface)> = Vec::new();
+        let mut state = 9u32;
+        let mut most = 0;
+        for _ in 0..400 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let slot = state >> 16 & 7;
+            match there.iter().position(|t| t.0 == slot) {
+                Some(at) => {
+                    let (_, surface) = there.swap_remove(at);
+                    seams.remove(slot, surface, true);
+                }
+                None => {
+                    let surface = &surfaces[(state >> 24 & 3) as usize];
+                    seams.insert(slot, surface, true);
+                    there.push((slot, surface));
+                }
+            }
+            let wanted = links(&seams, &there);
+            for (&(slot, _), wanted) in there.iter().zip(&wanted) {
+                assert_eq!(&seams.place(slot).links, wanted);
+                most = most.max(wanted.len());
+            }
+        }
+        assert!(most >= 7, "{most}");
+    }
+
+    #[test]
+    fn thousands_of_objects_share_a_seam() {
+        let (low, high) = (strip(4, false), strip(4, true));
+        let mut seams = Seams::default();
+        for slot in 0..30_000 {
+            seams.insert(slot, if slot % 2 == 0 { &low } else { &high }, true);
+        }
+        for slot in 2..30_000 {
+            // The last ones are pairs.
+            assert!(slot > 29_000 || seams.place(slot).links.is_empty());
+            seams.remove(slot, if slot % 2 == 0 { &low } else { &high }, true);
+        }
+        assert!(seams.place(0).links.len() == 4 && seams.place(1).links.len() == 4);
+        // Links that come in the opposite order of the other object's sides.
+        let (low, high) = (strip(20_000, false), strip(20_000, true));
+        let mut seams = Seams::default();
+        seams.insert(0, &low, true);
+        seams.insert(1, &high, true);
+        assert!(seams.place(0).links.len() == 20_000 && seams.place(1).links.len() == 20_000);
+        seams.remove(1, &high, true);
+        assert!(seams.place(0).links.is_empty());
+    }
+}

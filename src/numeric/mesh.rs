@@ -1,0 +1,1 @@
+//! Margins of meshes: preparing, outlines, cells of triangles.

@@ -1,0 +1,1 @@
+//! Margins of occlusion buffers: silhouettes, depths, coverage.

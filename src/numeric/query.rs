@@ -1,0 +1,1 @@
+//! Margins of the walks: direction masks, frustum in cells.

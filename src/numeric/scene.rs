@@ -1,0 +1,1 @@
+//! Margins of the scene: volumes, times, occluders against bounds.

@@ -1,0 +1,1 @@
+//! Margins of shapes and plain geometry.

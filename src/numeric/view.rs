@@ -1,0 +1,1 @@
+//! Margins of views: matrices, eyes, planes.

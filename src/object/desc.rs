@@ -1,0 +1,130 @@
+//! Objects as the application describes them, and their ids.
+
+use crate::error::{Error, not_negative};
+use crate::object::{Bounds, Occluder};
+
+/// When the application tells of the motion of a dynamic object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reports {
+    /// Whenever it moved, hidden or not.
+    #[default]
+    WhenMoved,
+    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it in sight.
+    /// Needs a greatest speed, which the object must keep while it goes unreported; a report may put it anywhere.
+    ///
+    /// It counts as visible when its volume is revealed, and from [`crate::Scene::begin_frame`] on until a report
+    /// that is due comes. Until then it hides nothing.
+    OnExpiry,
+}
+
+/// Whether an object moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Stays where it is. It can still be updated, at the cost of taking it
+    /// out of the static matrices and putting it back.
+    Static,
+    /// Moves. While no view sees it, it is held by a temporal bounding volume.
+    Dynamic {
+        /// Greatest speed of any point in world units per second, if known.
+        max_speed: Option<f32>,
+        /// When its motion is reported.
+        reports: Reports,
+    },
+}
+
+/// An object to insert into a scene.
+///
+/// ```
+/// use casca::{Aabb, ObjectDesc, Sphere};
+/// use glam::Vec3;
+///
+/// let wall = Aabb::new(Vec3::ZERO, Vec3::new(10.0, 3.0, 0.5));
+/// let wall = ObjectDesc::fixed(wall).occluder(wall);
+/// let bird = ObjectDesc::dynamic(Sphere::new(Vec3::splat(5.0), 0.2)).max_speed(12.0);
+/// # let _ = (wall, bird);
+/// ```
+#[derive(Debug, Clone)]
+pub struct ObjectDesc {
+    pub(crate) bounds: Bounds,
+    pub(crate) occluder: Option<Occluder>,
+    pub(crate) motion: Motion,
+    /// Whether a speed or a way of reports was given for an object that does not move.
+    pub(crate) contradicts: bool,
+}
+
+impl ObjectDesc {
+    /// An object that stays where it is.
+    pub fn fixed(bounds: impl Into<Bounds>) -> Self {
+        Self { bounds: bounds.into(), occluder: None, motion: Motion::Static, contradicts: false }
+    }
+
+    /// An object that moves, with no promise about its speed.
+    pub fn dynamic(bounds: impl Into<Bounds>) -> Self {
+        let motion = Motion::Dynamic { max_speed: None, reports: Reports::WhenMoved };
+        Self { bounds: bounds.into(), occluder: None, motion, contradicts: false }
+    }
+
+    /// Lets the object hide others. The occluder must lie inside the object's
+    /// solid geometry, which must lie inside its bounds.
+    #[must_use]
+    pub fn occluder(mut self, occluder: impl Into<Occluder>) -> Self {
+        self.occluder = Some(occluder.into());
+        self
+    }
+
+    /// Promises that no point of the object moves faster, in world units per second. Only for
+    /// [dynamic](ObjectDesc::dynamic) objects: [`crate::Scene::insert`] refuses it for a fixed one.
+    #[must_use]
+    pub fn max_speed(mut self, speed: f32) -> Self {
+        match &mut self.motion {
+            Motion::Static => self.contradicts = true,
+            Motion::Dynamic { max_speed, .. } => *max_speed = Some(speed),
+        }
+        self
+    }
+
+    /// Says that the object's motion goes unreported while it is hidden
+    /// (see [`Reports::OnExpiry`]). Needs a [greatest speed](ObjectDesc::max_speed), and a
+    /// [dynamic](ObjectDesc::dynamic) object.
+    #[must_use]
+    pub fn reported_on_expiry(mut self) -> Self {
+        match &mut self.motion {
+            Motion::Static => self.contradicts = true,
+            Motion::Dynamic { reports, .. } => *reports = Reports::OnExpiry,
+        }
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check_pair(&self.bounds, self.occluder.as_ref())?;
+        if self.contradicts {
+            return Err(Error::FixedMoves);
+        }
+        match self.motion {
+            Motion::Dynamic { max_speed: Some(v), .. } => not_negative("the greatest speed", f64::from(v)),
+            Motion::Dynamic { max_speed: None, reports: Reports::OnExpiry } => Err(Error::SpeedNeeded),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// An occluder may leave the box of its bounds by this share of the box's diagonal. It ought not to leave it at all:
+/// this is room for models and hand-made occluders that are a little inexact.
+const OCCLUDER_SHARE: f64 = 1e-3;
+
+/// And by this share of the coordinates: applications compute both in single precision, whose steps are 6e-8.
+const OCCLUDER_ROUNDING: f64 = 1e-6;
+
+/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their bounds.
+pub(crate) fn check_pair(bounds: &Bounds, occluder: Option<&Occluder>) -> Result<(), Error> {
+    bounds.check()?;
+    let Some(occluder) = occluder else { return Ok(()) };
+    occluder.check()?;
+    let (outer, inner) = (bounds.block(), occluder.block());
+    let by = (outer.min - inner.min).max(inner.max - outer.max).max_element();
+    let reach = outer.min.abs().max(outer.max.abs()).max_element();
+    if by > OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach {
+        return Err(Error::OccluderOutside { by });
+    }
+    Ok(())
+}

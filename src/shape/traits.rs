@@ -1,0 +1,43 @@
+//! What every kind of shape answers about cells and boxes.
+
+use glam::{DVec3, IVec3};
+
+use crate::grid::Grid;
+use crate::grid::run::CellRun;
+
+/// A shape that can be written into the matrices of a grid.
+pub trait Shape {
+    /// Corners of a box that holds the shape, in world units.
+    fn bounds(&self) -> (DVec3, DVec3);
+
+    /// Calls `out` with runs of cells that cover the shape's part of the grid.
+    /// No cell comes twice.
+    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun));
+
+    /// Calls `out` with runs of cells wholly inside the solid. No cell comes twice.
+    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun));
+
+    /// Whether the box from `min` to `max` lies wholly inside the solid; in doubt, no.
+    fn contains_box(&self, min: DVec3, max: DVec3) -> bool;
+
+    /// Whether the point lies in the solid or on its surface; in doubt, yes.
+    fn contains_point(&self, point: DVec3) -> bool;
+}
+
+/// A shape whose cells can be asked for in any part of the grid. All cells that hold a point of it are
+/// touched, and those are all cells of its inside.
+pub(crate) trait Rows: Shape {
+    /// Calls `out` with the touched cells between `lo` and `hi`, which lie inside the grid.
+    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
+
+    /// Calls `out` with the opaque cells between `lo` and `hi`, which lie inside the grid.
+    fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
+
+    /// Whether the box from `min` to `max` holds no point of the shape; in doubt, no.
+    fn misses(&self, min: DVec3, max: DVec3) -> bool;
+
+    /// Whether all cells in the box from `min` to `max` are touched; in doubt, no.
+    fn fills(&self, min: DVec3, max: DVec3) -> bool {
+        self.contains_box(min, max)
+    }
+}
