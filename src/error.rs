@@ -78,6 +78,9 @@ pub enum Error {
     /// from another scene.
     #[error("{0} is not an object of this scene: it was removed, or belongs to another scene")]
     UnknownObject(ObjectId),
+    /// The key belongs to no object of this scene: it was removed, or the key comes from elsewhere.
+    #[error("the key {0:#x} names no object of this scene: it was removed, or the key comes from elsewhere")]
+    UnknownKey(u64),
     /// The scene holds as many objects as ids can name.
     #[error("the scene is full: it already holds {0} objects")]
     SceneFull(usize),

@@ -86,7 +86,7 @@ impl AggressiveOpacity {
                 return;
             }
             solids.clear();
-            solids.extend(scene.static_solids(cell, u32::MAX).filter(|s| s.is_solid()));
+            solids.extend(scene.static_solids(cell).filter(|s| s.is_solid()));
             let (min, max) = grid.cell_bounds(cell);
             let filled = (0..points).filter(|i| {
                 let at = IVec3::new(i % SAMPLES, i / SAMPLES % SAMPLES, i / (SAMPLES * SAMPLES)).as_dvec3();

@@ -121,7 +121,7 @@ impl Pvs {
         out.clear();
         let Some(view) = &self.view else { return Ok(()) };
         for &id in &self.visible {
-            let Ok((_, object)) = scene.find(id) else { continue };
+            let Ok(object) = scene.find(id) else { continue };
             let (distance, size) = measure(object, view);
             let item = DrawItem { id, distance: distance as f32, size: size as f32 };
             let known = !object.is_unlocated() && object.unreported_volume().is_none();
@@ -145,7 +145,7 @@ fn measure(object: &Object, view: &View) -> (f64, f64) {
     if let Some(volume) = object.unreported_volume() {
         return measure_block(volume, view);
     }
-    match &object.bounds {
+    match object.bounds() {
         Bounds::Sphere(s) => {
             let (center, radius) = (s.center.as_dvec3(), f64::from(s.radius));
             let nearest = match view.origin {

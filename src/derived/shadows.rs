@@ -22,10 +22,7 @@
 //! So on every ray the light stops at the same point if only casters are drawn: what is left out behind
 //! that point is in shadow already. `A` can be the receiver's own object: what is in the light shadows itself.
 //!
-//! Rounding. The coordinates of the light's frame err by less than 16 units in the last place of the greatest
-//! coordinate; its axes are of length 1 and at right angles to as much, so that `q` may seem to lie beside `p` by
-//! a few units in the last place of the greater of both. All extents are widened by [`MARGIN`] of their
-//! own greatest coordinate, 4,500 units in the last place. Pixels need no margin: their number never falls
+//! Rounding. All extents are widened by [`LIGHT_EXTENT`]. Pixels need no margin: their number never falls
 //! as the coordinate grows, also as rounded, so extents that overlap share a pixel.
 
 use std::collections::VecDeque;
@@ -37,6 +34,7 @@ use crate::error::{Error, finite3};
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Obb};
 use crate::id::ObjectId;
+use crate::numeric::scene::{LEAST_LIGHT_WIDTH, LIGHT_EXTENT};
 use crate::object::Bounds;
 use crate::pvs::Pvs;
 use crate::query::Query;
@@ -46,9 +44,6 @@ use crate::view::View;
 
 /// Pixels along each side of the depth buffer.
 const PIXELS: usize = 256;
-
-/// Extents are widened by this share of their greatest coordinate.
-const MARGIN: f64 = 1e-12;
 
 /// The bounds of a receiver are cut into at most this many pieces, with at most this many cuts, none along edges
 /// shorter than this many cells.
@@ -71,7 +66,7 @@ impl Light {
     /// coordinates up to `greatest` leave open.
     fn around(&self, center: DVec3, half: impl Fn(DVec3) -> f64, greatest: f64) -> Block {
         let at = DVec3::from_array(self.axes.map(|a| center.dot(a)));
-        let reach = DVec3::from_array(self.axes.map(half)) + MARGIN * greatest;
+        let reach = DVec3::from_array(self.axes.map(half)) + LIGHT_EXTENT * greatest;
         Block { min: at - reach, max: at + reach }
     }
 
@@ -103,7 +98,7 @@ impl Light {
     fn object(&self, object: &Object) -> Option<Block> {
         match object.unreported_volume() {
             Some(volume) => Some(self.block(volume)),
-            None => (!object.is_unlocated()).then(|| self.bounds(&object.bounds)),
+            None => (!object.is_unlocated()).then(|| self.bounds(object.bounds())),
         }
     }
 
@@ -166,7 +161,7 @@ impl<'a> DepthBuffer<'a> {
         depths.clear();
         depths.resize(PIXELS * PIXELS, f64::NEG_INFINITY);
         // Of a rectangle without width all is one pixel.
-        let per_unit = [0, 1].map(|i| PIXELS as f64 / (reach.max[i] - reach.min[i]).max(1e-200));
+        let per_unit = [0, 1].map(|i| PIXELS as f64 / (reach.max[i] - reach.min[i]).max(LEAST_LIGHT_WIDTH));
         Self { depths, reach, per_unit }
     }
 
@@ -301,9 +296,9 @@ fn find_pieces(scene: &Scene, receivers: &Pvs, light: &Light, scratch: &mut Rece
     let Some(view) = &receivers.view else { return true };
     let shortest = SHORTEST * scene.grid().cell_size();
     for &id in receivers.visible() {
-        let Ok((_, object)) = scene.find(id) else { continue };
+        let Ok(object) = scene.find(id) else { continue };
         let Some(whole) = light.object(object) else { return false };
-        let block = object.unreported_volume().copied().unwrap_or_else(|| object.bounds.block());
+        let block = object.unreported_volume().copied().unwrap_or_else(|| object.bounds().block());
         let pieces = &mut scratch.pieces;
         cut(&block, view, shortest, &mut scratch.cutting, |piece| {
             // Points of the object lie in both extents.

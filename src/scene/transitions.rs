@@ -1,0 +1,262 @@
+//! The transitions of objects between their states, with their effects on matrices, lists and volumes.
+//!
+//! Each function causes the events that the tables of [`crate::scene::state`] name for it.
+
+use crate::numeric::scene::earliest_arrival;
+use crate::object::{Bounds, Occluder};
+use crate::scene::Scene;
+use crate::scene::cells::Span;
+use crate::scene::expiry::{AT_ONCE, Expiry};
+use crate::scene::state::{Event, Hidden, State};
+use crate::scene::volume::{Border, Tbv};
+
+/// An unlocated object keeps its old volume if the room there is at least this share of the slack of a new one.
+const WORTH_KEEPING: f64 = 0.5;
+
+impl Scene {
+    /// An object is reported to be somewhere.
+    pub(super) fn report(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        self.locate(slot);
+        let object = self.slots.object_mut(slot);
+        object.reported = self.now;
+        let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
+        if same && !object.is_unlocated() {
+            return;
+        }
+        self.moves += 1;
+        object.moved = self.moves;
+        match object.state() {
+            State::Listed | State::Overdue => {
+                self.revision += 1;
+                self.relist(slot, bounds, occluder);
+            }
+            State::Hidden(hidden) => {
+                self.exchange_shape(slot, bounds, occluder);
+                self.hidden_moved(slot, hidden);
+            }
+            State::Unlocated { volume } => {
+                self.exchange_shape(slot, bounds, occluder);
+                self.found_again(slot, volume);
+            }
+        }
+    }
+
+    /// Gives an object that is in no matrix another shape.
+    fn exchange_shape(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        self.exchange_occluder(slot, occluder);
+        self.slots.object_mut(slot).bounds = bounds;
+    }
+
+    /// A hidden object was reported elsewhere: inside its volume it stays.
+    fn hidden_moved(&mut self, slot: u32, hidden: Hidden) {
+        let object = self.slots.object_mut(slot);
+        let block = object.bounds.block();
+        if hidden.tbv.contains(&self.grid, &block) {
+            if object.on_expiry() {
+                self.enclose_again(slot, hidden.tbv, hidden.tbv.room(&block), hidden.queued);
+            }
+            return;
+        }
+        object.validity.outlived();
+        self.volumes.remove(slot);
+        self.revision += 1;
+        let volume = self.make_volume(slot);
+        self.enclose_or_list(slot, volume);
+    }
+
+    /// An unlocated object was reported. Where a new volume would not last much longer, the old one stays.
+    fn found_again(&mut self, slot: u32, volume: Option<Tbv>) {
+        self.always.remove(slot);
+        self.revision += 1;
+        let object = self.slots.object_mut(slot);
+        object.validity.outlived();
+        let block = object.bounds.block();
+        let next = self.make_volume(slot);
+        if let (Some(old), Some(new)) = (volume, &next) {
+            let room = old.room(&block);
+            if room >= WORTH_KEEPING * new.tbv.slack {
+                self.enclose_again(slot, old, room, f64::INFINITY);
+                return;
+            }
+        }
+        if volume.is_some() {
+            self.volumes.remove(slot);
+        }
+        self.enclose_or_list(slot, next);
+    }
+
+    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides
+    /// nothing. Its cells stay as they are, since the report mostly comes at once.
+    pub(super) fn miss(&mut self, slot: u32) {
+        let object = self.slots.object_mut(slot);
+        if object.apply(Event::Missed) {
+            self.overdue_occluders += u32::from(object.occluder.is_some());
+            self.always.insert(slot);
+            self.revision += 1;
+        }
+    }
+
+    /// The place of an object is known again, or does not matter any more.
+    fn locate(&mut self, slot: u32) {
+        let object = self.slots.object_mut(slot);
+        if object.apply(Event::Reported) {
+            self.overdue_occluders -= u32::from(object.occluder.is_some());
+            if Span::of(&self.grid, &object.bounds.block()).suffices() {
+                self.always.remove(slot);
+            }
+            self.revision += 1;
+        }
+    }
+
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went
+    /// backwards, no volume is certain.
+    pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
+        if self.slots.of_generation(entry.slot, entry.generation).is_none() {
+            return false;
+        }
+        let object = self.slots.object_mut(entry.slot);
+        match object.state() {
+            // Queued again since: that entry counts.
+            State::Hidden(hidden) if hidden.queued != entry.at => false,
+            State::Hidden(Hidden { expires, .. }) if !backwards && expires > self.now => {
+                object.apply(Event::Requeued(expires));
+                self.expiries.push(Expiry { at: expires, ..entry });
+                false
+            }
+            State::Hidden(_) => {
+                object.apply(Event::Expired);
+                object.validity.passed();
+                self.always.insert(entry.slot);
+                self.revision += 1;
+                true
+            }
+            // Revealed in the last frame: its bounds are old.
+            State::Unlocated { .. } => entry.at == AT_ONCE,
+            State::Listed | State::Overdue => false,
+        }
+    }
+
+    /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
+    pub(super) fn reveal(&mut self, slot: u32, seen: bool) {
+        let outer = self.volumes.is_outer(slot);
+        self.volumes.remove(slot);
+        let generation = self.slots.id(slot).generation;
+        let object = self.slots.object_mut(slot);
+        object.validity.revealed(outer);
+        if object.on_expiry() {
+            object.apply(Event::Revealed);
+            self.always.insert(slot);
+            self.revision += 1;
+            self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
+        } else if seen {
+            self.list(slot);
+        } else {
+            let volume = self.make_volume(slot);
+            self.enclose_or_list(slot, volume);
+        }
+    }
+
+    /// No view saw a listed dynamic object: puts it into a volume, if one fits.
+    pub(super) fn try_hide(&mut self, slot: u32) -> bool {
+        // A volume around an old place contains nothing for certain.
+        if self.object(slot).is_unlocated() {
+            return false;
+        }
+        let Some(hidden) = self.make_volume(slot) else { return false };
+        self.unlist(slot);
+        self.enclose(slot, hidden);
+        true
+    }
+
+    /// Takes an object out of the scene.
+    pub(super) fn take_out(&mut self, slot: u32) {
+        self.revision += 1;
+        self.locate(slot);
+        match self.object(slot).state() {
+            State::Listed | State::Overdue => self.unlist(slot),
+            State::Hidden(_) => self.volumes.remove(slot),
+            State::Unlocated { volume } => {
+                self.always.remove(slot);
+                if volume.is_some() {
+                    self.volumes.remove(slot);
+                }
+            }
+        }
+        self.exchange_occluder(slot, None);
+        self.slots.remove(slot);
+    }
+
+    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in the queue.
+    fn make_volume(&self, slot: u32) -> Option<Hidden> {
+        let object = self.object(slot);
+        let (speed, block) = (object.promised_speed(), object.bounds.block());
+        // Without a promise it is taken to cross a cell in a second.
+        let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity.seconds();
+        let border = match (object.on_expiry(), object.validity.is_confined()) {
+            (false, _) => Border::Cut,
+            (true, false) => Border::Beyond,
+            (true, true) => Border::Inside,
+        };
+        let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
+        let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
+        Some(Hidden { tbv, expires, queued: f64::INFINITY })
+    }
+
+    /// Puts an object that is in no matrix into a volume, or into I and O.
+    fn enclose_or_list(&mut self, slot: u32, volume: Option<Hidden>) {
+        match volume {
+            Some(hidden) => self.enclose(slot, hidden),
+            None => self.list(slot),
+        }
+    }
+
+    /// Puts an object that is in no matrix into a new volume.
+    fn enclose(&mut self, slot: u32, hidden: Hidden) {
+        self.volumes.insert(slot, &hidden.tbv);
+        self.revision += 1;
+        self.hide(slot, hidden);
+    }
+
+    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time of its
+    /// entry in the queue, if it has one.
+    fn enclose_again(&mut self, slot: u32, tbv: Tbv, room: f64, queued: f64) {
+        let speed = self.object(slot).promised_speed().unwrap_or(0.0);
+        self.hide(slot, Hidden { tbv, expires: earliest_arrival(self.now, room, speed), queued });
+    }
+
+    /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
+    fn hide(&mut self, slot: u32, mut hidden: Hidden) {
+        let generation = self.slots.id(slot).generation;
+        let object = self.slots.object_mut(slot);
+        let early = object.on_expiry() && hidden.expires < hidden.queued;
+        if early {
+            hidden.queued = hidden.expires;
+            self.expiries.push(Expiry { at: hidden.expires, slot, generation });
+        }
+        object.apply(Event::Enclosed(hidden));
+    }
+
+    /// Drops entries of the queue that were replaced since, once there are many of them.
+    pub(super) fn compact_expiries(&mut self) {
+        if !self.expiries.is_crowded(self.slots.len()) {
+            return;
+        }
+        let slots = &self.slots;
+        self.expiries.retain(|entry| {
+            let state = slots.of_generation(entry.slot, entry.generation).map(|object| object.state());
+            match state {
+                Some(State::Hidden(hidden)) => hidden.queued == entry.at,
+                Some(State::Unlocated { .. }) => entry.at == AT_ONCE,
+                _ => false,
+            }
+        });
+    }
+}
+
+fn same_occluder(a: Option<&Occluder>, b: Option<&Occluder>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => a.same(b),
+        (None, None) => true,
+        _ => false,
+    }
+}
