@@ -6,7 +6,7 @@ use glam::IVec3;
 
 use crate::grid::cell_box::CellBox;
 
-/// Finds the volumes that hold a cell, to keep the rule that a hollow volume
+/// Finds the volumes that contain a cell, to keep the rule that a hollow volume
 /// must not contain the viewer: a volume of up to 2^level cells is filed by its
 /// centre in a hash grid of that pitch, so that 8 places a level are looked up.
 #[derive(Clone, Default)]
@@ -50,7 +50,7 @@ impl Containing {
         }
     }
 
-    /// Calls `found` for a superset of the volumes that hold a cell.
+    /// Calls `found` for a superset of the volumes that contain a cell.
     pub(super) fn find(&self, cell: IVec3, mut found: impl FnMut(u32)) {
         for (level, map) in self.levels.iter().enumerate() {
             if map.is_empty() {

@@ -90,7 +90,7 @@ impl Volumes {
         &self.cells[slot as usize]
     }
 
-    /// The volumes that hold a cell, on their surface or inside.
+    /// The volumes that contain a cell, on their surface or inside.
     pub(crate) fn holding(&self, cell: IVec3, mut found: impl FnMut(u32)) {
         self.containing.find(cell, |slot| {
             if self.cells[slot as usize].contains(cell) {
