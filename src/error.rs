@@ -1,4 +1,4 @@
-//! What calls are refused with: every refusal says which argument and why. Files have reasons of their own.
+//! The reasons for which calls are refused: every refusal says which argument and why. Files have other reasons.
 
 use std::fmt;
 
@@ -59,7 +59,7 @@ pub enum Error {
     /// The grid has no cells or too many.
     #[error("a grid needs 1 to {max} cells along each axis, but {dims} were asked for")]
     GridDims {
-        /// What was asked for.
+        /// The numbers of cells asked for.
         dims: UVec3,
         /// The limit along each axis.
         max: u32,
@@ -78,6 +78,9 @@ pub enum Error {
     /// from another scene.
     #[error("{0} is not an object of this scene: it was removed, or belongs to another scene")]
     UnknownObject(ObjectId),
+    /// The key belongs to no object of this scene: it was removed, or the key comes from elsewhere.
+    #[error("the key {0:#x} names no object of this scene: it was removed, or the key comes from elsewhere")]
+    UnknownKey(u64),
     /// The scene holds as many objects as ids can name.
     #[error("the scene is full: it already holds {0} objects")]
     SceneFull(usize),
@@ -175,7 +178,7 @@ pub enum FileError {
     /// The stream failed.
     #[error("the mesh cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    /// What is read is something else.
+    /// The stream is no prepared mesh.
     #[error("this is no prepared mesh: it starts with the bytes {found:02x?}")]
     Magic {
         /// The first bytes, zeros where there are none.
@@ -205,7 +208,7 @@ pub enum FileError {
         /// That of the contents.
         computed: u64,
     },
-    /// A section is longer than what is left of the contents.
+    /// A section is longer than the rest of the contents.
     #[error("the {section} of the mesh need {needed} bytes, but {held} are left")]
     Section {
         /// The section.
@@ -215,20 +218,89 @@ pub enum FileError {
         /// How many are left.
         held: u64,
     },
-    /// An entry is not what a prepared mesh can hold.
+    /// An entry that no prepared mesh can have.
     #[error("entry {entry} of the {section} of the mesh {why}")]
     Entry {
         /// The section.
         section: &'static str,
         /// Index of the entry in it.
         entry: usize,
-        /// What is wrong with it.
+        /// The fault, as the end of a sentence about the entry.
         why: &'static str,
     },
     /// The contents are longer than their sections.
     #[error("{0} bytes follow the last section of the mesh")]
     Trailing(u64),
 }
+
+/// Gives each variant of an error its code; a list of them serves the test.
+macro_rules! codes {
+    ($error:ident, $list:ident, $($variant:ident => $code:literal,)+) => {
+        impl $error {
+            /// A short name of the reason in kebab-case, for logs, tables and other languages. It is stable: releases
+            /// add codes, but neither change nor reuse one. No other error of this library has the same.
+            ///
+            /// ```
+            /// assert_eq!(casca::Error::EmptyMesh.code(), "empty-mesh");
+            /// assert_eq!(casca::FileError::Trailing(3).code(), "file-trailing");
+            /// ```
+            pub fn code(&self) -> &'static str {
+                match self {
+                    $(Self::$variant { .. } => $code,)+
+                }
+            }
+        }
+
+        #[cfg(test)]
+        const $list: &[&str] = &[$($code),+];
+    };
+}
+
+codes!(
+    Error,
+    CODES,
+    NotFinite => "not-finite",
+    InvertedBox => "inverted-box",
+    Rotation => "no-rotation",
+    NoDirection => "no-direction",
+    Convex => "convex",
+    Negative => "negative",
+    CellSize => "cell-size",
+    GridDims => "grid-dims",
+    GridTooFar => "grid-too-far",
+    UnknownObject => "unknown-object",
+    UnknownKey => "unknown-key",
+    SceneFull => "scene-full",
+    EmptyMesh => "empty-mesh",
+    MeshIndex => "mesh-index",
+    BoundsOnly => "bounds-only",
+    SpeedNeeded => "speed-needed",
+    FixedMoves => "fixed-moves",
+    OccluderOutside => "occluder-outside",
+    OccluderMissing => "occluder-missing",
+    FixedMesh => "fixed-mesh",
+    Matrix => "matrix",
+    EyeMismatch => "eye-mismatch",
+    Plane => "plane",
+    TooManyPlanes => "too-many-planes",
+    ForeignPvs => "foreign-pvs",
+    ForeignOpacity => "foreign-opacity",
+    AggressiveMethod => "aggressive-method",
+    Setting => "setting",
+);
+
+codes!(
+    FileError,
+    FILE_CODES,
+    Read => "file-read",
+    Magic => "file-magic",
+    Version => "file-version",
+    Truncated => "file-truncated",
+    Checksum => "file-checksum",
+    Section => "file-section",
+    Entry => "file-entry",
+    Trailing => "file-trailing",
+);
 
 /// A number as short as it can be told from its neighbours: most were given in single precision.
 struct Short(f64);
@@ -267,5 +339,22 @@ pub(crate) fn not_negative(what: &'static str, v: f64) -> Result<(), Error> {
         Err(Error::Negative { what, value: v })
     } else {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn codes_are_distinct_and_in_kebab_case() {
+        let all: Vec<&str> = CODES.iter().chain(FILE_CODES).copied().collect();
+        assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
+        for code in all {
+            let words = || code.split('-');
+            assert!(words().all(|w| !w.is_empty() && w.bytes().all(|b| b.is_ascii_lowercase())), "{code}");
+        }
     }
 }

@@ -4,6 +4,11 @@ use std::fmt;
 
 /// Names an object of one scene. An id is never used again: after removal it
 /// is an error wherever it is passed, as is an id of another scene.
+///
+/// An id has 96 bits: the scene, an [index](ObjectId::index), and how many objects had that index before. None of
+/// them can run out unnoticed: an index is given up after 2^32 objects, and scenes are told apart
+/// until a process has made 2^32 - 1 of them, clones included. [`crate::Scene::key`] gives ids of 64 bits
+/// within one scene.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId {
     pub(crate) scene: u32,

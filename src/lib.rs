@@ -42,9 +42,9 @@ pub use mesh::{Facing, Instance, Preparation, TriMesh};
 pub use method::{Method, Settings};
 pub use object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
 pub use occlusion::image::OcclusionImage;
-pub use pvs::{Pvs, Stats};
+pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::Query;
-pub use scene::{FrameReport, MemoryUse, Scene};
+pub use scene::{FrameReport, MemoryUse, ObjectRef, Scene};
 pub use shape::{Convex, MAX_CONVEX, Shape};
 pub use view::{MAX_PLANES, View};
 

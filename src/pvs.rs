@@ -1,4 +1,7 @@
-//! The potentially visible set of a view: what a query answers.
+//! The potentially visible set of a view: the answer to a query.
+
+use std::iter::Copied;
+use std::slice::Iter;
 
 use glam::IVec3;
 
@@ -6,14 +9,15 @@ use crate::id::ObjectId;
 use crate::method::Method;
 use crate::view::View;
 
-/// What a query did, the same on every machine. The library has no clock: measure around [`crate::Query::run`].
+/// The work of a query in numbers, the same on every machine. The library has no clock: measure around
+/// [`crate::Query::run`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
     /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to. Large parts of the grid that hold nothing are passed over and not counted.
+    /// of a shell that they belong to. Large empty parts of the grid are passed over and not counted.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,
@@ -23,7 +27,7 @@ pub struct Stats {
     pub caps_skipped: u32,
     /// Objects whose bounds were compared with the frustum.
     pub objects_tested: u32,
-    /// [`Method::Point`]: bricks of 8x8x8 cells inside the frustum that hold objects.
+    /// [`Method::Point`]: bricks of 8x8x8 cells inside the frustum with objects in them.
     pub bricks_visited: u64,
     /// [`Method::Point`]: how many of them were found hidden as a whole.
     pub bricks_hidden: u64,
@@ -60,6 +64,8 @@ pub struct Stats {
 
 /// The potentially visible set: every object of which any point can be seen,
 /// and a few more.
+///
+/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone keeps it.
 #[derive(Debug, Clone)]
 pub struct Pvs {
     pub(crate) scene: u32,
@@ -104,6 +110,55 @@ impl Pvs {
         &self.visible
     }
 
+    /// The objects that can be seen, as [`Pvs::visible`] gives them.
+    ///
+    /// ```
+    /// # use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// # use glam::{UVec3, Vec3};
+    /// # fn main() -> Result<(), casca::Error> {
+    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let id = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(4.0), 1.0)))?;
+    /// # let mut query = Query::new();
+    /// for id in query.run(&scene, &View::around(Vec3::splat(9.5))?) {
+    ///     println!("draw {}", id.index());
+    /// }
+    /// # assert!(query.pvs().iter().eq([id]));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn iter(&self) -> Copied<Iter<'_, ObjectId>> {
+        self.visible.iter().copied()
+    }
+
+    /// The differences between this set and one that was found earlier: the objects to show and those to take away.
+    /// Costs one look-up for each object of both sets, when the iterators run.
+    ///
+    /// Both may be of any view and method. Of sets of different scenes all objects differ, except those that a clone
+    /// of a scene has in common with its original.
+    ///
+    /// ```
+    /// use casca::{GridSpec, ObjectDesc, Plane, Query, Scene, Sphere, View};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// let mut ball = |x| scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(x, 8.0, 8.0), 1.0)));
+    /// let (low, high) = (ball(3.0)?, ball(13.0)?);
+    /// let half = |normal: Vec3| {
+    ///     let eye = Vec3::splat(8.0);
+    ///     View::from_planes(eye, &[Plane { normal, offset: -normal.dot(eye) }])
+    /// };
+    /// let mut query = Query::new();
+    /// let before = query.run(&scene, &half(Vec3::NEG_X)?).clone();
+    /// let changes = query.run(&scene, &half(Vec3::X)?).changes_since(&before);
+    /// assert!(changes.entered().eq([high]) && changes.left().eq([low]));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn changes_since<'a>(&'a self, earlier: &'a Self) -> PvsChanges<'a> {
+        PvsChanges { earlier, later: self }
+    }
+
     /// Whether it is the result of a query.
     pub(crate) fn has_run(&self) -> bool {
         self.scene != 0
@@ -145,12 +200,12 @@ impl Pvs {
         &self.revealed
     }
 
-    /// What the query did.
+    /// The work of the query in numbers.
     pub fn stats(&self) -> &Stats {
         &self.stats
     }
 
-    /// How it was found.
+    /// The method of the query.
     pub fn method(&self) -> Method {
         self.method
     }
@@ -161,10 +216,40 @@ impl Pvs {
     }
 
     /// The cell of the grid (or beyond it) for which the set is valid, where there is one:
-    /// it holds all that any eye in this cell sees inside the view's half-spaces, as
+    /// it contains all that any eye in this cell sees inside the view's half-spaces, as
     /// [`Method::Cell`] says. `None` for other methods, for parallel rays, and where nothing was
-    /// taken to be hidden: then the set holds all that lies inside the half-spaces.
+    /// taken to be hidden: then the set contains all that lies inside the half-spaces.
     pub fn view_cell(&self) -> Option<IVec3> {
         self.cell
+    }
+}
+
+/// The same objects as [`Pvs::iter`].
+impl<'a> IntoIterator for &'a Pvs {
+    type Item = ObjectId;
+    type IntoIter = Copied<Iter<'a, ObjectId>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// The differences between two sets: see [`Pvs::changes_since`].
+#[derive(Debug, Clone, Copy)]
+pub struct PvsChanges<'a> {
+    earlier: &'a Pvs,
+    later: &'a Pvs,
+}
+
+impl<'a> PvsChanges<'a> {
+    /// The objects of the later set that are not in the earlier one, in the order of the later.
+    pub fn entered(self) -> impl Iterator<Item = ObjectId> + 'a {
+        self.later.iter().filter(move |&id| !self.earlier.contains(id))
+    }
+
+    /// The objects of the earlier set that are not in the later one, in the order of the earlier. Some may have been
+    /// removed from the scene.
+    pub fn left(self) -> impl Iterator<Item = ObjectId> + 'a {
+        self.earlier.iter().filter(move |&id| !self.later.contains(id))
     }
 }

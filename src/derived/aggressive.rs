@@ -1,8 +1,8 @@
 //! Aggressive opacity: cells that are mostly solid pass for opaque. **Not conservative.**
 //!
-//! After the thesis' "approximate PVS by an opacity threshold" (section 3): [`crate::Method::Cell`] loses
-//! most of what hides, because only cells wholly inside solids do. To count those that are filled to a
-//! share makes the PVS smaller, and loses objects that show through what is not filled.
+//! After the thesis' "approximate PVS by an opacity threshold" (section 3): for [`crate::Method::Cell`] only cells
+//! wholly inside solids hide, so that most of the solids hide nothing. If cells that are filled to a share count too,
+//! the PVS is smaller, but lacks objects that show through the unfilled part.
 
 use glam::{DVec3, IVec3};
 
@@ -17,7 +17,7 @@ use crate::view::View;
 /// Points along each edge of a cell at which its filling is sampled.
 const SAMPLES: i32 = 4;
 
-/// Cells that static solids fill to at least a share, for [`Query::run_aggressive`]. **Results lose visible
+/// Cells that static solids fill to at least a share of their volume, for [`Query::run_aggressive`]. **Results lose visible
 /// objects.**
 ///
 /// ```
@@ -86,7 +86,7 @@ impl AggressiveOpacity {
                 return;
             }
             solids.clear();
-            solids.extend(scene.static_solids(cell, u32::MAX).filter(|s| s.is_solid()));
+            solids.extend(scene.static_solids(cell).filter(|s| s.is_solid()));
             let (min, max) = grid.cell_bounds(cell);
             let filled = (0..points).filter(|i| {
                 let at = IVec3::new(i % SAMPLES, i / SAMPLES % SAMPLES, i / (SAMPLES * SAMPLES)).as_dvec3();
@@ -115,7 +115,7 @@ impl AggressiveOpacity {
 impl Query {
     /// As [`Query::run`] with [`crate::Method::Cell`], but mostly solid cells pass for opaque: **visible objects
     /// may be missing**, which [`Pvs::is_aggressive`] then says. For uses where a smaller set is worth holes in
-    /// the picture, such as what to load first.
+    /// the picture, such as the order in which to load objects. Costs as [`Query::run`].
     ///
     /// # Errors
     /// Refuses an opacity of another scene, and other methods.
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn shares_methods_and_scenes_that_do_not_fit_are_refused() {
         let (mut one, other) = (scene(), scene());
         for share in [0.0, -1.0, 1.5, f32::NAN] {
             assert!(AggressiveOpacity::new(&one, share).is_err());

@@ -1,4 +1,4 @@
-//! What to draw, and how: order, projected size and level of detail of what can be seen.
+//! Draw lists: the visible objects in order, with projected size and level of detail.
 
 use std::f64::consts::TAU;
 
@@ -21,14 +21,15 @@ pub struct DrawItem {
     /// From the eye to the nearest point of the bounds in world units, 0 inside of them. For parallel rays, how
     /// far along them that point lies from the plane through the origin of the world: it may be negative.
     ///
-    /// Of meshes it is that of their bounding box. Of objects that go unreported ([`crate::Reports::OnExpiry`])
-    /// it is that of the volume that holds them, and where there is none, 0 (for parallel rays, minus infinity).
+    /// For a mesh it is the distance of its bounding box. For an object that goes unreported
+    /// ([`crate::Reports::OnExpiry`]) it is that of the volume around it; without a volume it is 0 (for parallel rays,
+    /// minus infinity).
     pub distance: f32,
     /// The angle in radians under which the eye sees a ball around the bounds, up to pi; 2 pi inside that ball.
     /// For parallel rays, the diameter of the ball in world units.
     ///
-    /// The ball is the bounds themselves if they are a sphere, else that around their box. Of objects that go
-    /// unreported it is that around their volume, and where there is none, 2 pi (for parallel rays, infinity).
+    /// The ball is the bounds themselves if they are a sphere, else the ball around their box. For an object that goes
+    /// unreported it is the ball around its volume; without a volume the size is 2 pi (for parallel rays, infinity).
     pub size: f32,
 }
 
@@ -36,8 +37,8 @@ impl DrawItem {
     /// The level of detail by size: how many of the `thresholds` the size is below. With thresholds in
     /// descending order, 0 is the finest level and `thresholds.len()` the coarsest. NaN counts for nothing.
     ///
-    /// A threshold of `n` pixels is `n * field_of_view / height` in radians, where `height` is that of the picture in
-    /// pixels and `field_of_view` its vertical angle: exact for narrow views. In wide ones, pixels in the middle of
+    /// A threshold of `n` pixels is `n * field_of_view / height` in radians, where `height` is the height of the
+    /// picture in pixels and `field_of_view` its vertical angle: exact for narrow views. In wide ones, pixels in the middle of
     /// the picture see a larger angle: `n * 2.0 * (field_of_view / 2.0).tan() / height`. For parallel rays it is
     /// `n` times the width of a pixel in world units.
     ///
@@ -65,20 +66,20 @@ impl DrawItem {
     }
 }
 
-/// How [`Pvs::draw_list`] lists what can be seen.
+/// How [`Pvs::draw_list`] lists the visible objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct DrawOptions {
     /// Contribution culling: objects with a [`DrawItem::size`] below this are left out, in radians (for parallel
     /// rays, in world units); finite and not negative. 0, the default, leaves out none.
     ///
-    /// **Not conservative**: what is left out can be seen, if small. Objects that go unreported while hidden are
+    /// **Not conservative**: objects that are left out can be seen, if small. Objects that go unreported while hidden are
     /// never left out, since nobody knows how near they are.
     pub least_size: f32,
 }
 
 impl Pvs {
-    /// Lists what can be seen, nearest first, with distance and projected size; at equal distances
+    /// Lists the visible objects, nearest first, with distance and projected size; at equal distances
     /// by id. Far to near, as blending needs it, is the list from its end.
     ///
     /// All is measured from the eye of the view that this set was found for, to where objects are now. Those
@@ -98,7 +99,7 @@ impl Pvs {
     /// # let view = View::around(Vec3::new(2.0, 8.5, 8.5))?;
     /// let mut items = Vec::new();
     /// let mut options = DrawOptions::default();
-    /// options.least_size = 2.0 / 1080.0; // Two pixels: what is smaller is not drawn, though it can be seen.
+    /// options.least_size = 2.0 / 1080.0; // Two pixels: smaller objects are not drawn, though they can be seen.
     /// query.run(&scene, &view).draw_list(&scene, &options, &mut items)?;
     /// assert_eq!((items[0].id, items[0].distance), (id, 6.0));
     /// # Ok(())
@@ -121,7 +122,7 @@ impl Pvs {
         out.clear();
         let Some(view) = &self.view else { return Ok(()) };
         for &id in &self.visible {
-            let Ok((_, object)) = scene.find(id) else { continue };
+            let Ok(object) = scene.find(id) else { continue };
             let (distance, size) = measure(object, view);
             let item = DrawItem { id, distance: distance as f32, size: size as f32 };
             let known = !object.is_unlocated() && object.unreported_volume().is_none();
@@ -145,7 +146,7 @@ fn measure(object: &Object, view: &View) -> (f64, f64) {
     if let Some(volume) = object.unreported_volume() {
         return measure_block(volume, view);
     }
-    match &object.bounds {
+    match object.bounds() {
         Bounds::Sphere(s) => {
             let (center, radius) = (s.center.as_dvec3(), f64::from(s.radius));
             let nearest = match view.origin {
@@ -319,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_it_cannot_list() {
+    fn refuses_other_scenes_and_sizes_out_of_range() {
         let mut scene = scene();
         let id = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * 4.0, 1.0))).unwrap();
         let huge = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::ZERO, 3e38))).unwrap();

@@ -1,31 +1,28 @@
-//! Shadow casters of one directional light: what may cast a shadow onto what can be seen.
+//! Shadow casters of one directional light: the objects that may cast a shadow onto visible ones.
 //!
 //! Let `p` be a point that the receivers' view sees, of an object of their set, and let something block
 //! the light to `p`. Let `q` be the first point of any object's geometry on the light's ray to `p`, and `A` its
 //! object: all of them are closed and bounded, so there is a first. Then `A` is among the casters:
 //!
 //! 1. `p` lies in the bounds of a receiver and inside the receivers' view. Bounds are cut into *pieces*, and those
-//!    kept that the view may see, rounded outwards: one of them holds `p`. A receiver whose motion goes unreported
+//!    kept that the view may see, rounded outwards: one of them contains `p`. A receiver whose motion goes unreported
 //!    lies in its volume; where there is none, every place is taken for a receiver's.
 //! 2. The light's view is bounded by a rectangle across the light around all pieces and by a plane behind
-//!    the farthest, and open towards the light. So it holds `p` and all of the ray before it.
-//! 3. Every occluder lies inside geometry. None is met before `q`, so the light sees `q`, and its
-//!    query, being conservative, finds `A`. That holds for any occluders that it draws or does not, for
-//!    volumes of hidden objects (it finds what they hold as if that were in sight) and for objects without occluders
+//!    the farthest, and open towards the light. So it contains `p` and all of the ray before it.
+//! 3. Every occluder lies inside geometry. None lies on the ray before `q`, so the light sees `q`, and its
+//!    query, being conservative, finds `A`. That is so whichever occluders it draws, for
+//!    volumes of hidden objects (it finds the objects in them as if those were in sight) and for objects without occluders
 //!    (their points are points of geometry). Rays start infinitely far away: outside of every occluder
 //!    (so `eye_in_occluder` has no meaning here) and before every plane of the view. As no plane faces the
 //!    light, no occluder loses its front to one and none is left out for that.
-//! 4. A coarse depth buffer across the light holds the farthest depth of the pieces that touch each pixel.
+//! 4. A coarse depth buffer across the light stores the farthest depth of the pieces that touch each pixel.
 //!    `p` and `q` project to one point, so `A` touches the pixel of `p`, and its nearest point is no deeper there
 //!    than `p`.
 //!
-//! So on every ray the light stops at the same point if only casters are drawn: what is left out behind
-//! that point is in shadow already. `A` can be the receiver's own object: what is in the light shadows itself.
+//! So on every ray the light stops at the same point if only casters are drawn: objects left out behind
+//! that point are in shadow already. `A` can be the receiver's own object: an object in the light shadows itself.
 //!
-//! Rounding. The coordinates of the light's frame err by less than 16 units in the last place of the greatest
-//! coordinate; its axes are of length 1 and at right angles to as much, so that `q` may seem to lie beside `p` by
-//! a few units in the last place of the greater of both. All extents are widened by [`MARGIN`] of their
-//! own greatest coordinate, 4,500 units in the last place. Pixels need no margin: their number never falls
+//! Rounding. All extents are widened by [`LIGHT_EXTENT`]. Pixels need no margin: their number never falls
 //! as the coordinate grows, also as rounded, so extents that overlap share a pixel.
 
 use std::collections::VecDeque;
@@ -37,6 +34,7 @@ use crate::error::{Error, finite3};
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Obb};
 use crate::id::ObjectId;
+use crate::numeric::scene::{LEAST_LIGHT_WIDTH, LIGHT_EXTENT};
 use crate::object::Bounds;
 use crate::pvs::Pvs;
 use crate::query::Query;
@@ -46,9 +44,6 @@ use crate::view::View;
 
 /// Pixels along each side of the depth buffer.
 const PIXELS: usize = 256;
-
-/// Extents are widened by this share of their greatest coordinate.
-const MARGIN: f64 = 1e-12;
 
 /// The bounds of a receiver are cut into at most this many pieces, with at most this many cuts, none along edges
 /// shorter than this many cells.
@@ -67,11 +62,11 @@ impl Light {
         Self { axes: [right, up, along] }
     }
 
-    /// The extent of what reaches `half` to both sides of `center`, which errs by what
-    /// coordinates up to `greatest` leave open.
+    /// The extent of something that reaches `half` to both sides of `center`, computed from coordinates up to
+    /// `greatest`.
     fn around(&self, center: DVec3, half: impl Fn(DVec3) -> f64, greatest: f64) -> Block {
         let at = DVec3::from_array(self.axes.map(|a| center.dot(a)));
-        let reach = DVec3::from_array(self.axes.map(half)) + MARGIN * greatest;
+        let reach = DVec3::from_array(self.axes.map(half)) + LIGHT_EXTENT * greatest;
         Block { min: at - reach, max: at + reach }
     }
 
@@ -103,7 +98,7 @@ impl Light {
     fn object(&self, object: &Object) -> Option<Block> {
         match object.unreported_volume() {
             Some(volume) => Some(self.block(volume)),
-            None => (!object.is_unlocated()).then(|| self.bounds(&object.bounds)),
+            None => (!object.is_unlocated()).then(|| self.bounds(object.bounds())),
         }
     }
 
@@ -123,9 +118,9 @@ impl Light {
 }
 
 /// The common part; `None` if there is none.
-fn meet(a: &Block, b: &Block) -> Option<Block> {
+fn common_part(a: &Block, b: &Block) -> Option<Block> {
     let (min, max) = (a.min.max(b.min), a.max.min(b.max));
-    // In doubt (NaN) they meet.
+    // In doubt (NaN) there is one.
     (!min.cmpgt(max).any()).then_some(Block { min, max })
 }
 
@@ -166,7 +161,7 @@ impl<'a> DepthBuffer<'a> {
         depths.clear();
         depths.resize(PIXELS * PIXELS, f64::NEG_INFINITY);
         // Of a rectangle without width all is one pixel.
-        let per_unit = [0, 1].map(|i| PIXELS as f64 / (reach.max[i] - reach.min[i]).max(1e-200));
+        let per_unit = [0, 1].map(|i| PIXELS as f64 / (reach.max[i] - reach.min[i]).max(LEAST_LIGHT_WIDTH));
         Self { depths, reach, per_unit }
     }
 
@@ -192,35 +187,35 @@ impl<'a> DepthBuffer<'a> {
 
     /// Whether something in a box may come before a receiver.
     fn may_shade(&self, b: &Block) -> bool {
-        meet(b, &Block { min: self.reach.min.with_z(f64::NEG_INFINITY), ..self.reach }).is_some()
+        common_part(b, &Block { min: self.reach.min.with_z(f64::NEG_INFINITY), ..self.reach }).is_some()
             && self.rows(b).any(|row| self.depths[row].iter().any(|&d| d >= b.min.z))
     }
 }
 
 impl Query {
-    /// Finds what may cast a shadow of a directional light onto what can be seen: the objects to draw into its shadow
+    /// Finds the objects that may cast a shadow of a directional light onto visible ones: those to draw into its shadow
     /// map. Conservative: with these casters alone, every point of `receivers` that their view sees is in the shadow
     /// of something if and only if it is with all objects.
     ///
     /// `light` is the direction in which light travels, of any length. `receivers` is the PVS of the camera, just found
-    /// on `scene`, by any method: what one method shows in vain may add casters. Only what lies inside its view
-    /// receives. `out` is emptied first; casters come roughly as the light meets them, as in [`Pvs::visible`].
+    /// on `scene`, by any method: objects that a method shows in vain may add casters. Only what lies inside its view
+    /// receives. `out` is emptied first; casters come roughly as the light reaches them, as in [`Pvs::visible`].
     ///
-    /// This is a query of its own, the light's: [`Query::pvs`] then is what the light sees of what lies before
-    /// receivers, and the settings are those of that view (with [`crate::Method::Frustum`] and
+    /// This is a query of its own, the light's: [`Query::pvs`] then is the set of objects before receivers that
+    /// the light sees, and the settings are those of that view (with [`crate::Method::Frustum`] and
     /// [`crate::Method::Cell`] casters in the shadow of others are kept). Give that PVS to [`Scene::end_frame`], too, if
     /// casters should count as seen: each frame costs less if dynamic ones that the camera does not see stay out of
     /// temporal bounding volumes. Call this before `end_frame`.
     ///
     /// - Every occluder is taken to cast a shadow. An object that hides but is not drawn into the shadow map must
     ///   have no occluder.
-    /// - Casters may lie far before what they shade: clamp depths to the near plane of the shadow map.
-    /// - A receiver that the light meets is a caster, too: it shadows itself.
+    /// - Casters may lie far before the objects that they shade: clamp depths to the near plane of the shadow map.
+    /// - A receiver that the light reaches is a caster, too: it shadows itself.
     /// - Objects that go unreported while hidden ([`crate::Reports::OnExpiry`]) may be casters: their places are
-    ///   then needed. If one of unknown place is a receiver, all that the light meets are casters.
+    ///   then needed. If one of unknown place is a receiver, all objects that the light reaches are casters.
     /// - A renderer whose light runs in another direction by rounding to single precision sees shadows
-    ///   shifted by about 1e-7 of the distance between caster and receiver; so may be the edges of what is left out.
-    /// - After an aggressive query ([`Query::run_aggressive`]), what that lost gets no shadows; all else does.
+    ///   shifted by about 1e-7 of the distance between caster and receiver; so may be the edges of the shadows of objects left out.
+    /// - After an aggressive query ([`Query::run_aggressive`]), the objects that it lost get no shadows; all others do.
     ///
     /// Costs a query of the light's view, up to 64 boxes for each receiver, and the pixels of a buffer of 256x256
     /// that they cover.
@@ -301,13 +296,13 @@ fn find_pieces(scene: &Scene, receivers: &Pvs, light: &Light, scratch: &mut Rece
     let Some(view) = &receivers.view else { return true };
     let shortest = SHORTEST * scene.grid().cell_size();
     for &id in receivers.visible() {
-        let Ok((_, object)) = scene.find(id) else { continue };
+        let Ok(object) = scene.find(id) else { continue };
         let Some(whole) = light.object(object) else { return false };
-        let block = object.unreported_volume().copied().unwrap_or_else(|| object.bounds.block());
+        let block = object.unreported_volume().copied().unwrap_or_else(|| object.bounds().block());
         let pieces = &mut scratch.pieces;
         cut(&block, view, shortest, &mut scratch.cutting, |piece| {
             // Points of the object lie in both extents.
-            pieces.extend(meet(&light.block(piece), &whole));
+            pieces.extend(common_part(&light.block(piece), &whole));
         });
     }
     true

@@ -50,18 +50,24 @@ pub struct ObjectDesc {
     pub(crate) motion: Motion,
     /// Whether a speed or a way of reports was given for an object that does not move.
     pub(crate) contradicts: bool,
+    pub(crate) user_data: u64,
+    pub(crate) layers: u32,
 }
 
 impl ObjectDesc {
     /// An object that stays where it is.
     pub fn fixed(bounds: impl Into<Bounds>) -> Self {
-        Self { bounds: bounds.into(), occluder: None, motion: Motion::Static, contradicts: false }
+        Self::with_motion(bounds.into(), Motion::Static)
     }
 
     /// An object that moves, with no promise about its speed.
     pub fn dynamic(bounds: impl Into<Bounds>) -> Self {
         let motion = Motion::Dynamic { max_speed: None, reports: Reports::WhenMoved };
-        Self { bounds: bounds.into(), occluder: None, motion, contradicts: false }
+        Self::with_motion(bounds.into(), motion)
+    }
+
+    fn with_motion(bounds: Bounds, motion: Motion) -> Self {
+        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0, layers: u32::MAX }
     }
 
     /// Lets the object hide others. The occluder must lie inside the object's
@@ -92,6 +98,20 @@ impl ObjectDesc {
             Motion::Static => self.contradicts = true,
             Motion::Dynamic { reports, .. } => *reports = Reports::OnExpiry,
         }
+        self
+    }
+
+    /// Gives the object a number of the application's, 0 if none is given: see [`crate::Scene::user_data`].
+    #[must_use]
+    pub fn user_data(mut self, user_data: u64) -> Self {
+        self.user_data = user_data;
+        self
+    }
+
+    /// Puts the object into layers, a bit for each, all 32 if none are given: see [`crate::Scene::layers`].
+    #[must_use]
+    pub fn layers(mut self, layers: u32) -> Self {
+        self.layers = layers;
         self
     }
 

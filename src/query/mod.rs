@@ -156,22 +156,21 @@ impl Query {
     /// Finds what the view can see if more cells than the opaque ones count as such.
     pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
         let pvs = &mut self.pvs;
-        pvs.reset(scene.slots.len());
+        pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
         pvs.method = self.settings.method;
         pvs.aggressive = more.is_some();
         pvs.cell = None;
-        pvs.viewer = view.eye().map(|e| scene.grid.cell_of(e));
+        pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match self.settings.method {
             Method::Frustum => {
                 pvs.revision = scene.moves();
-                for slot in 0..scene.slots.len() as u32 {
-                    let Some(object) = &scene.slots[slot as usize].object else { continue };
+                for (slot, object) in scene.living() {
                     pvs.stats.objects_tested += 1;
                     let seen = match object.unreported_volume() {
                         Some(volume) => view.may_see_volume(volume),
-                        None => object.is_unlocated() || view.may_see(&object.bounds),
+                        None => object.is_unlocated() || view.may_see(object.bounds()),
                     };
                     if seen {
                         pvs.push(scene.id(slot));
@@ -180,7 +179,7 @@ impl Query {
             }
             Method::Cell => {
                 pvs.revision = scene.revision();
-                let dims = scene.grid.dims();
+                let dims = scene.grid().dims();
                 let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
@@ -201,7 +200,7 @@ impl Query {
 
     /// Finds nothing, as from a view without rays. The result holds for no view.
     pub(crate) fn run_nothing(&mut self, scene: &Scene) {
-        self.pvs.reset(scene.slots.len());
+        self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
         self.pvs.method = self.settings.method;
         self.pvs.aggressive = false;

@@ -25,7 +25,7 @@ use crate::occlusion::target::Target;
 use crate::occlusion::{OcclusionBuffers, Pitch, Verdict};
 use crate::pvs::{Pvs, Stats};
 use crate::query::{FAR_VIEWER, Scratch};
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::cut::may_meet;
 use crate::view::{Origin, View};
@@ -102,11 +102,11 @@ impl<'a> Walk<'a> {
         pvs: &'a mut Pvs,
         scratch: &'a mut Scratch,
     ) -> Self {
-        scratch.begin(scene.slots.len());
+        scratch.begin(scene.slot_count());
         let (min, max) = scene.extent();
         let cut = view.cut_regions(min, max).collect();
         let unsure = view.eye_region();
-        let grid = scene.grid.bricks();
+        let grid = scene.grid().bricks();
         let (fuses, around, stats) = (None, None, Stats::default());
         Self { scene, view, settings, pvs, scratch, cut, unsure, grid, fuses, around, stats }
     }
@@ -117,7 +117,7 @@ impl<'a> Walk<'a> {
         let pitch = Pitch {
             pixels: 90.0 / f64::from(self.settings.pixel_degrees),
             least: f64::from(self.settings.min_pixels),
-            nearest: NEAREST * self.scene.grid.cell_size(),
+            nearest: NEAREST * self.scene.grid().cell_size(),
             reach: (max - min).length() * 0.5,
             middle: (min + max) * 0.5,
         };
@@ -126,7 +126,7 @@ impl<'a> Walk<'a> {
         self.scratch.point.candidates.clear();
         self.scratch.point.clusters.iter_mut().for_each(Vec::clear);
         self.scratch.point.patches.clear();
-        let patches = self.scene.seams.patches();
+        let patches = self.scene.seams().patches();
         let drawn = &mut self.scratch.point.drawn;
         drawn.resize(patches.max(drawn.len()), (0, 0));
         if self.scratch.epoch == 1 {
@@ -137,7 +137,7 @@ impl<'a> Walk<'a> {
             let (nearest, farthest) = shell_range(&grid, brick);
             self.around = (nearest <= FAR_VIEWER).then_some((brick, farthest));
         }
-        for &slot in &self.scene.always {
+        for &slot in self.scene.always() {
             self.find(slot);
         }
         self.settle();
@@ -208,8 +208,8 @@ impl<'a> Walk<'a> {
         }
         self.scratch.point.bricks = bricks;
         // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
-        for slot in 0..self.scene.slots.len() as u32 {
-            if self.scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden) {
+        for slot in 0..self.scene.slot_count() as u32 {
+            if self.scene.is_hidden(slot) {
                 self.meet_volume(slot);
             }
         }
@@ -222,11 +222,12 @@ impl<'a> Walk<'a> {
         let dims = self.grid.dims();
         let scene = self.scene;
         let holds = |b: IVec3| {
-            scene.ids.in_brick(b).len() > 0
-                || !scene.volumes.matrix.is_empty(b)
-                || !scene.fused.in_brick(b).is_empty()
+            scene.id_matrix().in_brick(b).len() > 0
+                || !scene.tbv_matrix().is_empty(b)
+                || !scene.fused().in_brick(b).is_empty()
         };
-        let (ids, volumes, fused) = (scene.ids.pages(), scene.volumes.matrix.pages(), scene.fused.pages());
+        let (ids, volumes, fused) =
+            (scene.id_matrix().pages(), scene.tbv_matrix().pages(), scene.fused().pages());
         let plane_is_empty = |axis: usize, page: IVec3| {
             ids.plane_is_empty(axis, page)
                 && volumes.plane_is_empty(axis, page)
@@ -331,9 +332,9 @@ impl<'a> Walk<'a> {
     fn brick(&mut self, brick: IVec3) {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
-        let fused = scene.fused.in_brick(brick);
-        let volumes = !scene.volumes.matrix.is_empty(brick);
-        let open = scene.ids.in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count();
+        let fused = scene.fused().in_brick(brick);
+        let volumes = !scene.tbv_matrix().is_empty(brick);
+        let open = scene.id_matrix().in_brick(brick).filter(|&s| !self.scratch.is_decided(s)).count();
         if open == 0 && fused.is_empty() && !volumes {
             return;
         }
@@ -344,7 +345,7 @@ impl<'a> Walk<'a> {
                 return;
             }
         }
-        for slot in scene.ids.in_brick(brick) {
+        for slot in scene.id_matrix().in_brick(brick) {
             self.find(slot);
         }
         if volumes {
@@ -370,7 +371,7 @@ impl<'a> Walk<'a> {
     /// Draws a box of opaque cells.
     fn draw_cells(&mut self, cells: &CellBox) {
         let buffers = &mut self.scratch.point.buffers;
-        let (min, max) = self.scene.grid.range_bounds(cells.lo, cells.hi);
+        let (min, max) = self.scene.grid().range_bounds(cells.lo, cells.hi);
         let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
@@ -385,12 +386,12 @@ impl<'a> Walk<'a> {
     /// Volumes around the eye: their surface is not between it and what they hold.
     fn around_eye(&mut self, eye: DVec3) {
         let scene = self.scene;
-        let cell = scene.grid.cell_of(eye);
-        if !scene.grid.contains(cell) {
+        let cell = scene.grid().cell_of(eye);
+        if !scene.grid().contains(cell) {
             return;
         }
         let mut around = Vec::new();
-        scene.volumes.holding(cell, |slot| around.push(slot));
+        scene.volumes().holding(cell, |slot| around.push(slot));
         around.sort_unstable();
         around.into_iter().for_each(|slot| self.reveal(slot));
     }
@@ -400,14 +401,14 @@ impl<'a> Walk<'a> {
         let mut bricks = std::mem::take(&mut self.scratch.point.volumes);
         let scene = self.scene;
         for brick in bricks.drain(..) {
-            let Some(CellBox { lo, hi }) = scene.volumes.matrix.extent(brick) else { continue };
-            let mut ids = scene.volumes.matrix.ids(brick);
+            let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
+            let mut ids = scene.tbv_matrix().ids(brick);
             if ids.all(|s| self.scratch.is_revealed(s))
-                || self.hides(&Block::new(scene.grid.range_bounds(lo, hi)))
+                || self.hides(&Block::new(scene.grid().range_bounds(lo, hi)))
             {
                 continue;
             }
-            for slot in scene.volumes.matrix.ids(brick) {
+            for slot in scene.tbv_matrix().ids(brick) {
                 self.meet_volume(slot);
             }
         }
@@ -417,7 +418,7 @@ impl<'a> Walk<'a> {
     /// Tests the volumes that leave the grid, which the walk does not meet.
     fn meet_outer_volumes(&mut self) {
         let scene = self.scene;
-        for bucket in scene.volumes.outer() {
+        for bucket in scene.volumes().outer() {
             if self.view.may_see_volume(&bucket.around) && !self.hides(&bucket.around) {
                 bucket.slots.iter().for_each(|&slot| self.meet_volume(slot));
             }
@@ -429,7 +430,7 @@ impl<'a> Walk<'a> {
         if self.scratch.is_revealed(slot) {
             return;
         }
-        let bounds = self.scene.volumes.block(&self.scene.grid, slot);
+        let bounds = self.scene.volume_block(slot);
         // A hollow volume that rays start in does not stand for what it holds.
         let starts = self.scratch.point.buffers.direction().is_some_and(|d| self.view.cuts_front(d, &bounds));
         if self.view.may_see_volume(&bounds) && (starts || !self.hides(&bounds)) {
@@ -459,8 +460,8 @@ impl<'a> Walk<'a> {
             return;
         }
         self.stats.objects_tested += 1;
-        if self.view.may_see(&object.bounds) {
-            let block = object.bounds.block();
+        if self.view.may_see(object.bounds()) {
+            let block = object.bounds().block();
             let distance = match scratch.buffers.direction() {
                 Some(d) => ((block.min + block.max) * 0.5).dot(d),
                 None => {
@@ -481,7 +482,7 @@ impl<'a> Walk<'a> {
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, slot) in found.drain(..) {
             self.stats.occlusion_tests += 1;
-            if !self.hides(&self.scene.object(slot).bounds.block()) {
+            if !self.hides(&self.scene.object(slot).bounds().block()) {
                 self.scratch.point.candidates.push(slot);
                 if limited {
                     seen.push((self.solid_angle(slot), slot));
@@ -500,7 +501,7 @@ impl<'a> Walk<'a> {
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
     /// Teller 1997). For parallel rays, the area of that ball's disc.
     fn solid_angle(&self, slot: u32) -> f64 {
-        let Some(occluder) = &self.scene.object(slot).occluder else { return 0.0 };
+        let Some(occluder) = self.scene.object(slot).occluder() else { return 0.0 };
         let (block, buffers) = (occluder.block(), &self.scratch.point.buffers);
         let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
         match buffers.direction() {
@@ -513,7 +514,7 @@ impl<'a> Walk<'a> {
         if !self.view.is_ordered() {
             return;
         }
-        let Some(occluder) = &self.scene.object(slot).occluder else { return };
+        let Some(occluder) = self.scene.object(slot).occluder() else { return };
         let least = f64::from(self.settings.min_solid_angle);
         let small = least > 0.0 && self.solid_angle(slot) < least;
         if small || self.stats.occluders_drawn >= self.settings.max_occluders {
@@ -577,7 +578,7 @@ impl<'a> Walk<'a> {
         for shell in 0..last {
             let mut clusters = std::mem::take(&mut self.scratch.point.clusters[shell]);
             for (slot, index) in clusters.drain(..) {
-                let Some(occluder) = &scene.object(slot).occluder else { continue };
+                let Some(occluder) = scene.object(slot).occluder() else { continue };
                 let Some(surface) = occluder.surface() else { continue };
                 let placement = occluder.placement();
                 let cluster = &surface.clusters[index as usize];
@@ -616,22 +617,22 @@ impl<'a> Walk<'a> {
                     continue;
                 }
                 drawn.1 = number;
-                let slot = scene.seams.owner(twin);
-                let again = self.drawable(slot, twin - scene.seams.place(slot).base);
+                let slot = scene.seams().owner(twin);
+                let again = self.drawable(slot, twin - scene.seams().place(slot).base);
                 batch.extend(again.map(|d| Drawable { again: true, ..d }));
             }
         }
         self.stats.patches_drawn += batch.len() as u32;
-        let news = self.scratch.point.buffers.draw_surfaces(&batch, scene.seams.patches());
+        let news = self.scratch.point.buffers.draw_surfaces(&batch, scene.seams().patches());
         self.stats.occluders_useful += u32::from(news);
     }
 
     /// A patch of an object's surface ready to be drawn, if it can be.
     fn drawable(&self, slot: u32, patch: u32) -> Option<Drawable<'a>> {
         let scene = self.scene;
-        let occluder = scene.object(slot).occluder.as_ref()?;
+        let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
-        let place = scene.seams.place(slot);
+        let place = scene.seams().place(slot);
         let buffers = &self.scratch.point.buffers;
         let (eye, unsure) = (buffers.origin(), buffers.uncertainty());
         let own = &surface.patches[patch as usize];
@@ -731,7 +732,7 @@ impl<'a> Walk<'a> {
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
                 self.stats.occlusion_tests += 1;
                 let before = left;
-                let hidden = self.is_hidden(&object.bounds, slot, &mut magnifier, &mut left);
+                let hidden = self.is_hidden(object.bounds(), slot, &mut magnifier, &mut left);
                 self.stats.refined += u32::from(left != before);
                 if hidden {
                     self.stats.refined_hidden += u32::from(left != before);
@@ -774,7 +775,7 @@ impl Walk<'_> {
                     && magnifier.hides(
                         buffers,
                         target,
-                        self.scene.seams.patches(),
+                        self.scene.seams().patches(),
                         &mut left.patches,
                         &drawable,
                     )

@@ -1,4 +1,4 @@
-//! Whether a result still holds.
+//! Whether a result is still valid.
 
 use crate::method::Method;
 use crate::pvs::Pvs;
@@ -11,7 +11,7 @@ impl Pvs {
     /// For all methods, nothing moved that matters, and the new view sees nothing outside the
     /// half-spaces of this result's. [`Method::Frustum`] asks no more; nor does [`Method::Cell`]
     /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
-    /// (nor does any other plane that lies between its eye and what it sees), and
+    /// (nor does any other plane between its eye and the part of the world that it sees), and
     /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
     /// - [`Method::Point`]: the new eye is at the same point.
     ///
@@ -42,7 +42,7 @@ impl Pvs {
             }
             // Nothing was taken to be hidden.
             Method::Cell if self.stats.eye_in_occluder => true,
-            // The half-spaces were widened to hold the whole cell: every point of it will do.
+            // The half-spaces were widened to contain the whole cell: every point of it will do.
             Method::Cell => {
                 let Origin::Eye { at, error } = view.origin else { return false };
                 let cell_of = |p| Some(scene.grid().cell_of(p));

@@ -1,8 +1,8 @@
-//! Volumes that leave the grid: what stands on its floor may go below it.
+//! Volumes that leave the grid: an object that stands on the floor of the grid may go below it.
 //!
 //! The matrices end with the grid, and so do the walks. Volumes that reach beyond are kept in buckets of
-//! the size of a brick, each with a box around its volumes: a query tests the boxes first. Since they are in no
-//! cells, they need not be made of whole ones.
+//! the size of a brick, each with a box around its volumes: a query tests the boxes first. Since these volumes are in
+//! no cells, they need not be made of whole ones.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::grid::cell_box::CellBox;
 /// Volumes whose middles lie in one brick, of the grid or beyond it.
 #[derive(Debug, Clone)]
 pub(crate) struct Bucket {
-    /// Holds all volumes; too large after removals, for a while.
+    /// Contains all volumes; too large after removals, for a while.
     pub(crate) around: Block,
     pub(crate) slots: Vec<u32>,
     /// Removals since `around` was exact.
@@ -21,11 +21,11 @@ pub(crate) struct Bucket {
 
 /// The volumes that reach beyond the grid.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Outer {
+pub(super) struct Outer {
     /// Ordered, so that results do not depend on a hash.
     buckets: BTreeMap<[i32; 3], Bucket>,
     /// By slot: its place in its bucket, and its volume.
-    held: Vec<(u32, Block)>,
+    placed: Vec<(u32, Block)>,
 }
 
 fn key(cells: &CellBox) -> [i32; 3] {
@@ -38,30 +38,30 @@ fn union(a: Block, b: Block) -> Block {
 
 impl Outer {
     /// Adds a volume, and the cells that it touches.
-    pub(crate) fn insert(&mut self, volume: &Block, cells: &CellBox, slot: u32) {
+    pub(super) fn insert(&mut self, volume: &Block, cells: &CellBox, slot: u32) {
         let empty = || Bucket { around: *volume, slots: Vec::new(), removed: 0 };
         let bucket = self.buckets.entry(key(cells)).or_insert_with(empty);
         bucket.around = union(bucket.around, *volume);
-        if self.held.len() <= slot as usize {
-            self.held.resize(slot as usize + 1, (0, *volume));
+        if self.placed.len() <= slot as usize {
+            self.placed.resize(slot as usize + 1, (0, *volume));
         }
-        self.held[slot as usize] = (bucket.slots.len() as u32, *volume);
+        self.placed[slot as usize] = (bucket.slots.len() as u32, *volume);
         bucket.slots.push(slot);
     }
 
     /// Takes a volume out.
-    pub(crate) fn remove(&mut self, cells: &CellBox, slot: u32) {
+    pub(super) fn remove(&mut self, cells: &CellBox, slot: u32) {
         let key = key(cells);
         let Some(bucket) = self.buckets.get_mut(&key) else { return };
-        let place = self.held[slot as usize].0;
+        let place = self.placed[slot as usize].0;
         bucket.slots.swap_remove(place as usize);
         if let Some(&moved) = bucket.slots.get(place as usize) {
-            self.held[moved as usize].0 = place;
+            self.placed[moved as usize].0 = place;
         }
         bucket.removed += 1;
         if bucket.removed > bucket.slots.len() {
             bucket.removed = 0;
-            match bucket.slots.iter().map(|&s| self.held[s as usize].1).reduce(union) {
+            match bucket.slots.iter().map(|&s| self.placed[s as usize].1).reduce(union) {
                 Some(exact) => bucket.around = exact,
                 None => {
                     self.buckets.remove(&key);
@@ -71,17 +71,17 @@ impl Outer {
     }
 
     /// The volume of an object that is here.
-    pub(crate) fn block(&self, slot: u32) -> Block {
-        self.held[slot as usize].1
+    pub(super) fn block(&self, slot: u32) -> Block {
+        self.placed[slot as usize].1
     }
 
-    pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
+    pub(super) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
         self.buckets.values()
     }
 
-    pub(crate) fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         let bucket = |b: &Bucket| size_of::<([i32; 3], Bucket)>() + b.slots.capacity() * 4;
-        self.buckets.values().map(bucket).sum::<usize>() + self.held.capacity() * size_of::<(u32, Block)>()
+        self.buckets.values().map(bucket).sum::<usize>() + self.placed.capacity() * size_of::<(u32, Block)>()
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buckets_hold_what_was_put_in_and_no_more() {
+    fn buckets_contain_the_volumes_that_were_inserted_and_no_more() {
         let mut outer = Outer::default();
         let volume = |slot: u32| {
             let lo = IVec3::new(slot as i32 % 7 * 9 - 20, -3, slot as i32 % 5 * 4);

@@ -14,7 +14,7 @@ impl Walk<'_> {
     pub(crate) fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
         let side = Side::ALL[index];
         let axes = side.axes;
-        let dims = self.scene.grid.dims();
+        let dims = self.scene.grid().dims();
         let v = self.cell;
         let cells = &mut self.scratch.sides[index];
         cells.rows = 0;
@@ -56,30 +56,30 @@ impl Walk<'_> {
     /// Whether nothing that a walk looks for is in a plane of pages.
     pub(crate) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.ids.pages().plane_is_empty(axis, page)
-            && scene.volumes.matrix.pages().plane_is_empty(axis, page)
-            && scene.opacity_static.pages().plane_is_empty(axis, page)
-            && scene.opacity_dynamic.pages().plane_is_empty(axis, page)
+        scene.id_matrix().pages().plane_is_empty(axis, page)
+            && scene.tbv_matrix().pages().plane_is_empty(axis, page)
+            && scene.static_opacity().pages().plane_is_empty(axis, page)
+            && scene.dynamic_opacity().pages().plane_is_empty(axis, page)
             && self.more.is_none_or(|m| m.pages().plane_is_empty(axis, page))
     }
 
     /// Whether nothing that a walk looks for is in a row of pages.
     pub(crate) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.ids.pages().row_is_empty(along, page)
-            && scene.volumes.matrix.pages().row_is_empty(along, page)
-            && scene.opacity_static.pages().row_is_empty(along, page)
-            && scene.opacity_dynamic.pages().row_is_empty(along, page)
+        scene.id_matrix().pages().row_is_empty(along, page)
+            && scene.tbv_matrix().pages().row_is_empty(along, page)
+            && scene.static_opacity().pages().row_is_empty(along, page)
+            && scene.dynamic_opacity().pages().row_is_empty(along, page)
             && self.more.is_none_or(|m| m.pages().row_is_empty(along, page))
     }
 
     /// Whether nothing that a walk looks for is in a page.
     pub(crate) fn page_is_empty(&self, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.ids.pages().page_is_empty(page)
-            && scene.volumes.matrix.pages().page_is_empty(page)
-            && scene.opacity_static.pages().page_is_empty(page)
-            && scene.opacity_dynamic.pages().page_is_empty(page)
+        scene.id_matrix().pages().page_is_empty(page)
+            && scene.tbv_matrix().pages().page_is_empty(page)
+            && scene.static_opacity().pages().page_is_empty(page)
+            && scene.dynamic_opacity().pages().page_is_empty(page)
             && self.more.is_none_or(|m| m.pages().page_is_empty(page))
     }
 

@@ -13,7 +13,7 @@ use crate::method::Settings;
 use crate::pvs::{Pvs, Stats};
 use crate::query::cell::masks::{ShellScale, SideCells, clear_span, next_clear, next_set, set_span};
 use crate::query::{FAR_VIEWER, Scratch};
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::{Origin, View};
 use crate::walk::{CellFrustum, shell_range};
@@ -55,11 +55,11 @@ impl<'a> Walk<'a> {
         scratch: &'a mut Scratch,
         record: Option<(&'a mut BitMatrix, &'a mut BitMatrix)>,
     ) -> Self {
-        let grid = &scene.grid;
+        let grid = scene.grid();
         // Parallel rays come from no cell: the walk starts where they enter the grid.
         let eye = view.eye().unwrap_or((grid.min() + grid.max()) * 0.5);
         let cell = grid.cell_of(eye);
-        scratch.begin(scene.slots.len());
+        scratch.begin(scene.slot_count());
         let frustum = CellFrustum::with_cell(grid, view, cell);
         Self {
             scene,
@@ -84,7 +84,7 @@ impl<'a> Walk<'a> {
     }
 
     pub(crate) fn run(mut self) {
-        let grid = self.scene.grid;
+        let grid = *self.scene.grid();
         let (nearest, farthest) = shell_range(&grid, self.cell);
         match self.occlusion_slack(nearest) {
             Some(slack) => {
@@ -103,22 +103,20 @@ impl<'a> Walk<'a> {
                 self.shells(nearest, farthest, None);
                 // Rays may start and end inside a hollow volume.
                 let scene = self.scene;
-                for slot in 0..scene.slots.len() as u32 {
-                    if scene.slots[slot as usize].object.as_ref().is_some_and(Object::is_hidden)
-                        && self.view.may_see_block(&scene.volumes.block(&grid, slot))
-                    {
+                for slot in 0..scene.slot_count() as u32 {
+                    if scene.is_hidden(slot) && self.view.may_see_block(&scene.volume_block(slot)) {
                         self.reveal(slot, 0);
                     }
                 }
             }
         }
         // Nothing is known to hide what is beyond the grid.
-        for &slot in self.scene.volumes.outer().flat_map(|bucket| &bucket.slots) {
-            if self.view.may_see_volume(&self.scene.volumes.block(&self.scene.grid, slot)) {
+        for &slot in self.scene.volumes().outer().flat_map(|bucket| &bucket.slots) {
+            if self.view.may_see_volume(&self.scene.volume_block(slot)) {
                 self.reveal(slot, 0);
             }
         }
-        for &slot in &self.scene.always {
+        for &slot in self.scene.always() {
             self.decide(slot);
         }
         self.pvs.stats = self.stats;
@@ -128,7 +126,7 @@ impl<'a> Walk<'a> {
     /// nothing may be taken to be hidden.
     fn occlusion_slack(&mut self, nearest: i32) -> Option<f64> {
         let Origin::Eye { at, error } = self.view.origin else { return None };
-        let grid = &self.scene.grid;
+        let grid = self.scene.grid();
         self.stats.eye_in_occluder = self.scene.inside_occluder(at) || self.scene.near_plane_cuts(self.view);
         let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
         let slack = if sure { 0.0 } else { error / grid.cell_size() };
@@ -138,7 +136,7 @@ impl<'a> Walk<'a> {
 
     /// Walks the shells outwards. Without a slack nothing is taken to be hidden.
     fn shells(&mut self, nearest: i32, farthest: i32, slack: Option<f64>) {
-        let grid = self.scene.grid;
+        let grid = *self.scene.grid();
         let inside = grid.contains(self.cell);
         let interior = self.cell.cmpgt(IVec3::ZERO).all() && self.cell.cmplt(grid.dims() - 1).all();
         let closed = inside && (slack == Some(0.0) || interior);
@@ -179,9 +177,9 @@ impl<'a> Walk<'a> {
             visited.set(self.cell);
         }
         let scene = self.scene;
-        scene.ids.get(self.cell).for_each(|slot| self.decide(slot));
+        scene.id_matrix().get(self.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
-        self.scene.volumes.holding(self.cell, |slot| around.push(slot));
+        self.scene.volumes().holding(self.cell, |slot| around.push(slot));
         around.sort_unstable();
         around.into_iter().for_each(|slot| self.reveal(slot, 0));
         if let Some(first) = self.scratch.pending.first_mut() {
@@ -199,7 +197,7 @@ impl<'a> Walk<'a> {
         self.stats.objects_tested += 1;
         let object = self.scene.object(slot);
         // It may be anywhere, whatever its old bounds say.
-        if object.is_unlocated() || self.view.may_see(&object.bounds) {
+        if object.is_unlocated() || self.view.may_see(object.bounds()) {
             self.pvs.push(self.scene.id(slot));
         }
     }
@@ -225,19 +223,19 @@ impl<'a> Walk<'a> {
             self.decide(slot);
             return;
         }
-        let bounds = &object.bounds;
+        let bounds = object.bounds();
         if !self.view.may_see(bounds) {
             return;
         }
         let block = bounds.block();
-        let (lo, hi) = self.scene.grid.cover(block.min, block.max);
+        let (lo, hi) = self.scene.grid().cover(block.min, block.max);
         if volume(lo, hi) > MAX_PENDING {
             // So many cells cost more than a test could spare.
             self.decide(slot);
             return;
         }
         let (cell, pending) = (self.cell, &mut self.scratch.pending);
-        bounds.touched(&self.scene.grid, &mut |run| {
+        bounds.touched(self.scene.grid(), &mut |run| {
             for c in run.cells() {
                 let shell = (c - cell).abs().max_element();
                 if shell >= m {
@@ -356,14 +354,14 @@ impl<'a> Walk<'a> {
                     if tile == 0 {
                         continue;
                     }
-                    let opaque = self.scene.opacity_static.tile(brick, &axes, at)
+                    let opaque = self.scene.static_opacity().tile(brick, &axes, at)
                         | self.dynamic.map_or(0, |o| o.tile(brick, &axes, at))
                         | self.more.map_or(0, |m| m.tile(brick, &axes, at));
-                    let objects = self.scene.ids.tile(brick, &axes, at) & tile;
+                    let objects = self.scene.id_matrix().tile(brick, &axes, at) & tile;
                     if objects != 0 {
                         hits.push((brick, objects, true));
                     }
-                    let volumes = self.scene.volumes.matrix.tile(brick, &axes, at) & tile;
+                    let volumes = self.scene.tbv_matrix().tile(brick, &axes, at) & tile;
                     if volumes != 0 {
                         hits.push((brick, volumes, false));
                     }
@@ -403,7 +401,7 @@ impl<'a> Walk<'a> {
         let mut corner = (brick << 3i32) - self.cell;
         corner[axes.normal] = at - self.cell[axes.normal];
         let scene = self.scene;
-        scene.ids.for_tile(brick, &axes, at, tile, |bit, whole, own| {
+        scene.id_matrix().for_tile(brick, &axes, at, tile, |bit, whole, own| {
             let decided = |&slot: &u32| self.scratch.is_decided(slot);
             if own.iter().all(decided) && whole.iter().all(decided) {
                 return;
@@ -420,9 +418,9 @@ impl<'a> Walk<'a> {
 
     fn meet_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
         let scene = self.scene;
-        for slot in scene.volumes.matrix.ids(brick) {
+        for slot in scene.tbv_matrix().ids(brick) {
             if !self.scratch.is_revealed(slot)
-                && TbvMatrix::surface_tile(scene.volumes.cells(slot), brick, &side.axes, at) & tile != 0
+                && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &side.axes, at) & tile != 0
             {
                 self.reveal(slot, m);
             }

@@ -1,0 +1,151 @@
+//! Objects in the matrices I and O: their cells, written, erased and moved.
+
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::grid::cell_box::volume;
+use crate::matrix::bits::NONE;
+use crate::object::{Bounds, Motion, Occluder};
+use crate::scene::Scene;
+use crate::scene::state::Event;
+use crate::shape::pieces::touched;
+
+/// An object whose bounds span more cells than this is not written into I, which would take a
+/// brick for every 512 of them: it is tested against the frustum in every query.
+const MOST_SPANNED: u64 = 1 << 22;
+
+/// How the cells of a box stand for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Span {
+    /// Whether all of them lie in the grid.
+    inside: bool,
+    /// Whether those in the grid are few enough to be written into I.
+    few: bool,
+}
+
+impl Span {
+    pub(super) fn of(grid: &Grid, block: &Block) -> Self {
+        let (lo, hi) = grid.cover(block.min, block.max);
+        let inside = grid.contains(lo) && grid.contains(hi);
+        let few = grid.clip(lo, hi).is_none_or(|(lo, hi)| volume(lo, hi) <= MOST_SPANNED);
+        Self { inside, few }
+    }
+
+    /// Whether the walk over the cells finds the object wherever it can be seen.
+    pub(super) fn suffices(self) -> bool {
+        self.inside && self.few
+    }
+}
+
+impl Scene {
+    /// Writes an object that is in no matrix into I and O.
+    pub(super) fn list(&mut self, slot: u32) {
+        let grid = self.grid;
+        let object = self.slots.object_mut(slot);
+        object.apply(Event::Listed);
+        let span = Span::of(&grid, &object.bounds.block());
+        object.in_cells = span.few;
+        let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
+        let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
+        // A mesh finds its cells once for the bounds and the occluder.
+        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        if span.few {
+            touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
+        }
+        if !span.suffices() {
+            self.always.insert(slot);
+        }
+        if dynamic {
+            self.listed.insert(slot);
+            self.listed_on_expiry += u32::from(on_expiry);
+        }
+        match occluder {
+            Some(occluder) if dynamic => self.moving.add(&occluder, &grid),
+            Some(occluder) => self.add_static_solid(slot, &occluder),
+            None => {}
+        }
+    }
+
+    /// Erases a listed object from I and O.
+    pub(super) fn unlist(&mut self, slot: u32) {
+        let grid = self.grid;
+        let object = self.slots.object_mut(slot);
+        let in_cells = std::mem::take(&mut object.in_cells);
+        let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
+        let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
+        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        if in_cells {
+            touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
+        }
+        self.always.remove(slot);
+        if self.listed.remove(slot) {
+            self.listed_on_expiry -= u32::from(on_expiry);
+        }
+        match occluder {
+            Some(occluder) if dynamic => self.moving.remove(&occluder, &grid),
+            Some(occluder) => self.remove_static_solid(slot, &occluder),
+            None => {}
+        }
+    }
+
+    /// Moves a listed object: only the cells that change are touched, unless they are many.
+    pub(super) fn relist(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        if !self.move_cells(slot, &bounds, occluder.as_ref()) {
+            self.unlist(slot);
+            self.exchange_occluder(slot, occluder);
+            self.slots.object_mut(slot).bounds = bounds;
+            self.list(slot);
+            return;
+        }
+        self.slots.object_mut(slot).bounds = bounds;
+        self.exchange_occluder(slot, occluder);
+    }
+
+    /// Moves the cells of a small dynamic object in the matrices; false, without a change, for others.
+    fn move_cells(&mut self, slot: u32, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
+        let grid = self.grid;
+        let object = self.slots.object(slot);
+        let in_cells = object.in_cells && !self.always.contains(slot);
+        let simple = !object.is_static() && in_cells && Span::of(&grid, &bounds.block()).suffices();
+        let mut moved = std::mem::take(&mut self.moved);
+        let done = simple && moved.touched(&object.bounds, bounds, &grid);
+        if done {
+            moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
+            let before = self.slots.object(slot).occluder();
+            if moved.opaque(before, occluder, &grid) {
+                moved.iter().for_each(|(brick, old, new)| self.moving.exchange(brick, old, new));
+            } else {
+                before.into_iter().for_each(|o| self.moving.remove(o, &grid));
+                occluder.into_iter().for_each(|o| self.moving.add(o, &grid));
+            }
+        }
+        self.moved = moved;
+        done
+    }
+
+    /// Gives an object another occluder, in no matrix.
+    pub(super) fn exchange_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
+        let object = self.slots.object_mut(slot);
+        let motion = object.motion;
+        // Only triangles that are drawn where they are share positions with others.
+        let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
+        let drawn = |o: &Option<Occluder>| {
+            o.as_ref().and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))))
+        };
+        if drawn(&object.occluder) == drawn(&occluder) {
+            // A surface that only moves keeps the numbers of its patches.
+            object.occluder = occluder;
+            return;
+        }
+        if let Some(old) = &object.occluder
+            && let Some(surface) = old.surface()
+        {
+            self.seams.remove(slot, surface, fixed(old));
+        }
+        object.occluder = occluder;
+        if let Some(new) = &object.occluder
+            && let Some(surface) = new.surface()
+        {
+            self.seams.insert(slot, surface, fixed(new));
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Finds the volumes that contain a cell.
+
+use std::collections::HashMap;
+
+use glam::IVec3;
+
+use crate::grid::cell_box::CellBox;
+
+/// Finds the volumes that contain a cell, to keep the rule that a hollow volume
+/// must not contain the viewer: a volume of up to 2^level cells is filed by its
+/// centre in a hash grid of that pitch, so that 8 places a level are looked up.
+#[derive(Clone, Default)]
+pub(super) struct Containing {
+    levels: Vec<HashMap<[i32; 3], Vec<u32>>>,
+    /// By slot: its place in its list, so that it leaves it at once.
+    places: Vec<u32>,
+}
+
+fn level_and_key(volume: &CellBox) -> (usize, [i32; 3]) {
+    let size = (volume.hi - volume.lo).max_element() as u32 + 1;
+    let level = size.next_power_of_two().trailing_zeros() as usize;
+    (level, (((volume.lo + volume.hi) >> 1i32) >> level as i32).to_array())
+}
+
+impl Containing {
+    pub(super) fn insert(&mut self, volume: &CellBox, slot: u32) {
+        let (level, key) = level_and_key(volume);
+        if self.levels.len() <= level {
+            self.levels.resize_with(level + 1, HashMap::new);
+        }
+        if self.places.len() <= slot as usize {
+            self.places.resize(slot as usize + 1, 0);
+        }
+        let list = self.levels[level].entry(key).or_default();
+        self.places[slot as usize] = list.len() as u32;
+        list.push(slot);
+    }
+
+    pub(super) fn remove(&mut self, volume: &CellBox, slot: u32) {
+        let (level, key) = level_and_key(volume);
+        let Some(map) = self.levels.get_mut(level) else { return };
+        let Some(list) = map.get_mut(&key) else { return };
+        let place = self.places[slot as usize];
+        list.swap_remove(place as usize);
+        if let Some(&moved) = list.get(place as usize) {
+            self.places[moved as usize] = place;
+        }
+        if list.is_empty() {
+            map.remove(&key);
+        }
+    }
+
+    /// Calls `found` for a superset of the volumes that contain a cell.
+    pub(super) fn find(&self, cell: IVec3, mut found: impl FnMut(u32)) {
+        for (level, map) in self.levels.iter().enumerate() {
+            if map.is_empty() {
+                continue;
+            }
+            // A volume reaches at most 2^(level-1) cells from its centre, rounded up.
+            let reach = (1 << level >> 1i32) + 1;
+            let (a, b) = ((cell - reach) >> level as i32, (cell + reach) >> level as i32);
+            for z in a.z..=b.z {
+                for y in a.y..=b.y {
+                    for x in a.x..=b.x {
+                        if let Some(list) = map.get(&[x, y, z]) {
+                            list.iter().for_each(|&s| found(s));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        let entry = size_of::<([i32; 3], Vec<u32>)>() + 1;
+        self.levels
+            .iter()
+            .map(|m| m.capacity() * entry + m.values().map(|l| l.capacity() * 4).sum::<usize>())
+            .sum::<usize>()
+            + self.places.capacity() * 4
+    }
+}

@@ -1,0 +1,190 @@
+//! Changing the objects of a scene.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::error::{Error, finite3};
+use crate::geometry::{Aabb, Obb, Sphere};
+use crate::id::ObjectId;
+use crate::object::desc::check_pair;
+use crate::object::{Bounds, ObjectDesc, Occluder};
+use crate::scene::Scene;
+use crate::scene::object::Object;
+
+impl Scene {
+    /// Inserts an object. A dynamic one counts as visible until a frame ends without it.
+    ///
+    /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each 512 cells
+    /// inside. Bounds that span more than 2^22 cells cost no cells: such an object is tested against the
+    /// view in every query instead, and so is one that reaches out of the grid. A mesh costs the cells of
+    /// its surface.
+    ///
+    /// # Errors
+    /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
+    /// by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed
+    /// objects, and more than 2^31 objects.
+    pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
+        desc.check()?;
+        let occluder = desc.occluder.take();
+        let slot = self.slots.insert(Object::new(desc, self.now, self.moves))?;
+        self.revision += 1;
+        self.exchange_occluder(slot, occluder);
+        self.list(slot);
+        Ok(self.id(slot))
+    }
+
+    /// Takes the memory that the records of more objects need now rather than bit by bit, before many are inserted.
+    /// The matrices still grow with the cells that objects touch. Memory that cannot be had is not taken.
+    pub fn reserve(&mut self, additional: usize) {
+        self.slots.reserve(additional);
+    }
+
+    /// Moves an object or changes its shape: all of it, in world units.
+    ///
+    /// A hidden object that stays inside its volume costs a comparison; others
+    /// cost the cells that they enter or leave. For an object that is reported on
+    /// expiry this is the report, also where nothing changed.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without
+    /// occluder of an object that has one (see [`Scene::set_occluder`]).
+    pub fn update(
+        &mut self,
+        id: ObjectId,
+        bounds: impl Into<Bounds>,
+        occluder: Option<Occluder>,
+    ) -> Result<(), Error> {
+        let bounds = bounds.into();
+        check_pair(&bounds, occluder.as_ref())?;
+        let object = self.find(id)?;
+        if occluder.is_none() && object.occluder().is_some() {
+            return Err(Error::OccluderMissing(id));
+        }
+        self.report(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay.
+    ///
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
+    pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
+        let bounds = self.bounds(id)?.clone();
+        check_pair(&bounds, occluder.as_ref())?;
+        self.report(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Moves an object by an offset in world units. Each coordinate is rounded to single
+    /// precision; where many small steps would drift, use [`Scene::update`]. Costs as that.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, an offset that is not
+    /// finite or leads to coordinates that are not, and objects with meshes in world space.
+    pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
+        finite3("the offset", offset)?;
+        let object = self.find(id)?;
+        let refused = || Error::FixedMesh(id);
+        let bounds = moved_bounds(object.bounds(), offset)?.ok_or_else(refused)?;
+        let occluder = match object.occluder() {
+            Some(occluder) => Some(moved_occluder(occluder, offset)?.ok_or_else(refused)?),
+            None => None,
+        };
+        self.update(id, bounds, occluder)
+    }
+
+    /// Gives an object another number: see [`Scene::user_data`]. Costs one look-up; results keep holding.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
+        self.find(id)?;
+        self.slots.object_mut(id.slot).user_data = user_data;
+        Ok(())
+    }
+
+    /// Puts an object into other layers, a bit for each: see [`Scene::layers`]. Costs one look-up; results from
+    /// before no longer [hold](crate::Pvs::holds), unless nothing changed.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn set_layers(&mut self, id: ObjectId, layers: u32) -> Result<(), Error> {
+        if self.layers(id)? != layers {
+            self.slots.object_mut(id.slot).layers = layers;
+            self.revision += 1;
+        }
+        Ok(())
+    }
+
+    /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its volume's surface.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
+        self.find(id)?;
+        self.take_out(id.slot);
+        Ok(())
+    }
+
+    /// Takes all objects out. Their ids and the results with them are refused from now on, as after
+    /// [`Scene::remove`]; the grid, the clock and the memory stay. Costs as removing each object.
+    ///
+    /// ```
+    /// # use casca::{Error, GridSpec, ObjectDesc, Scene, Sphere};
+    /// # use glam::{UVec3, Vec3};
+    /// # fn main() -> Result<(), Error> {
+    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let ball = Sphere::new(Vec3::splat(4.0), 1.0);
+    /// let id = scene.insert(ObjectDesc::fixed(ball))?;
+    /// scene.clear();
+    /// assert!(scene.is_empty() && !scene.contains(id));
+    /// assert_ne!(scene.insert(ObjectDesc::fixed(ball))?, id);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn clear(&mut self) {
+        for slot in (0..self.slots.count() as u32).rev() {
+            if self.slots.get(slot).is_some() {
+                self.take_out(slot);
+            }
+        }
+    }
+}
+
+fn moved_sphere(s: &Sphere, by: Vec3) -> Sphere {
+    Sphere::new(s.center + by, s.radius)
+}
+
+fn moved_box(b: &Aabb, by: Vec3) -> Aabb {
+    Aabb::new(b.min + by, b.max + by)
+}
+
+fn moved_oriented(b: &Obb, by: Vec3) -> Obb {
+    Obb { center: b.center + by, ..*b }
+}
+
+/// Bounds moved by an offset; `None` for a mesh in world space.
+fn moved_bounds(bounds: &Bounds, by: Vec3) -> Result<Option<Bounds>, Error> {
+    Ok(Some(match bounds {
+        Bounds::Sphere(s) => moved_sphere(s, by).into(),
+        Bounds::Box(b) => moved_box(b, by).into(),
+        Bounds::Oriented(b) => moved_oriented(b, by).into(),
+        Bounds::Instance(i) => i.translated(by)?.into(),
+        Bounds::Mesh(_) => return Ok(None),
+    }))
+}
+
+/// An occluder moved by an offset; `None` for a mesh in world space.
+fn moved_occluder(occluder: &Occluder, by: Vec3) -> Result<Option<Occluder>, Error> {
+    Ok(Some(match occluder {
+        Occluder::Sphere(s) => moved_sphere(s, by).into(),
+        Occluder::Box(b) => moved_box(b, by).into(),
+        Occluder::Oriented(b) => moved_oriented(b, by).into(),
+        Occluder::Convex(c) => Arc::new(c.translated(by)?).into(),
+        Occluder::Instance(i) => i.translated(by)?.into(),
+        Occluder::Mesh(_) => return Ok(None),
+    }))
+}

@@ -1,0 +1,142 @@
+//! The frame loop: the clock and the results of a frame's queries.
+
+use glam::DVec3;
+
+use crate::error::Error;
+use crate::id::ObjectId;
+use crate::pvs::Pvs;
+use crate::scene::Scene;
+
+/// The changes that [`Scene::end_frame`] made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct FrameReport {
+    /// Objects found hidden and put into a temporal bounding volume.
+    pub hidden: usize,
+    /// Volumes that were revealed.
+    pub revealed: usize,
+}
+
+/// The slots of the objects in sight, a bit for each.
+struct Seen(Vec<u64>);
+
+impl Seen {
+    fn contains(&self, slot: u32) -> bool {
+        self.0[slot as usize / 64] >> (slot % 64) & 1 != 0
+    }
+}
+
+impl Scene {
+    /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
+    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no longer contain them, and
+    /// the ones in no volume, unless the last frame ended with them in sight: those are reported unasked.
+    /// Until each is [updated](Scene::update), every query counts it as visible, and it hides nothing.
+    ///
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that
+    /// is reported on expiry is in no volume, a look at each dynamic one that is in none.
+    ///
+    /// Also brings up to date the boxes that close the seams between static solids inserted or
+    /// removed since, for [`crate::Method::Point`].
+    ///
+    /// # Errors
+    /// Refuses a time that is not finite; then nothing changes.
+    pub fn begin_frame(&mut self, now: f64) -> Result<Vec<ObjectId>, Error> {
+        if !now.is_finite() {
+            return Err(Error::NotFinite { what: "the time", value: DVec3::splat(now) });
+        }
+        self.fused.refresh(self.fixed.bits());
+        let backwards = now < self.now;
+        self.now = now;
+        let mut due = Vec::new();
+        let until = if backwards { f64::INFINITY } else { now };
+        while let Some(entry) = self.expiries.pop_until(until) {
+            if self.expire(entry, backwards) {
+                due.push(self.id(entry.slot));
+            }
+        }
+        self.miss_unreported(&mut due);
+        Ok(due)
+    }
+
+    /// Objects in the matrices were surely there only when they were last reported.
+    fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
+        let frame = self.frame;
+        self.frame += 1;
+        let asked = if self.listed_on_expiry > 0 { self.listed.as_slice().len() } else { 0 };
+        for i in 0..asked {
+            let slot = self.listed.as_slice()[i];
+            let object = self.slots.object_mut(slot);
+            if object.on_expiry() && object.reported != self.now {
+                object.validity.passed();
+                // An object that the last frame showed is reported unasked.
+                if object.seen_in != frame {
+                    due.push(self.id(slot));
+                }
+                self.miss(slot);
+            }
+        }
+    }
+
+    /// Applies the results of a frame's queries: dynamic objects that no view
+    /// saw go into temporal bounding volumes, revealed ones come out. Without
+    /// results nothing changes; those of queries that never ran are passed over. A frame that ends without a call
+    /// costs reports and time, but loses nobody.
+    ///
+    /// Costs the dynamic objects that are visible or were revealed.
+    ///
+    /// # Errors
+    /// Refuses a result of another scene; then nothing changes.
+    pub fn end_frame<'a>(&mut self, views: impl IntoIterator<Item = &'a Pvs>) -> Result<FrameReport, Error> {
+        let views: Vec<&Pvs> = views.into_iter().filter(|p| p.has_run()).collect();
+        if views.iter().any(|p| p.scene != self.tag()) {
+            return Err(Error::ForeignPvs);
+        }
+        let mut report = FrameReport::default();
+        if views.is_empty() {
+            return Ok(report);
+        }
+        self.viewers.clear();
+        self.viewers.extend(views.iter().filter_map(|p| p.viewer));
+        let seen = self.seen_by(&views);
+        for &id in views.iter().flat_map(|p| &p.revealed) {
+            if self.find(id).is_ok_and(|object| object.is_hidden()) {
+                report.revealed += 1;
+                self.reveal(id.slot, seen.contains(id.slot));
+            }
+        }
+        report.hidden = self.hide_unseen(&seen);
+        self.seen = seen.0;
+        self.compact_expiries();
+        Ok(report)
+    }
+
+    /// The objects that are in one of the sets.
+    fn seen_by(&mut self, views: &[&Pvs]) -> Seen {
+        let mut seen = std::mem::take(&mut self.seen);
+        seen.clear();
+        seen.resize(self.slots.count().div_ceil(64), 0);
+        for id in views.iter().flat_map(|p| &p.visible) {
+            if self.find(*id).is_ok() {
+                seen[id.slot as usize / 64] |= 1 << (id.slot % 64);
+            }
+        }
+        Seen(seen)
+    }
+
+    /// Puts listed dynamic objects that no view saw into volumes, and counts them.
+    fn hide_unseen(&mut self, seen: &Seen) -> usize {
+        let (mut hidden, mut i) = (0, 0);
+        while let Some(&slot) = self.listed.as_slice().get(i) {
+            if !seen.contains(slot) && self.try_hide(slot) {
+                // Another object is in its place of the list now.
+                hidden += 1;
+                continue;
+            }
+            if seen.contains(slot) {
+                self.slots.object_mut(slot).seen_in = self.frame;
+            }
+            i += 1;
+        }
+        hidden
+    }
+}

@@ -1,0 +1,65 @@
+//! The memory that a scene takes.
+
+use std::collections::HashSet;
+
+use crate::object::Occluder;
+use crate::scene::Scene;
+
+/// Memory taken by a scene, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MemoryUse {
+    /// Os, O, and boxes of opaque cells.
+    pub opacity: usize,
+    /// I.
+    pub ids: usize,
+    /// Txy, Txz, Tyz, the volumes themselves and the structures that find them.
+    pub tbvs: usize,
+    /// Objects and lists of them.
+    pub objects: usize,
+    /// Meshes and convex solids. One that several objects share counts once; other scenes and the
+    /// application may share it too.
+    pub shapes: usize,
+}
+
+impl MemoryUse {
+    /// The bytes of the matrices of the grid.
+    pub fn grid(&self) -> usize {
+        self.opacity + self.ids + self.tbvs
+    }
+
+    /// The bytes of all parts together.
+    pub fn total(&self) -> usize {
+        self.grid() + self.objects + self.shapes
+    }
+}
+
+impl Scene {
+    /// The memory that the scene takes. Costs a walk over all bricks and objects.
+    pub fn memory(&self) -> MemoryUse {
+        MemoryUse {
+            opacity: self.fixed.bytes() + self.moving.bytes() + self.fused.bytes(),
+            ids: self.ids.bytes(),
+            tbvs: self.volumes.bytes(),
+            objects: self.slots.bytes()
+                + self.listed.bytes()
+                + self.always.bytes()
+                + self.seams.bytes()
+                + self.expiries.bytes()
+                + self.seen.capacity() * size_of::<u64>()
+                + self.moved.bytes(),
+            shapes: self.shape_bytes(),
+        }
+    }
+
+    /// Bytes of the shapes that objects share.
+    fn shape_bytes(&self) -> usize {
+        let mut counted = HashSet::new();
+        let mut once = |at: *const u8, bytes: usize| if counted.insert(at) { bytes } else { 0 };
+        let shared = self.living().flat_map(|(_, object)| {
+            let occluder = object.occluder().and_then(Occluder::shared);
+            object.bounds().shared().into_iter().chain(occluder)
+        });
+        shared.map(|(at, bytes)| once(at, bytes)).sum()
+    }
+}

@@ -1,0 +1,62 @@
+//! Occluders around the eye and before the near plane: through those one sees.
+
+use glam::DVec3;
+
+use crate::geometry::Block;
+use crate::grid::cell_box::{CellBox, volume};
+use crate::scene::Scene;
+use crate::shape::Shape;
+use crate::view::{View, cut};
+
+/// Beyond this many cells before the near plane all occluders are asked instead.
+const MOST_CELLS: u64 = 4096;
+
+/// Of the objects in those cells, so many are asked again and again before all are asked once.
+const MOST_ASKED: usize = 4096;
+
+impl Scene {
+    /// Whether a point may lie inside an occluder that is in the matrices.
+    pub(crate) fn inside_occluder(&self, point: DVec3) -> bool {
+        let cell = self.grid.cell_of(point);
+        let contains = |slot| self.object(slot).occluder().is_some_and(|o| o.contains_point(point));
+        self.always().iter().copied().any(contains)
+            || self.grid.contains(cell) && (self.is_opaque(cell) || self.ids.get(cell).any(contains))
+    }
+
+    /// Whether the near plane of a view may cut into an occluder: then one sees
+    /// through it, since its front is cut away. So one does where an eye that is not known exactly may lie
+    /// inside.
+    pub(crate) fn near_plane_cuts(&self, view: &View) -> bool {
+        let (min, max) = self.extent();
+        let touches = |(region, block): (View, Block)| self.occluder_touches(&region, &block);
+        view.cut_regions(min, max).any(touches) || view.eye_region().is_some_and(touches)
+    }
+
+    /// Whether an occluder, or an opaque cell, may touch a convex region inside the box `around`.
+    fn occluder_touches(&self, region: &View, around: &Block) -> bool {
+        let touches =
+            |slot: u32| self.object(slot).occluder().is_some_and(|o| cut::may_meet(o, region, around));
+        let always = || self.always().iter().any(|&slot| touches(slot));
+        let (lo, hi) = self.grid.cover(around.min, around.max);
+        let Some((lo, hi)) = self.grid.clip(lo, hi) else { return always() };
+        let anywhere = || self.living().any(|(slot, _)| touches(slot));
+        if volume(lo, hi) > MOST_CELLS {
+            return anywhere();
+        }
+        if always() {
+            return true;
+        }
+        let mut asked = 0;
+        for c in (CellBox { lo, hi }).cells() {
+            let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+            if self.is_opaque(c) && opaque() || self.ids.get(c).inspect(|_| asked += 1).any(touches) {
+                return true;
+            }
+            // Objects that share many of these cells would be asked again in each.
+            if asked > self.len().max(MOST_ASKED) {
+                return anywhere();
+            }
+        }
+        false
+    }
+}

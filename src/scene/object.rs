@@ -1,0 +1,113 @@
+//! What a scene stores of each object.
+
+use crate::geometry::Block;
+use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
+use crate::scene::state::{Event, State};
+use crate::scene::validity::Validity;
+
+/// One object.
+#[derive(Debug, Clone)]
+pub(crate) struct Object {
+    pub(super) bounds: Bounds,
+    pub(super) occluder: Option<Occluder>,
+    pub(super) motion: Motion,
+    pub(super) user_data: u64,
+    pub(super) layers: u32,
+    state: State,
+    pub(super) validity: Validity,
+    /// Whether its cells are in I; objects with too many cells are not.
+    pub(super) in_cells: bool,
+    /// The time of the last report.
+    pub(super) reported: f64,
+    /// The last frame that ended with the object in sight.
+    pub(super) seen_in: u64,
+    /// The number of the move that last changed it.
+    pub(super) moved: u64,
+}
+
+impl Object {
+    /// A listed object as described, but without its occluder: the scene adds that.
+    pub(super) fn new(desc: ObjectDesc, now: f64, moved: u64) -> Self {
+        Self {
+            bounds: desc.bounds,
+            occluder: None,
+            motion: desc.motion,
+            user_data: desc.user_data,
+            layers: desc.layers,
+            state: State::Listed,
+            validity: Validity::first(),
+            in_cells: false,
+            reported: now,
+            seen_in: 0,
+            moved,
+        }
+    }
+
+    /// The bounds as last reported.
+    #[inline]
+    pub(crate) fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    #[inline]
+    pub(crate) fn occluder(&self) -> Option<&Occluder> {
+        self.occluder.as_ref()
+    }
+
+    #[inline]
+    pub(super) fn state(&self) -> State {
+        self.state
+    }
+
+    /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not apply.
+    pub(super) fn apply(&mut self, event: Event) -> bool {
+        let next = self.state.after(event);
+        self.state = next.unwrap_or(self.state);
+        next.is_some()
+    }
+
+    /// Whether its place is unknown: it counts as visible and hides nothing.
+    #[inline]
+    pub(crate) fn is_unlocated(&self) -> bool {
+        matches!(self.state, State::Overdue | State::Unlocated { .. })
+    }
+
+    /// Whether it is in a volume.
+    #[inline]
+    pub(crate) fn is_hidden(&self) -> bool {
+        matches!(self.state, State::Hidden(_))
+    }
+
+    /// Whether it is in a volume and its bounds are old.
+    #[inline]
+    pub(crate) fn is_hidden_unreported(&self) -> bool {
+        self.on_expiry() && self.is_hidden()
+    }
+
+    /// The volume of an object whose bounds are old: it may be anywhere in there.
+    #[inline]
+    pub(crate) fn unreported_volume(&self) -> Option<&Block> {
+        match &self.state {
+            State::Hidden(hidden) if self.on_expiry() => Some(&hidden.tbv.block),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_static(&self) -> bool {
+        self.motion == Motion::Static
+    }
+
+    /// Whether its motion goes unreported while it is hidden.
+    #[inline]
+    pub(crate) fn on_expiry(&self) -> bool {
+        matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
+    }
+
+    /// The promised greatest speed, in world units per second.
+    pub(super) fn promised_speed(&self) -> Option<f64> {
+        match self.motion {
+            Motion::Dynamic { max_speed: Some(v), .. } => Some(f64::from(v)),
+            _ => None,
+        }
+    }
+}

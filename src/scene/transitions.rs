@@ -1,0 +1,506 @@
+//! The transitions of objects between their states, with their effects on matrices, lists and volumes.
+//!
+//! Each function causes the events that the tables of [`crate::scene::state`] name for it.
+
+use crate::numeric::scene::earliest_arrival;
+use crate::object::{Bounds, Occluder};
+use crate::scene::Scene;
+use crate::scene::cells::Span;
+use crate::scene::expiry::{AT_ONCE, Expiry};
+use crate::scene::state::{Event, Hidden, State};
+use crate::scene::volume::{Border, Tbv};
+
+/// An unlocated object keeps its old volume if the room there is at least this share of the slack of a new one.
+const WORTH_KEEPING: f64 = 0.5;
+
+impl Scene {
+    /// An object is reported to be somewhere.
+    pub(super) fn report(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        self.locate(slot);
+        let object = self.slots.object_mut(slot);
+        object.reported = self.now;
+        let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
+        if same && !object.is_unlocated() {
+            return;
+        }
+        self.moves += 1;
+        object.moved = self.moves;
+        match object.state() {
+            State::Listed | State::Overdue => {
+                self.revision += 1;
+                self.relist(slot, bounds, occluder);
+            }
+            State::Hidden(hidden) => {
+                self.exchange_shape(slot, bounds, occluder);
+                self.hidden_moved(slot, hidden);
+            }
+            State::Unlocated { volume } => {
+                self.exchange_shape(slot, bounds, occluder);
+                self.found_again(slot, volume);
+            }
+        }
+    }
+
+    /// Gives an object that is in no matrix another shape.
+    fn exchange_shape(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+        self.exchange_occluder(slot, occluder);
+        self.slots.object_mut(slot).bounds = bounds;
+    }
+
+    /// A hidden object was reported elsewhere: inside its volume it stays.
+    fn hidden_moved(&mut self, slot: u32, hidden: Hidden) {
+        let object = self.slots.object_mut(slot);
+        let block = object.bounds.block();
+        if hidden.tbv.contains(&self.grid, &block) {
+            if object.on_expiry() {
+                self.enclose_again(slot, hidden.tbv, hidden.tbv.room(&block), hidden.queued);
+            }
+            return;
+        }
+        object.validity.outlived();
+        self.volumes.remove(slot);
+        self.revision += 1;
+        let volume = self.make_volume(slot);
+        self.enclose_or_list(slot, volume);
+    }
+
+    /// An unlocated object was reported. Where a new volume would not last much longer, the old one stays.
+    fn found_again(&mut self, slot: u32, volume: Option<Tbv>) {
+        self.always.remove(slot);
+        self.revision += 1;
+        let object = self.slots.object_mut(slot);
+        object.validity.outlived();
+        let block = object.bounds.block();
+        let next = self.make_volume(slot);
+        if let (Some(old), Some(new)) = (volume, &next) {
+            let room = old.room(&block);
+            if room >= WORTH_KEEPING * new.tbv.slack {
+                self.enclose_again(slot, old, room, f64::INFINITY);
+                return;
+            }
+        }
+        if volume.is_some() {
+            self.volumes.remove(slot);
+        }
+        self.enclose_or_list(slot, next);
+    }
+
+    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides
+    /// nothing. Its cells stay as they are, since the report mostly comes at once.
+    pub(super) fn miss(&mut self, slot: u32) {
+        let object = self.slots.object_mut(slot);
+        if object.apply(Event::Missed) {
+            self.overdue_occluders += u32::from(object.occluder.is_some());
+            self.always.insert(slot);
+            self.revision += 1;
+        }
+    }
+
+    /// The place of an object is known again, or does not matter any more.
+    fn locate(&mut self, slot: u32) {
+        let object = self.slots.object_mut(slot);
+        if object.apply(Event::Reported) {
+            self.overdue_occluders -= u32::from(object.occluder.is_some());
+            if Span::of(&self.grid, &object.bounds.block()).suffices() {
+                self.always.remove(slot);
+            }
+            self.revision += 1;
+        }
+    }
+
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went
+    /// backwards, no volume is certain.
+    pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
+        if self.slots.of_generation(entry.slot, entry.generation).is_none() {
+            return false;
+        }
+        let object = self.slots.object_mut(entry.slot);
+        match object.state() {
+            // Queued again since: that entry counts.
+            State::Hidden(hidden) if hidden.queued != entry.at => false,
+            State::Hidden(Hidden { expires, .. }) if !backwards && expires > self.now => {
+                object.apply(Event::Requeued(expires));
+                self.expiries.push(Expiry { at: expires, ..entry });
+                false
+            }
+            State::Hidden(_) => {
+                object.apply(Event::Expired);
+                object.validity.passed();
+                self.always.insert(entry.slot);
+                self.revision += 1;
+                true
+            }
+            // Revealed in the last frame: its bounds are old.
+            State::Unlocated { .. } => entry.at == AT_ONCE,
+            State::Listed | State::Overdue => false,
+        }
+    }
+
+    /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
+    pub(super) fn reveal(&mut self, slot: u32, seen: bool) {
+        let outer = self.volumes.is_outer(slot);
+        self.volumes.remove(slot);
+        let generation = self.slots.id(slot).generation;
+        let object = self.slots.object_mut(slot);
+        object.validity.revealed(outer);
+        if object.on_expiry() {
+            object.apply(Event::Revealed);
+            self.always.insert(slot);
+            self.revision += 1;
+            self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
+        } else if seen {
+            self.list(slot);
+        } else {
+            let volume = self.make_volume(slot);
+            self.enclose_or_list(slot, volume);
+        }
+    }
+
+    /// No view saw a listed dynamic object: puts it into a volume, if one fits.
+    pub(super) fn try_hide(&mut self, slot: u32) -> bool {
+        // A volume around an old place contains nothing for certain.
+        if self.object(slot).is_unlocated() {
+            return false;
+        }
+        let Some(hidden) = self.make_volume(slot) else { return false };
+        self.unlist(slot);
+        self.enclose(slot, hidden);
+        true
+    }
+
+    /// Takes an object out of the scene.
+    pub(super) fn take_out(&mut self, slot: u32) {
+        self.revision += 1;
+        self.locate(slot);
+        match self.object(slot).state() {
+            State::Listed | State::Overdue => self.unlist(slot),
+            State::Hidden(_) => self.volumes.remove(slot),
+            State::Unlocated { volume } => {
+                self.always.remove(slot);
+                if volume.is_some() {
+                    self.volumes.remove(slot);
+                }
+            }
+        }
+        self.exchange_occluder(slot, None);
+        self.slots.remove(slot);
+    }
+
+    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in the queue.
+    fn make_volume(&self, slot: u32) -> Option<Hidden> {
+        let object = self.object(slot);
+        let (speed, block) = (object.promised_speed(), object.bounds.block());
+        // Without a promise it is taken to cross a cell in a second.
+        let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity.seconds();
+        let border = match (object.on_expiry(), object.validity.is_confined()) {
+            (false, _) => Border::Cut,
+            (true, false) => Border::Beyond,
+            (true, true) => Border::Inside,
+        };
+        let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
+        let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
+        Some(Hidden { tbv, expires, queued: f64::INFINITY })
+    }
+
+    /// Puts an object that is in no matrix into a volume, or into I and O.
+    fn enclose_or_list(&mut self, slot: u32, volume: Option<Hidden>) {
+        match volume {
+            Some(hidden) => self.enclose(slot, hidden),
+            None => self.list(slot),
+        }
+    }
+
+    /// Puts an object that is in no matrix into a new volume.
+    fn enclose(&mut self, slot: u32, hidden: Hidden) {
+        self.volumes.insert(slot, &hidden.tbv);
+        self.revision += 1;
+        self.hide(slot, hidden);
+    }
+
+    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time of its
+    /// entry in the queue, if it has one.
+    fn enclose_again(&mut self, slot: u32, tbv: Tbv, room: f64, queued: f64) {
+        let speed = self.object(slot).promised_speed().unwrap_or(0.0);
+        self.hide(slot, Hidden { tbv, expires: earliest_arrival(self.now, room, speed), queued });
+    }
+
+    /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
+    fn hide(&mut self, slot: u32, mut hidden: Hidden) {
+        let generation = self.slots.id(slot).generation;
+        let object = self.slots.object_mut(slot);
+        let early = object.on_expiry() && hidden.expires < hidden.queued;
+        if early {
+            hidden.queued = hidden.expires;
+            self.expiries.push(Expiry { at: hidden.expires, slot, generation });
+        }
+        object.apply(Event::Enclosed(hidden));
+    }
+
+    /// Drops entries of the queue that were replaced since, once there are many of them.
+    pub(super) fn compact_expiries(&mut self) {
+        if !self.expiries.is_crowded(self.slots.len()) {
+            return;
+        }
+        let slots = &self.slots;
+        self.expiries.retain(|entry| {
+            let state = slots.of_generation(entry.slot, entry.generation).map(|object| object.state());
+            match state {
+                Some(State::Hidden(hidden)) => hidden.queued == entry.at,
+                Some(State::Unlocated { .. }) => entry.at == AT_ONCE,
+                _ => false,
+            }
+        });
+    }
+}
+
+fn same_occluder(a: Option<&Occluder>, b: Option<&Occluder>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => a.same(b),
+        (None, None) => true,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::geometry::{Aabb, Plane, Sphere};
+    use crate::grid::GridSpec;
+    use crate::id::ObjectId;
+    use crate::object::ObjectDesc;
+    use crate::query::Query;
+    use crate::view::View;
+
+    /// A state without its numbers; `Gone` for objects that were removed.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    enum Kind {
+        Listed,
+        Overdue,
+        Hidden,
+        Unlocated { volume: bool },
+        Gone,
+    }
+    use Kind::{Gone, Hidden as InVolume, Listed, Overdue, Unlocated};
+
+    const EXPIRED: Kind = Unlocated { volume: true };
+    const REVEALED: Kind = Unlocated { volume: false };
+    /// Before the wall, with the eye; behind it; and outside the grid.
+    const BEFORE: f32 = 5.5;
+    const BEHIND: f32 = 20.0;
+    const OUTSIDE: f32 = 40.0;
+
+    /// A wall that parts the grid, and a ball.
+    struct World {
+        scene: Scene,
+        ball: ObjectId,
+        /// The volume of the ball when it was prepared.
+        volume: Option<Tbv>,
+    }
+
+    fn ball(x: f32) -> Sphere {
+        Sphere::new(Vec3::new(x, 16.5, 16.5), 0.5)
+    }
+
+    impl World {
+        fn new(x: f32, on_expiry: bool) -> Self {
+            let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
+            let mut scene = Scene::new(&spec).unwrap();
+            let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+            let desc = ObjectDesc::dynamic(ball(x));
+            let desc = if on_expiry { desc.max_speed(1.0).reported_on_expiry() } else { desc };
+            let ball = scene.insert(desc).unwrap();
+            Self { scene, ball, volume: None }
+        }
+
+        /// A world whose ball is hidden.
+        fn hidden(on_expiry: bool) -> Self {
+            let mut world = Self::new(BEHIND, on_expiry).seen_from(2.5);
+            world.volume = Some(world.hiding().tbv);
+            world
+        }
+
+        fn begin(mut self, now: f64) -> Self {
+            self.scene.begin_frame(now).unwrap();
+            self
+        }
+
+        fn update(mut self, x: f32) -> Self {
+            self.scene.update(self.ball, ball(x), None).unwrap();
+            self
+        }
+
+        fn end(mut self, view: &View) -> Self {
+            let mut query = Query::new();
+            query.run(&self.scene, view);
+            self.scene.end_frame([query.pvs()]).unwrap();
+            self
+        }
+
+        /// Ends a frame with a view all around a point on the axis of the ball's motion.
+        fn seen_from(self, x: f32) -> Self {
+            self.end(&View::around(Vec3::new(x, 16.5, 16.5)).unwrap())
+        }
+
+        /// Ends a frame with a view of the half-space beyond `x` only, which has no occluders before the ball.
+        fn seen_beyond(self, x: f32) -> Self {
+            let plane = Plane { normal: Vec3::X, offset: -x };
+            self.end(&View::from_planes(Vec3::new(28.5, 16.5, 16.5), &[plane]).unwrap())
+        }
+
+        fn remove(mut self) -> Self {
+            self.scene.remove(self.ball).unwrap();
+            self
+        }
+
+        fn hiding(&self) -> Hidden {
+            match self.scene.find(self.ball).unwrap().state() {
+                State::Hidden(hidden) => hidden,
+                other => panic!("it is in no volume: {other:?}"),
+            }
+        }
+
+        fn kind(&self) -> Kind {
+            match self.scene.find(self.ball).map(|object| object.state()) {
+                Err(_) => Gone,
+                Ok(State::Listed) => Listed,
+                Ok(State::Overdue) => Overdue,
+                Ok(State::Hidden(_)) => InVolume,
+                Ok(State::Unlocated { volume }) => Unlocated { volume: volume.is_some() },
+            }
+        }
+
+        /// Whether the ball is in the volume that it had when it was prepared.
+        fn keeps_its_volume(&self) -> bool {
+            Some(self.hiding().tbv) == self.volume
+        }
+    }
+
+    fn plain_listed() -> World {
+        World::new(BEFORE, false)
+    }
+
+    fn listed() -> World {
+        World::new(BEFORE, true)
+    }
+
+    fn overdue() -> World {
+        listed().begin(1.0)
+    }
+
+    fn hidden() -> World {
+        World::hidden(true)
+    }
+
+    fn plain_hidden() -> World {
+        World::hidden(false)
+    }
+
+    fn expired() -> World {
+        hidden().begin(100.0)
+    }
+
+    fn revealed() -> World {
+        hidden().begin(0.01).seen_from(28.5)
+    }
+
+    /// A world whose ball was reported nearer to the middle of its volume than before: its expiry is put off.
+    fn put_off() -> World {
+        let world = hidden();
+        let first = world.hiding().expires;
+        let world = world.begin(0.5 * first).update(BEHIND - 0.001);
+        let hiding = world.hiding();
+        assert!(hiding.queued == first && hiding.expires > first);
+        world.begin(first.next_up())
+    }
+
+    #[test]
+    fn every_call_changes_states_as_the_table_says() {
+        type Act = fn(World) -> World;
+        let table: [(&str, fn() -> World, Kind, Act, Kind); 29] = [
+            ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
+            ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
+            ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
+            ("begin: not yet due", hidden, InVolume, |w| w.begin(0.01), InVolume),
+            ("begin: put off", put_off, InVolume, |w| w, InVolume),
+            ("begin: due", hidden, InVolume, |w| w.begin(100.0), EXPIRED),
+            ("begin: backwards", hidden, InVolume, |w| w.begin(-1.0), EXPIRED),
+            ("begin: never due", plain_hidden, InVolume, |w| w.begin(100.0), InVolume),
+            ("begin: expired before", expired, EXPIRED, |w| w.begin(200.0), EXPIRED),
+            ("begin: revealed before", revealed, REVEALED, |w| w.begin(200.0), REVEALED),
+            ("update: overdue", overdue, Overdue, |w| w.update(BEFORE), Listed),
+            ("update: listed", listed, Listed, |w| w.update(BEHIND), Listed),
+            ("update: inside", hidden, InVolume, |w| w.update(BEHIND + 0.1), InVolume),
+            ("update: outside", hidden, InVolume, |w| w.update(14.0), InVolume),
+            ("update: no volume fits", plain_hidden, InVolume, |w| w.update(OUTSIDE), Listed),
+            ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
+            ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
+            ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
+            ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), InVolume),
+            ("end: unseen", || World::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
+            (
+                "end: unseen, no volume fits",
+                || World::new(OUTSIDE, false),
+                Listed,
+                |w| w.seen_from(2.5),
+                Listed,
+            ),
+            ("end: seen", listed, Listed, |w| w.seen_from(2.5), Listed),
+            ("end: overdue", overdue, Overdue, |w| w.seen_from(28.5), Overdue),
+            ("end: not revealed", hidden, InVolume, |w| w.seen_from(2.5), InVolume),
+            ("end: revealed, on expiry", hidden, InVolume, |w| w.seen_from(28.5), REVEALED),
+            ("end: revealed, seen", plain_hidden, InVolume, |w| w.seen_from(28.5), Listed),
+            ("end: revealed, unseen", plain_hidden, InVolume, |w| w.seen_beyond(21.2), InVolume),
+            ("end: expired", expired, EXPIRED, |w| w.seen_from(2.5), EXPIRED),
+            ("end: revealed before", revealed, REVEALED, |w| w.seen_from(2.5), REVEALED),
+        ];
+        for (name, prepare, from, act, to) in table {
+            let world = prepare();
+            assert_eq!(world.kind(), from, "{name}: before");
+            let world = act(world);
+            assert_eq!(world.kind(), to, "{name}: after");
+        }
+        for prepare in [listed, overdue, hidden, plain_hidden, expired, revealed] {
+            assert_eq!(prepare().remove().kind(), Gone);
+        }
+    }
+
+    #[test]
+    fn volumes_are_kept_while_they_serve() {
+        assert!(put_off().keeps_its_volume());
+        assert!(hidden().update(BEHIND + 0.1).keeps_its_volume());
+        assert!(!hidden().update(14.0).keeps_its_volume());
+        assert!(expired().update(BEHIND).keeps_its_volume());
+        assert!(!expired().update(14.0).keeps_its_volume());
+        assert!(!plain_hidden().seen_beyond(21.2).keeps_its_volume());
+    }
+
+    #[test]
+    fn nothing_is_left_of_a_removed_object() {
+        for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
+            let World { scene, .. } = prepare().remove();
+            assert_eq!((scene.ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
+            assert!(scene.listed.as_slice().is_empty() && scene.always().is_empty());
+            assert_eq!((scene.listed_on_expiry, scene.overdue_occluders), (0, 0));
+        }
+    }
+
+    /// Entries of I for the wall alone.
+    fn wall_entries() -> usize {
+        World::new(BEFORE, false).remove().scene.ids.entries()
+    }
+
+    #[test]
+    fn an_expiry_is_void_once_its_slot_has_another_object() {
+        let mut world = hidden().remove();
+        let next = world.scene.insert(ObjectDesc::dynamic(ball(BEHIND))).unwrap();
+        assert_eq!(next.index(), world.ball.index());
+        world.ball = next;
+        let mut world = world.seen_from(2.5);
+        assert_eq!(world.kind(), InVolume);
+        assert_eq!(world.scene.begin_frame(100.0).unwrap(), []);
+        assert_eq!(world.kind(), InVolume);
+    }
+}
