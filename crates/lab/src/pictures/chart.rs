@@ -31,7 +31,7 @@ pub fn chart(path: &Path, title: &str, frames: &[FrameCounts]) -> Result<(), Pic
         Line::new(format!("{label}: {:.0}", mean(frames, value)), style, points.collect())
     };
     let all = [
-        of("in the view", FRUSTUM, |f| f.frustum),
+        of("in view", FRUSTUM, |f| f.frustum),
         of("found visible", POINT, |f| f.pvs),
         of("exactly visible", EXACT.dashed(), |f| f.exact),
     ];
@@ -50,10 +50,10 @@ fn finding(frames: &[FrameCounts]) -> String {
     let kept = if view > 0.0 { found / view * 100.0 } else { 100.0 };
     match exact > 0.0 {
         true => format!(
-            "{kept:.0}% of the objects in the view are found visible: {:.2} times as many as can be seen",
+            "{kept:.0}% of the objects in view are found visible: {:.2} for each that can be seen",
             found / exact
         ),
-        false => format!("{kept:.0}% of the objects in the view are found visible"),
+        false => format!("{kept:.0}% of the objects in view are found visible"),
     }
 }
 
@@ -65,10 +65,7 @@ mod tests {
     fn the_title_says_the_finding() {
         let frame = |frustum, pvs, exact| FrameCounts { frustum, pvs, exact };
         let said = finding(&[frame(100, 10, 8), frame(300, 30, 24)]);
-        assert_eq!(
-            said,
-            "10% of the objects in the view are found visible: 1.25 times as many as can be seen"
-        );
+        assert_eq!(said, "10% of the objects in view are found visible: 1.25 for each that can be seen");
         assert!(!finding(&[frame(0, 0, 0)]).contains("NaN"));
     }
 }

@@ -162,7 +162,7 @@ pub fn buffers(path: &Path, title: &str, images: &[OcclusionImage]) -> Result<()
     let mut canvas = Canvas::new(width, height, WHITE);
     let in_view = || images.iter().flat_map(|i| &i.depth).filter(|d| **d != 0.0);
     let covered = in_view().filter(|d| d.is_finite()).count() as f64 / in_view().count().max(1) as f64;
-    let finding = format!("Occluders cover {:.0}% of the view", covered * 100.0);
+    let finding = format!("Occluders cover {:.0}% of the buffers' pixels in view", covered * 100.0);
     canvas.text((14.0, 22.0), 26.0, TEXT, &finding);
     canvas.text((14.0, 52.0), 19.0, QUIET, title);
     legend(&mut canvas);
@@ -175,12 +175,17 @@ pub fn buffers(path: &Path, title: &str, images: &[OcclusionImage]) -> Result<()
             let (x, y) = (i % image.width, image.height - 1 - i / image.width);
             canvas.rect((left + x * size, 142 + y * size), (size, size), covering(depth, far));
         }
-        let side = image.direction;
-        let label = format!("side towards ({:.0}, {:.0}, {:.0})", side.x, side.y, side.z);
+        let label = format!("side towards {}", axis(image.direction));
         canvas.text((left as f32, 124.0), 18.0, TEXT, &label);
         left += image.width * size + 24;
     }
     canvas.save(path)
+}
+
+/// The axis along which a side lies.
+fn axis(direction: glam::Vec3) -> String {
+    let sign = if direction.max_element() > 0.5 { "+" } else { "-" };
+    format!("{sign}{}", ["x", "y", "z"][direction.abs().max_position()])
 }
 
 /// The colour of a buffer's pixel.

@@ -105,7 +105,7 @@ pub(super) struct Head {
     pub(super) height: i32,
 }
 
-const TITLE: f64 = 21.0;
+const TITLE: f64 = 20.0;
 const SUBTITLE: f64 = 15.0;
 const LABEL: f64 = 14.0;
 const LEFT: i32 = 20;
@@ -114,7 +114,8 @@ impl Head {
     /// A head for a picture so many pixels wide.
     pub(super) fn new(width: u32, title: &str, subtitle: &str, keys: Vec<(Sample, String)>) -> Self {
         let room = width as i32 - 2 * LEFT;
-        let title = wrap(title, TITLE, room);
+        // Bold letters are wider.
+        let title = wrap(title, TITLE * 1.08, room);
         let subtitle = wrap(subtitle, SUBTITLE, room);
         let mut y = 16 + 27 * title.len() as i32 + 21 * subtitle.len() as i32 + 18;
         let mut x = LEFT;
@@ -167,6 +168,9 @@ impl Head {
 
 /// A line through points of the page.
 pub(super) fn path(area: &Area<'_>, points: &[(i32, i32)], style: &Style) -> Drawn {
+    if points.len() < 2 {
+        return Ok(());
+    }
     let stroke = style.color.stroke_width(2);
     match style.dashed {
         true => area.draw(&DashedPathElement::new(points.to_vec(), 8, 5, stroke))?,
@@ -222,7 +226,7 @@ pub(super) fn short(v: f64) -> String {
     };
     match v.abs() {
         a if a >= 1e6 || a > 0.0 && a < 9e-4 => format!("{v:.0e}"),
-        a if a >= 1e4 => {
+        a if a >= 1e3 => {
             let whole = format!("{:.0}", a);
             let (head, tail) = whole.split_at(whole.len() - 3);
             format!("{}{head},{tail}", if v < 0.0 { "-" } else { "" })
@@ -268,7 +272,7 @@ mod tests {
     #[test]
     fn numbers_are_short_and_ticks_round() {
         let said = [0.0, 0.05, 1.0, 1.25, 20.0, 1000.0, 10_000.0, 1e-5].map(short);
-        assert_eq!(said, ["0", "0.05", "1", "1.25", "20", "1000", "10,000", "1e-5"]);
+        assert_eq!(said, ["0", "0.05", "1", "1.25", "20", "1,000", "10,000", "1e-5"]);
         assert_eq!(log_ticks(0.01, 100.0), [0.01, 0.1, 1.0, 10.0, 100.0]);
         assert_eq!(log_ticks(0.2, 30.0), [0.3, 1.0, 3.0, 10.0, 30.0]);
         assert_eq!(log_ticks(0.8, 7.5), [0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0]);

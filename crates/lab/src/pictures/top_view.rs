@@ -100,7 +100,7 @@ impl TopView<'_> {
         };
         let (seen, hidden) = (count(0), count(1));
         let share = f64::from(hidden) / f64::from((seen + hidden).max(1)) * 100.0;
-        format!("From above: opaque cells hide {share:.0}% of the cells in the view at the height of the eye")
+        format!("Opaque cells hide {share:.0}% of the cells in view at the height of the eye")
     }
 
     /// The ends of the left and right border of the view at the height of the eye.

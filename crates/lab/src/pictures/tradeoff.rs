@@ -91,14 +91,15 @@ fn finding(points: &[TradeoffPoint]) -> String {
     let lossy = |of: &[&TradeoffPoint]| of.iter().filter(|p| p.lost > 0.0).count();
     let front = |of: &[&TradeoffPoint]| of.iter().filter(|p| p.front).count();
     let ours_lost = match lossy(&ours) {
-        0 => format!("none of casca's {} settings", ours.len()),
-        n => format!("{n} of casca's {} settings", ours.len()),
+        0 => "none".to_owned(),
+        n => n.to_string(),
     };
     format!(
-        "Sampled depth buffers lose visible objects at {} of {} settings, {ours_lost} does; {} of the {} best trade-offs \
-         are casca's",
+        "Sampled depth buffers lose visible objects at {} of {} settings, casca at {ours_lost} of {}; {} of the {} best \
+         trade-offs are casca's",
         lossy(&theirs),
         theirs.len(),
+        ours.len(),
         front(&ours),
         front(&ours) + front(&theirs)
     )
@@ -116,11 +117,12 @@ fn distinct(points: &[TradeoffPoint], of: fn(&TradeoffPoint) -> &String) -> Vec<
 }
 
 /// The range of an axis around all of its values, which are drawn where they are.
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut lo, mut hi) = (f64::INFINITY, 0f64);
     for v in values.filter(|v| v.is_finite() && *v > 0.0) {
         (lo, hi) = (lo.min(v), hi.max(v));
     }
+    let margin = (hi / lo).powf(0.07).max(1.01);
     if lo > hi { (0.5, 2.0) } else { (lo / margin, hi * margin) }
 }
 
@@ -131,9 +133,9 @@ fn panel(
     methods: &[String],
     points: &[&TradeoffPoint],
 ) -> Drawn {
-    let (left, right) = range(points.iter().map(|p| p.ms), 1.35);
+    let (left, right) = range(points.iter().map(|p| p.ms));
     // Shows that a panel's differences are small rather than magnifying them.
-    let (bottom, top) = range(points.iter().map(|p| p.ratio).chain([1.0, 1.3]), 1.04);
+    let (bottom, top) = range(points.iter().map(|p| p.ratio).chain([1.0, 1.3]));
     let mut chart = ChartBuilder::on(area)
         .margin(12)
         .margin_top(34)
@@ -157,9 +159,8 @@ fn panel(
         .draw()?;
     let place = |x: f64, y: f64| chart.backend_coord(&(x, y));
     root.draw(&PathElement::new([place(left, 1.0), place(right, 1.0)], TEXT))?;
-    let (title, _) = area.get_base_pixel();
-    let above = area.get_base_pixel().1 + 20;
-    text(root, (title + 70, above), 16.0, TEXT, HPos::Left, scene)?;
+    let corner = area.get_base_pixel();
+    text(root, (corner.0 + 70, corner.1 + 20), 16.0, TEXT, HPos::Left, scene)?;
     let placed = |method: &String| -> Vec<((i32, i32), &TradeoffPoint)> {
         let own = points.iter().filter(|p| p.method == *method && p.ms > 0.0 && p.ratio > 0.0);
         own.map(|p| (place(p.ms, p.ratio), *p)).collect()
@@ -202,8 +203,8 @@ mod tests {
         let points =
             [point("point, automatic", 1.1, 0.0), point("hzb (depth)", 1.0, 2.0), point("cell", 7.5, 0.0)];
         let said = finding(&points);
-        assert!(said.contains("1 of 1 settings, none of casca's 2 settings does; 2 of the 2 best"), "{said}");
-        let (lo, hi) = range(points.iter().map(|p| p.ratio), 1.04);
+        assert!(said.contains("1 of 1 settings, casca at none of 2; 2 of the 2 best"), "{said}");
+        let (lo, hi) = range(points.iter().map(|p| p.ratio));
         assert!(lo < 1.0 && hi > 7.5);
     }
 }

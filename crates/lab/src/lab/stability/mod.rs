@@ -22,7 +22,7 @@ mod walks;
 use case::Case;
 use run::Finding;
 
-use super::{Lab, LabError, Section};
+use super::{Lab, LabError, Section, grouped};
 
 type Cases = fn(&Lab) -> Result<Vec<Case>, LabError>;
 type Charts = fn(&Lab, &[Finding], &mut Section) -> Result<(), LabError>;
@@ -170,12 +170,15 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
         all.extend(found);
     }
     let all: Vec<&Finding> = all.iter().collect();
-    let lost = |method: &str| -> usize { all.iter().filter_map(|f| f.of(method)).map(|o| o.lost).sum() };
+    let lost = |method: &str| match all.iter().filter_map(|f| f.of(method)).map(|o| o.lost).sum() {
+        0 => "none".to_owned(),
+        n => grouped(n),
+    };
     let known: usize = all.iter().map(|f| f.known - f.refuted).sum();
     section.text(format!(
-        "**In {} cases `point` loses {} visible objects and `cell` {}; `hzb` loses {} and `rays` {}.** An object is lost if \
+        "**Visible objects lost in {} cases: `point` {}, `cell` {}, `hzb` {}, `rays` {}.** An object is lost if \
          it is left out although it is visible beyond the doubt of rounding: it shows in an item buffer of {}x{} pixels, \
-         is hit by one of {} rays aimed at every object in the frustum, or by a ray to one of {known} points that the case was \
+         is hit by one of {} rays aimed at every object in the frustum, or by a ray to one of {} points that the case was \
          built to show. `point` and `cell` have default settings, `hzb` has {}x{} pixels and `rays` {}x{}; both get the objects \
          in the frustum for nothing. A sighting is an object in a frame.",
         all.len(),
@@ -186,6 +189,7 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
         run::item_width(lab),
         run::rows(run::item_width(lab)),
         run::aimed_rays(lab),
+        grouped(known),
         run::HZB,
         run::rows(run::HZB),
         run::RAYS,

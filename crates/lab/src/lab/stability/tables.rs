@@ -1,7 +1,7 @@
 //! Tables and words from the findings.
 
 use super::run::{CAUSES, Finding, Outcome};
-use crate::lab::Table;
+use crate::lab::{Table, grouped};
 
 /// Times and ratios are compared with the last calm case before.
 pub(super) fn with_calm(findings: &[Finding]) -> impl Iterator<Item = (&Finding, &Finding)> {
@@ -67,6 +67,16 @@ pub(super) fn table(name: &str, findings: &[Finding]) -> Table {
     table
 }
 
+/// Names with commas, and "and" before the last.
+fn listed(names: &[String]) -> String {
+    match names {
+        [first @ .., a, b] => {
+            first.iter().map(|n| format!("{n}, ")).collect::<String>() + &format!("{a} and {b}")
+        }
+        _ => names.concat(),
+    }
+}
+
 /// A count and its noun.
 fn counted(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
@@ -85,19 +95,19 @@ pub(super) fn words(findings: &[Finding]) -> String {
         let cases = outcomes.iter().filter(|o| o.lost > 0).count();
         match lost {
             0 => safe.push(format!("`{name}`")),
-            _ => lossy.push(format!("`{name}` loses {lost} in {}", counted(cases, "case"))),
+            _ => lossy.push(format!("`{name}` loses {} in {}", grouped(lost), counted(cases, "case"))),
         }
         for (total, i) in why.iter_mut().zip(0..) {
             total.0 += outcomes.iter().map(|o| o.causes[i]).sum::<usize>();
         }
     }
-    let mut said = format!("Of {} in {}, ", counted(sure, "sighting"), counted(findings.len(), "case"));
+    let mut said = format!("Of {} sightings in {}, ", grouped(sure), counted(findings.len(), "case"));
     if !safe.is_empty() {
-        lossy.insert(0, format!("{} lose{} none", safe.join(", "), if safe.len() == 1 { "s" } else { "" }));
+        lossy.insert(0, format!("{} lose{} none", listed(&safe), if safe.len() == 1 { "s" } else { "" }));
     }
     said += &lossy.join("; ");
     match why.into_iter().max_by_key(|w| w.0) {
-        Some((n, cause)) if n > 0 => format!("{said}; most of them are {cause}."),
+        Some((n, cause)) if n > 0 => format!("{said}; most of these are {cause}."),
         _ => said + ".",
     }
 }

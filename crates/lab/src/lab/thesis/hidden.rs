@@ -3,7 +3,7 @@
 use casca::{Method, View};
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
-use super::super::{Lab, LabError, Section, Table, median};
+use super::super::{Lab, LabError, Section, Table, grouped, median};
 use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, settings, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
@@ -116,8 +116,9 @@ fn draw(
     let file = "thesis-hidden-frame.svg";
     let last = counts.last().copied().unwrap_or(0) as f64;
     let growth = |p: Vec<(f64, f64)>| ratio(at(&p, last), at(&p, 0.0));
+    let many = grouped(last as usize);
     let title = format!(
-        "{last} hidden moving objects make a frame of point {:.2} times as long, one of frustum culling {:.1} times",
+        "{many} hidden moving objects make a frame of point {:.2} times as long, one of frustum culling {:.1} times",
         growth(rows[4].frame()),
         growth(rows[5].frame())
     );
@@ -140,7 +141,7 @@ fn draw(
     ));
     let file = "thesis-hidden-upkeep.svg";
     let title = format!(
-        "From 500 to {last} hidden objects, upkeep grows {:.1} times if they are reported on expiry, {:.1} times if always",
+        "From 500 to {many} hidden objects, upkeep grows {:.1} times if they are reported on expiry, {:.1} times if always",
         ratio(at(&rows[1].upkeep, last), at(&rows[1].upkeep, 500.0)),
         ratio(at(&rows[2].upkeep, last), at(&rows[2].upkeep, 500.0))
     );

@@ -129,8 +129,8 @@ fn draw(lab: &Lab, section: &mut Section, totals: &[[f64; 8]; 2], frames: usize)
         labels.iter().zip(&shares).map(|(l, s)| Bar { label: (*l).to_owned(), shares: s.clone() }).collect();
     let file = "thesis-profile.svg";
     let title = format!(
-        "Upkeep takes {:.0}% of a frame of cell and {:.0}% of one of point, not 55% as in the thesis; occlusion and \
-         refinement take {:.0}% and {:.0}%",
+        "Upkeep takes {:.0}% of a frame with cell and {:.0}% with point (thesis: 55%); occlusion and refinement \
+         take {:.0}% and {:.0}%",
         shares[1][0] + shares[1][1],
         shares[2][0] + shares[2][1],
         shares[1][3..6].iter().sum::<f64>(),
@@ -160,9 +160,9 @@ fn findings(totals: &[[f64; 8]; 2], sizes: [f64; 2]) -> Vec<Finding> {
     vec![
         Finding::new(
             "4.7",
-            "Bringing the grid up to date takes about 55 % of a frame, hidden objects about 5 %.",
+            "Bringing the grid up to date takes about 55% of a frame, hidden objects about 5%.",
             format!(
-                "`cell`: {:.0} %, hidden objects {:.0} %; `point`: {:.0} % and {:.0} %.",
+                "`cell`: {:.0}%, hidden objects {:.0}%; `point`: {:.0}% and {:.0}%.",
                 cell[0] + cell[1],
                 cell[1],
                 point[0] + point[1],
@@ -171,9 +171,9 @@ fn findings(totals: &[[f64; 8]; 2], sizes: [f64; 2]) -> Vec<Finding> {
         ),
         Finding::new(
             "4.7",
-            "The walk takes 20.4 %, occlusion and caps 15.7 %.",
+            "The walk takes 20.4%, occlusion and caps 15.7%.",
             format!(
-                "`cell`: {:.0} % and {:.0} %; `point`: {:.0} % and, with refinement, {:.0} %.",
+                "`cell`: {:.0}% and {:.0}%; `point`: {:.0}% and, with refinement, {:.0}%.",
                 cell[2],
                 cell[3] + cell[4],
                 point[2],

@@ -147,8 +147,8 @@ impl Found {
         section.text(format!(
             "### The resolution of the grid (section 4.6)\n\nThe 4,800 static spheres seen at 55 degrees (the \
              mean of {views} viewpoints of the walk), on grids of cubic cells with N of them along the \
-             longest axis. The *solution point* is the N of the fastest frame: query, and drawing the PVS in software; for `point`, \
-             which draws nearly the same whatever the N, of the fastest query. \
+             longest axis. The *solution point* is the N of the fastest frame: query, and drawing the PVS in software; for `point`, of \
+             the fastest query. \
              `GridSpec::fit` chooses N = {}; {:.0} objects are visible.",
             self.fit, self.exact
         ));
@@ -207,7 +207,7 @@ impl Found {
             ratio(most, best(points, |p| p.query).query)
         };
         let title = format!(
-            "A query of point hardly depends on the grid (slowest {:.1} times the fastest), one of cell does ({:.0} times)",
+            "Over all grids, the slowest query of point takes {:.1} times the fastest, that of cell {:.0} times",
             times(point),
             times(cell)
         );
@@ -290,7 +290,7 @@ impl Found {
                 format!("Below N = {THESIS_COARSE} no better than frustum culling."),
                 match useless {
                     Some(p) => {
-                        format!("`cell` is no better than `frustum` (within 1 %) up to N = {}.", p.cells)
+                        format!("`cell` is no better than `frustum` (within 1%) up to N = {}.", p.cells)
                     }
                     None => format!(
                         "`cell` is better than `frustum` at every N from {} on.",

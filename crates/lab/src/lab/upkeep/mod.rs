@@ -13,7 +13,7 @@ use std::time::Instant;
 use casca::{Aabb, GridSpec, Method, Settings};
 
 use super::stage::{Stage, Telling, frame_of, ms};
-use super::{Lab, LabError, Section, Table, median};
+use super::{Lab, LabError, Section, Table, grouped, median};
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
 use crate::pictures::palette::{self, Marker, Style};
@@ -292,12 +292,12 @@ fn draw(lab: &Lab, section: &mut Section, rows: &[&Row], count: usize) -> Result
     let of = |name: &str| rows.iter().find(|r| r.arena.count == count && r.name == name);
     let title = match (of("linear array"), of("casca point")) {
         (Some(array), Some(point)) => format!(
-            "{count} moving objects, {name}: the array takes {:.1} ms and returns {:.0}, point takes {:.1} ms and \
-             returns {:.0}",
+            "{} moving objects, {name}: the array takes {:.2} ms and returns {}, point takes {:.2} ms and returns {}",
+            grouped(count),
             array.sum(),
-            array.returned,
+            grouped(array.returned.round() as usize),
             point.sum(),
-            point.returned
+            grouped(point.returned.round() as usize)
         ),
         _ => format!("Moving objects, {name}"),
     };
@@ -316,7 +316,7 @@ fn find<'a>(rows: &'a [Row], name: &str, like: &Arena) -> Option<&'a Row> {
 fn summary(section: &mut Section, rows: &[Row], count: usize) {
     let arenas: Vec<Arena> =
         rows.iter().filter(|r| r.arena.count == count && r.name == WAYS[0].0).map(|r| r.arena).collect();
-    let mut columns = vec![format!("{count} moving objects: update + query, ms")];
+    let mut columns = vec![format!("{} moving objects: update + query, ms", grouped(count))];
     columns.extend(arenas.iter().map(kind));
     let names: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut table = Table::new("upkeep-summary", &names);
@@ -345,7 +345,7 @@ fn summary(section: &mut Section, rows: &[Row], count: usize) {
 
 /// The findings in words.
 fn verdict(rows: &[Row], count: usize) -> String {
-    let mut out = format!("With {count} objects:\n\n");
+    let mut out = format!("With {} objects:\n\n", grouped(count));
     for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
         let here: Vec<&Row> = rows
             .iter()
@@ -370,8 +370,10 @@ fn verdict(rows: &[Row], count: usize) -> String {
         ));
     }
     let lost: usize = rows.iter().map(|r| r.lost).sum();
-    let lost = if lost == 0 { "No".to_owned() } else { lost.to_string() };
-    out.push_str(&format!("\n{lost} visible objects were missing from any result, in all frames compared."));
+    out.push_str(&match lost {
+        0 => "\nNo visible object is missing from any result, in all frames compared.".to_owned(),
+        n => format!("\n{n} visible objects are missing from results, in all frames compared."),
+    });
     out
 }
 
