@@ -212,8 +212,7 @@ pub fn table(scenes: &[SceneTradeoff]) -> Table {
 /// If the file cannot be written.
 pub fn chart(path: &std::path::Path, scenes: &[SceneTradeoff]) -> Result<(), LabError> {
     let points: Vec<TradeoffPoint> = scenes.iter().flat_map(|s| s.points.clone()).collect();
-    let names: Vec<&str> = scenes.iter().map(|s| s.scene.as_str()).collect();
-    Ok(draw(path, &format!("Speed against accuracy, one thread, on {}", names.join(", ")), &points)?)
+    Ok(draw(path, "Speed against accuracy, one thread", &points)?)
 }
 
 /// Costs of drawing an object for which settings are recommended, in microseconds.

@@ -94,14 +94,16 @@ fn finding(points: &[TradeoffPoint]) -> String {
         0 => "none".to_owned(),
         n => n.to_string(),
     };
+    let best = match (front(&ours), front(&ours) + front(&theirs)) {
+        (own, all) if own == all => format!("all {all}"),
+        (own, all) => format!("{own} of the {all}"),
+    };
     format!(
-        "Sampled depth buffers lose visible objects at {} of {} settings, casca at {ours_lost} of {}; {} of the {} best \
-         trade-offs are casca's",
+        "Sampled depth buffers lose visible objects at {} of {} settings, casca at {ours_lost} of {}; {best} best trade-offs \
+         are casca's",
         lossy(&theirs),
         theirs.len(),
-        ours.len(),
-        front(&ours),
-        front(&ours) + front(&theirs)
+        ours.len()
     )
 }
 
@@ -203,7 +205,7 @@ mod tests {
         let points =
             [point("point, automatic", 1.1, 0.0), point("hzb (depth)", 1.0, 2.0), point("cell", 7.5, 0.0)];
         let said = finding(&points);
-        assert!(said.contains("1 of 1 settings, casca at none of 2; 2 of the 2 best"), "{said}");
+        assert!(said.contains("1 of 1 settings, casca at none of 2; all 2 best"), "{said}");
         let (lo, hi) = range(points.iter().map(|p| p.ratio));
         assert!(lo < 1.0 && hi > 7.5);
     }

@@ -31,7 +31,11 @@ fn style(method: &str) -> Style {
 fn percents(lines: &[Line], at: impl Fn(&Line) -> Option<f64>) -> String {
     let said = |l: &Line| {
         let name = l.label.split(" (").next().unwrap_or_default();
-        let digits = |v: f64| if v > 0.0 && v < 10.0 { format!("{v:.1}") } else { format!("{v:.0}") };
+        let digits = |v: f64| match v {
+            v if v > 0.0 && v < 0.1 => format!("{v:.2}"),
+            v if v > 0.0 && v < 10.0 => format!("{v:.1}"),
+            v => format!("{v:.0}"),
+        };
         at(l).map(|v| format!("{name} {}%", digits(v)))
     };
     lines.iter().filter_map(said).collect::<Vec<_>>().join(", ")

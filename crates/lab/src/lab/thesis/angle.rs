@@ -199,7 +199,7 @@ fn findings(rows: &[Row]) -> Vec<Finding> {
             "4.5, fig. 4.6",
             "Empty scene: time rises steeply up to about 80 degrees, then less.",
             format!(
-                "Of an empty scene `cell` walks {:.0} cells. Among spheres, 100x60x100, {:.0}% of its time at 180 degrees is \
+                "In an empty scene `cell` walks no more than {:.0} of the cells. Among spheres, 100x60x100, {:.0}% of its time at 180 degrees is \
                  there at 80, and {:.0}% of the cells walked; below 80 a degree costs {:.1} times as much as above.",
                 at(&rows[2].cells, 180.0),
                 share(&fine.time, BEND) * 100.0,

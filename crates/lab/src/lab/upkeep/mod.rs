@@ -295,9 +295,9 @@ fn draw(lab: &Lab, section: &mut Section, rows: &[&Row], count: usize) -> Result
             "{} moving objects, {name}: the array takes {:.2} ms and returns {}, point takes {:.2} ms and returns {}",
             grouped(count),
             array.sum(),
-            grouped(array.returned.round() as usize),
+            whole_number(array.returned),
             point.sum(),
-            grouped(point.returned.round() as usize)
+            whole_number(point.returned)
         ),
         _ => format!("Moving objects, {name}"),
     };
@@ -343,6 +343,11 @@ fn summary(section: &mut Section, rows: &[Row], count: usize) {
     section.table(table);
 }
 
+/// A mean number of objects, rounded.
+fn whole_number(n: f64) -> String {
+    grouped(n.round() as usize)
+}
+
 /// The findings in words.
 fn verdict(rows: &[Row], count: usize) -> String {
     let mut out = format!("With {} objects:\n\n", grouped(count));
@@ -357,16 +362,16 @@ fn verdict(rows: &[Row], count: usize) -> String {
         };
         let (Some(ours), Some(theirs)) = (least(true), least(false)) else { continue };
         out.push_str(&format!(
-            "- {}: the fastest structure is the {} ({:.2} ms, returns {:.0}), the fastest occlusion query {} ({:.2} ms, \
-             returns {:.0}); {:.0} are visible.\n",
+            "- {}: the fastest structure is the {} ({:.2} ms, returns {}), the fastest occlusion query {} ({:.2} ms, returns \
+             {}); {} are visible.\n",
             kind(&ours.arena),
             theirs.name,
             theirs.sum(),
-            theirs.returned,
+            whole_number(theirs.returned),
             ours.name,
             ours.sum(),
-            ours.returned,
-            ours.visible
+            whole_number(ours.returned),
+            whole_number(ours.visible)
         ));
     }
     let lost: usize = rows.iter().map(|r| r.lost).sum();
