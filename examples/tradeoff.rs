@@ -1,5 +1,5 @@
 //! Speed against accuracy: every method at several settings on every scene, beside the
-//! methods that engines use today, as a chart (PNG and SVG) and a table (CSV).
+//! methods that engines use today, as a chart (SVG) and a table (CSV).
 //!
 //! `cargo run --release --example tradeoff` needs no arguments; `--help` lists them. All
 //! queries run on one thread. "Visible" is an exact item buffer, one ray a pixel. The report
@@ -18,7 +18,7 @@ use clap::{Parser, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// What is written.
-const FILES: [&str; 3] = ["tradeoff.csv", "tradeoff.png", "tradeoff.svg"];
+const FILES: [&str; 2] = ["tradeoff.csv", "tradeoff.svg"];
 
 #[derive(Debug, Parser)]
 #[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true)]
@@ -103,7 +103,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     for file in &charts {
         chart(file, &scenes)?;
     }
-    say(format_args!("\nchart and table: {}", options.out.join("tradeoff.{png,svg,csv}").display()));
+    say(format_args!("\nchart and table: {}", options.out.join("tradeoff.{svg,csv}").display()));
     Ok(Outcome::Well)
 }
 

@@ -29,7 +29,7 @@ use serde_json::json;
 /// Width over height of all pictures.
 const ASPECT: f32 = 16.0 / 9.0;
 /// The pictures.
-const PICTURES: [&str; 4] = ["walk.png", "frame.png", "buffers.png", "top_view.png"];
+const PICTURES: [&str; 4] = ["walk.svg", "frame.png", "buffers.png", "top_view.svg"];
 
 fn build(options: &Options) -> Result<World, ImportError> {
     let frames = options.frames.map(|n| n as usize);
@@ -180,7 +180,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
                 let title = format!("{}, frame {number}: the grid from above", world.name);
                 let scene = &driver.scene;
                 let picture = TopView { scene, visited, hidden, volumes: &volumes, camera, path: &path };
-                top_view(&options.out.join("top_view.png"), &title, &picture)?;
+                top_view(&options.out.join("top_view.svg"), &title, &picture)?;
             }
             let method = format!("{:?}", options.method).to_lowercase();
             let title = format!("{}, frame {number}: what {method} shows and hides", world.name);
@@ -207,7 +207,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
 
     let counts: Vec<FrameCounts> = frames.iter().map(|f| f.counts).collect();
     let title = format!("{}: what the observer can see", world.name);
-    chart(&options.out.join("walk.png"), &title, &counts)?;
+    chart(&options.out.join("walk.svg"), &title, &counts)?;
 
     let mean_of = |of: fn(&FrameCounts) -> usize| mean(counts.iter().map(|c| of(c) as f64));
     let (mean_frustum, mean_pvs, mean_exact) =
@@ -249,7 +249,7 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     row("preparation and setup", format!("{setup_ms:.0} ms"));
     row("grid memory", format!("{:.2} MiB", memory.grid() as f64 / (1 << 20) as f64));
     say(format_args!(
-        "\npictures: walk.png, frame.png, buffers.png and top_view.png in {}",
+        "\npictures: walk.svg, frame.png, buffers.png and top_view.svg in {}",
         options.out.display()
     ));
 

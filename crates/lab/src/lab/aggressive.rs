@@ -8,7 +8,7 @@ use super::{Lab, LabError, Section, Table, median};
 use crate::drive::view_of;
 use crate::measure::timed;
 use crate::oracle::NONE;
-use crate::pictures::{Axis, Line, lines};
+use crate::pictures::{Axis, Line, lines, palette};
 use crate::scenes::SceneKind;
 use crate::world::{Object, Shape};
 
@@ -19,7 +19,7 @@ const SHARES: [f32; 7] = [0.95, 0.85, 0.75, 0.6, 0.5, 0.35, 0.2];
 /// triangles.
 const MOST_TRIANGLES: usize = 100_000;
 
-/// What a threshold gave, summed over frames.
+/// The results of a threshold, summed over frames.
 #[derive(Default)]
 struct Sum {
     cells: u64,
@@ -43,7 +43,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             "cells added",
             "ms",
             "PVS",
-            "PVS/EVS",
+            "PVS/visible",
             "objects lost in a frame",
             "pixels lost, %",
         ],
@@ -51,7 +51,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
     let mut settings = Settings::default();
     settings.method = Method::Cell;
     let frames = lab.pick(30, 2);
-    let mut chart = Vec::new();
+    let mut found = Vec::new();
     let (mut spared, mut large) = (Vec::new(), Vec::new());
     for place in places(lab) {
         let quick = matches!(place, Place::Built(SceneKind::Rooms));
@@ -102,11 +102,11 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             }
             Ok(())
         })?;
-        let mut points = Vec::new();
+        let mut steps = Vec::new();
         for (opacity, sum) in opacities.iter().zip(&mut sums) {
             let ratio = sum.found as f64 / visible_sum.max(1) as f64;
             let lost = sum.pixels as f64 / pixels.max(1) as f64 * 100.0;
-            points.push((ratio, lost));
+            steps.push(Step { share: opacity.as_ref().map(AggressiveOpacity::share), ratio, lost });
             table.row([
                 walker.world.name.clone(),
                 opacity.as_ref().map_or("whole cells".to_owned(), |o| format!("{:.0}%", o.share() * 100.0)),
@@ -118,35 +118,101 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
                 format!("{lost:.3}"),
             ]);
         }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        chart.push(Line::new(walker.world.name.clone(), points));
+        found.push(Scene { name: walker.world.name.clone(), steps });
     }
+    let left_out = |names: &[String], why: &str| match names {
+        [] => String::new(),
+        names => format!(" {}: {why}.", names.join(", ")),
+    };
     section.text(format!(
         "The thesis' \"approximate PVS by an opacity threshold\": for `cell`, static cells that are filled to a share count as \
-         opaque (`Query::run_aggressive`). It is not conservative, off unless called by that name, and its results say so. \
-         Each scene's first row, and its point without losses in the chart, is the exact method. Pixels are those of an exact item buffer that \
-         show an object which the set lacks.{}{}",
-        match large.as_slice() {
-            [] => String::new(),
-            names => format!(" Left out for their more than {MOST_TRIANGLES} triangles: {}.", names.join(", ")),
-        },
-        match spared.as_slice() {
-            [] => String::new(),
-            names => format!(" Nothing to gain on {}: no static closed solids, so no cells to fill.", names.join(", ")),
-        }
+         opaque (`Query::run_aggressive`). It is not conservative, and off unless called by that name. A pixel is lost if \
+         an exact item buffer shows an object there that the PVS lacks. Means over {frames} frames of each walk.{}{}",
+        left_out(&large, "left out for the number of triangles"),
+        left_out(&spared, "nothing to gain, for there are no static closed solids to fill cells"),
     ));
-    let file = "aggressive.png";
-    lines(
-        &lab.folder.join(file),
-        "Aggressive opacity: what a smaller set costs",
-        &Axis { label: "objects found visible / objects visible".to_owned(), log: false, holds: vec![1.0] },
-        &Axis::linear("pixels lost, %"),
-        &chart,
-    )?;
-    section.picture(
-        file,
-        "Pixels lost against the size of the set, from whole opaque cells (right, nothing lost) to cells a fifth full (left)",
-    );
-    section.table(table);
+    let file = "aggressive.svg";
+    let title = finding(&found);
+    draw(lab, file, &title, &found)?;
+    section.picture(file, &title);
+    section.table(summary(&found));
+    section.rows("All thresholds as CSV", table);
     Ok(section)
+}
+
+/// A threshold on a scene: the share from which cells count as opaque, or none; PVS/visible; percent of pixels lost.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    share: Option<f32>,
+    ratio: f64,
+    lost: f64,
+}
+
+/// The thresholds of a scene, from exact to the lowest share.
+struct Scene {
+    name: String,
+    steps: Vec<Step>,
+}
+
+impl Scene {
+    /// The tightest set without a lost pixel.
+    fn lossless(&self) -> Option<&Step> {
+        self.steps.iter().filter(|s| s.lost == 0.0).min_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+}
+
+/// The greatest gain without a lost pixel.
+fn finding(scenes: &[Scene]) -> String {
+    let gains = scenes.iter().filter_map(|s| Some((s, s.steps.first()?, s.lossless()?)));
+    let best = gains.max_by(|a, b| (a.1.ratio / a.2.ratio).total_cmp(&(b.1.ratio / b.2.ratio)));
+    match best {
+        Some((scene, exact, Step { share: Some(share), ratio, .. })) => format!(
+            "Cells that are {:.0}% full pass for opaque without a lost pixel on {}, and PVS/visible falls from {:.2} to {ratio:.2}",
+            share * 100.0,
+            scene.name,
+            exact.ratio
+        ),
+        _ => "No threshold makes the set smaller without losing pixels".to_owned(),
+    }
+}
+
+fn summary(scenes: &[Scene]) -> Table {
+    let columns = [
+        "scene",
+        "PVS/visible, exact",
+        "tightest without a lost pixel",
+        "opaque from, %",
+        "PVS/visible at the lowest share",
+        "pixels lost there, %",
+    ];
+    let mut table = Table::new("aggressive-summary", &columns);
+    for scene in scenes {
+        let (Some(exact), Some(least), Some(last)) =
+            (scene.steps.first(), scene.lossless(), scene.steps.last())
+        else {
+            continue;
+        };
+        table.row([
+            scene.name.clone(),
+            format!("{:.2}", exact.ratio),
+            format!("{:.2}", least.ratio),
+            least.share.map_or("100".to_owned(), |s| format!("{:.0}", s * 100.0)),
+            format!("{:.2}", last.ratio),
+            format!("{:.3}", last.lost),
+        ]);
+    }
+    table
+}
+
+fn draw(lab: &Lab, file: &str, title: &str, scenes: &[Scene]) -> Result<(), LabError> {
+    let line = |(i, scene): (usize, &Scene)| {
+        let mut points: Vec<(f64, f64)> = scene.steps.iter().map(|s| (s.ratio, s.lost)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Line::new(scene.name.clone(), palette::other(i), points)
+    };
+    let all: Vec<Line> = scenes.iter().enumerate().map(line).collect();
+    let subtitle = "Pixels lost against the size of the set, from whole opaque cells (right) to cells that are a fifth full (left).";
+    let x = Axis { label: "PVS/visible (1 is exact)".to_owned(), log: false, holds: vec![1.0] };
+    lines(&lab.folder.join(file), title, subtitle, (&x, &Axis::linear("pixels lost, %")), &all)?;
+    Ok(())
 }

@@ -22,7 +22,11 @@ pub(super) fn machine() -> String {
     let memory = value("/proc/meminfo", "MemTotal")
         .and_then(|m| m.split_whitespace().next()?.parse::<f64>().ok())
         .map_or(String::new(), |kib| format!(", {:.0} GiB of memory", kib / f64::from(1 << 20)));
-    format!("{processor}, {threads} threads{memory}, {}", std::env::consts::OS)
+    // Other programs slow the queries down: readers should know.
+    let load = std::fs::read_to_string("/proc/loadavg").ok();
+    let load = load.as_deref().and_then(|l| l.split_whitespace().nth(2));
+    let load = load.map_or(String::new(), |l| format!(", load {l} in the last 15 minutes"));
+    format!("{processor}, {threads} threads{memory}, {}{load}", std::env::consts::OS)
 }
 
 /// The commit of the working tree, and whether it was changed; of the compiler, its version.

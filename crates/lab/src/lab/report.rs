@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::machine::{commit, machine};
-use super::{Block, Lab, Section};
+use super::{Block, Lab, Section, Table};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -27,8 +27,20 @@ fn anchor(title: &str) -> String {
         .collect()
 }
 
+/// The Markdown of a block. Tables and pictures are in `folder`, as seen from the report.
+fn markdown(block: &Block, folder: &str) -> String {
+    let link = |words: &str, table: &Table| format!("[{words}]({folder}/{}.csv)", table.name);
+    match block {
+        Block::Text(text) => format!("\n{}\n", text.trim()),
+        Block::Table(table) => format!("\n{}\n{}\n", table.markdown(), link("As CSV", table)),
+        Block::Rows(words, table) => format!("\n{}\n", link(words, table)),
+        Block::Item(text, table) => format!("- {} ({})\n", text.trim(), link("rows", table)),
+        Block::Picture { file, caption } => format!("\n![{caption}]({folder}/{file})\n"),
+    }
+}
+
 /// Writes a report, and each table as CSV into the lab's folder, where the pictures are already.
-/// `command` is how to make it again; `settings` is what to know of it.
+/// `command` is how to make it again; `settings` tells the seed and the like.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -43,8 +55,13 @@ pub fn write(
     let mut out = String::from("# casca in the laboratory\n\n");
     let _ = writeln!(
         out,
-        "Speed against accuracy, the experiments of the thesis, and what happens where methods fail.\n\
-         Made by `{command}`; all numbers are of that one run, and each table is also a CSV file in [{folder}]({folder}).\n"
+        "Speed against accuracy, the stability of each method, and the experiments of the thesis that casca follows. \
+         `{command}` makes this page, its pictures and its tables; all numbers and the sentences about them come from \
+         one run. Every row is in a CSV file in [{folder}]({folder}).\n\n\
+         The methods: `point` (casca's default: the objects that the eye can see), `cell` (casca: the objects that can \
+         be seen from anywhere in the eye's grid cell), `frustum` (no occlusion), `hzb` (a rasterised hierarchical depth \
+         buffer, as engines use it) and `rays` (a ray-cast depth buffer). The PVS is the set of objects that a method \
+         finds visible. PVS/visible is its size over the number of objects that can be seen: 1 is exact.\n"
     );
     let _ = writeln!(out, "- Machine: {}.\n- Commit: {}.\n- {settings}\n", machine(), commit());
     if lab.quick {
@@ -55,19 +72,16 @@ pub fn write(
     }
     for s in sections {
         let _ = writeln!(out, "\n## {}", s.title);
+        let mut in_list = false;
         for block in &s.blocks {
-            out.push('\n');
-            match block {
-                Block::Text(text) => {
-                    let _ = writeln!(out, "{}", text.trim());
-                }
-                Block::Table(table) => {
-                    out.push_str(&table.markdown());
-                    save(&lab.folder.join(format!("{}.csv", table.name)), &table.csv())?;
-                }
-                Block::Picture { file, caption } => {
-                    let _ = writeln!(out, "![{caption}]({folder}/{file})\n\n*{caption}*");
-                }
+            let item = matches!(block, Block::Item(..));
+            if item && !in_list {
+                out.push('\n');
+            }
+            in_list = item;
+            out.push_str(&markdown(block, &folder));
+            if let Block::Table(table) | Block::Rows(_, table) | Block::Item(_, table) = block {
+                save(&lab.folder.join(format!("{}.csv", table.name)), &table.csv())?;
             }
         }
     }
@@ -77,7 +91,6 @@ pub fn write(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lab::Table;
 
     #[test]
     fn a_report_holds_its_sections_and_writes_its_tables() {
@@ -89,14 +102,20 @@ mod tests {
         let mut table = Table::new("upkeep", &["a"]);
         table.row(["1".to_owned()]);
         section.text("Words.");
-        section.table(table);
-        section.picture("a.png", "A picture.");
+        section.table(table.clone());
+        section.item("An item.", Table { name: "item".to_owned(), ..table.clone() });
+        section.rows("All rows", Table { name: "rows".to_owned(), ..table });
+        section.picture("a.svg", "A picture.");
         let file = folder.join("report.md");
         write(&file, &lab, &[section], "cargo run", "Settings.").unwrap();
         let text = std::fs::read_to_string(&file).unwrap();
         assert!(text.contains("(#upkeep-1000-objects)") && text.contains("\n## Upkeep: 1,000 objects\n"));
-        assert!(text.contains("A quick run") && text.contains("| 1 |") && text.contains("/a.png)"));
-        assert_eq!(std::fs::read_to_string(folder.join("upkeep.csv")).unwrap(), "a\n1\n");
+        assert!(text.contains("A quick run") && text.contains("| 1 |") && text.contains("/a.svg)"));
+        assert_eq!(text.matches("| 1 |").count(), 1, "other tables are only linked");
+        for name in ["upkeep", "item", "rows"] {
+            assert!(text.contains(&format!("/{name}.csv)")), "{name}");
+            assert_eq!(std::fs::read_to_string(folder.join(format!("{name}.csv"))).unwrap(), "a\n1\n");
+        }
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

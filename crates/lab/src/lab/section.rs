@@ -7,7 +7,7 @@ use std::fmt::Write;
 pub struct Section {
     /// The heading.
     pub title: String,
-    /// What stands under it.
+    /// The text, tables and pictures under it.
     pub blocks: Vec<Block>,
 }
 
@@ -16,13 +16,17 @@ pub struct Section {
 pub enum Block {
     /// Paragraphs of Markdown.
     Text(String),
-    /// A table, also written as CSV.
+    /// A small table, also written as CSV.
     Table(Table),
+    /// A table that is only written as CSV: the words of its link, and the table.
+    Rows(String, Table),
+    /// An item of a list, with its rows as CSV.
+    Item(String, Table),
     /// A picture in the folder of the lab.
     Picture {
         /// The file's name.
         file: String,
-        /// What it shows, in a sentence.
+        /// Its finding, in a sentence.
         caption: String,
     },
 }
@@ -32,7 +36,7 @@ pub enum Block {
 pub struct Table {
     /// The stem of the CSV file's name.
     pub name: String,
-    /// What the columns hold, units included.
+    /// The quantities in the columns, with their units.
     pub columns: Vec<String>,
     /// As many texts as there are columns, each.
     pub rows: Vec<Vec<String>>,
@@ -49,9 +53,19 @@ impl Section {
         self.blocks.push(Block::Text(text.into()));
     }
 
-    /// Adds a table.
+    /// Adds a small table.
     pub fn table(&mut self, table: Table) {
         self.blocks.push(Block::Table(table));
+    }
+
+    /// Adds a link to a table that is only written as CSV.
+    pub fn rows(&mut self, words: &str, table: Table) {
+        self.blocks.push(Block::Rows(words.to_owned(), table));
+    }
+
+    /// Adds an item of a list, with its rows as CSV.
+    pub fn item(&mut self, text: impl Into<String>, table: Table) {
+        self.blocks.push(Block::Item(text.into(), table));
     }
 
     /// Adds a picture of the lab's folder.

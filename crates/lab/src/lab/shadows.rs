@@ -41,6 +41,7 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
         ],
     );
     let frames = lab.pick(20, 2);
+    let mut totals = Vec::new();
     for place in places(lab) {
         if lab.quick && !matches!(place, Place::Built(SceneKind::City)) {
             continue;
@@ -71,6 +72,7 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
             Ok(())
         })?;
         let mean = |n: usize| format!("{:.0}", n as f64 / done.max(1) as f64);
+        totals.push((lit as f64, cast as f64));
         table.row([
             walker.world.name.clone(),
             walker.world.objects.len().to_string(),
@@ -81,11 +83,15 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
             format!("{:.3}", median(&mut sun_ms)),
         ]);
     }
+    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole * 100.0 } else { 100.0 };
+    let shares = totals.iter().map(|(lit, cast)| share(*cast, *lit));
+    let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(lo, hi), s| (lo.min(s), hi.max(s)));
     section.text(format!(
-        "`Query::shadow_casters` for a sun whose light travels along ({}, {}, {}): the objects that may cast a shadow onto \
-         anything in the camera's PVS and view, without those that stand in the shadow of others. With these alone in the \
-         shadow map, every visible shadow is the same (`tests/shadows.rs` holds that against exact rays). Beside it, what the sun sees of the \
-         whole scene, which is what a shadow map has to draw without knowing the camera. Means and medians over {frames} frames of each walk.",
+        "`Query::shadow_casters` finds the objects that may cast a shadow onto anything in the camera's PVS and view, \
+         without those that stand in the shadow of others. A shadow map with these alone shows the same visible shadows \
+         (`tests/shadows.rs` compares that with exact rays). **It needs {least:.0}% to {most:.0}% of the objects that \
+         the sun sees of the whole scene**, which a shadow map has to draw without knowing the camera. The sun's light \
+         goes along ({}, {}, {}); means and medians over {frames} frames of each walk.",
         SUN.x, SUN.y, SUN.z
     ));
     section.table(table);

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
 
-use super::COLORS;
-use super::lines::{SIZE, legend_width};
-use super::{FONT, PictureError, error, with_font};
+use super::PictureError;
+use super::lines::SIZE;
+use super::palette::{QUIET, TEXT, other, text_on};
+use super::svg::{Area, Drawn, Head, Sample, save, text};
 
 /// One bar.
 #[derive(Debug, Clone)]
@@ -17,58 +19,60 @@ pub struct Bar {
     pub shares: Vec<f64>,
 }
 
-/// Pixels of the left border, where the labels are, and of one percent.
-const LEFT: i32 = 230;
-const PERCENT: f64 = 7.4;
+/// Pixels of the left border, where the labels are, of one percent, and from one bar to the next.
+const LEFT: i32 = 190;
+const PERCENT: f64 = 7.7;
+const STEP: i32 = 74;
 
-/// Draws horizontal bars of 0 to 100 percent as a PNG, with the names of the parts beside them.
+/// Draws horizontal bars of 0 to 100 percent as an SVG, with the names of the parts above them.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn bars(path: &Path, title: &str, axis: &str, parts: &[&str], bars: &[Bar]) -> Result<(), PictureError> {
-    with_font();
-    let room = legend_width(parts.iter().copied());
-    let root = BitMapBackend::new(path, (SIZE.0 + room, 150 + 90 * bars.len() as u32)).into_drawing_area();
-    let draw = || -> Result<(), Box<dyn std::error::Error>> {
-        root.fill(&WHITE)?;
-        root.draw(&Text::new(title, (LEFT - 100, 18), (FONT, 26)))?;
-        let bottom = 70 + 90 * bars.len() as i32;
-        let at = |percent: f64| LEFT + (percent * PERCENT).round() as i32;
+pub fn bars(
+    path: &Path,
+    title: &str,
+    subtitle: &str,
+    axis: &str,
+    parts: &[&str],
+    bars: &[Bar],
+) -> Result<(), PictureError> {
+    let key = |(i, part): (usize, &&str)| (Sample::Box(other(i).color), (*part).to_owned());
+    let head = Head::new(SIZE.0, title, subtitle, parts.iter().enumerate().map(key).collect());
+    let bottom = head.height + STEP * bars.len() as i32 + 6;
+    save(path, (SIZE.0, bottom as u32 + 64), |root| {
+        head.draw(root)?;
         for tick in (0..=100).step_by(10) {
             let x = at(f64::from(tick));
-            root.draw(&PathElement::new([(x, 62), (x, bottom)], BLACK.mix(0.15)))?;
-            root.draw(&Text::new(format!("{tick}"), (x - 8, bottom + 6), (FONT, 17)))?;
+            root.draw(&PathElement::new([(x, head.height), (x, bottom)], BLACK.mix(0.15)))?;
+            text(root, (x, bottom + 14), 14.0, TEXT, HPos::Center, &tick.to_string())?;
         }
-        root.draw(&Text::new(axis, (LEFT + 200, bottom + 36), (FONT, 19)))?;
-        for (i, bar) in bars.iter().enumerate() {
-            let top = 76 + 90 * i as i32;
-            root.draw(&Text::new(bar.label.as_str(), (16, top + 20), (FONT, 19)))?;
-            let mut from = 0.0;
-            for (share, color) in bar.shares.iter().zip(COLORS.iter().cycle()) {
-                if !(share.is_finite() && *share > 0.0) {
-                    continue;
-                }
-                let corners = [(at(from), top), (at(from + share), top + 60)];
-                root.draw(&Rectangle::new(corners, color.filled()))?;
-                if *share >= 4.0 {
-                    let style = (FONT, 17).into_font().color(&WHITE);
-                    root.draw(&Text::new(
-                        format!("{share:.0}"),
-                        (at(from + share / 2.0) - 8, top + 21),
-                        style,
-                    ))?;
-                }
-                from += share;
-            }
+        text(root, (at(50.0), bottom + 42), 15.0, TEXT, HPos::Center, axis)?;
+        for (i, one) in bars.iter().enumerate() {
+            bar(root, head.height + 8 + STEP * i as i32, one)?;
         }
-        for (i, (part, color)) in parts.iter().zip(COLORS.iter().cycle()).enumerate() {
-            let y = 76 + 26 * i as i32;
-            let x = SIZE.0 as i32;
-            root.draw(&Rectangle::new([(x, y), (x + 26, y + 16)], color.filled()))?;
-            root.draw(&Text::new(*part, (x + 36, y), (FONT, 17)))?;
-        }
-        root.present()?;
         Ok(())
-    };
-    draw().map_err(|e| error(path)(e.to_string()))
+    })
+}
+
+fn at(percent: f64) -> i32 {
+    LEFT + (percent * PERCENT).round() as i32
+}
+
+fn bar(root: &Area<'_>, top: i32, bar: &Bar) -> Drawn {
+    text(root, (LEFT - 12, top + 28), 15.0, TEXT, HPos::Right, &bar.label)?;
+    let mut from = 0.0;
+    for (i, &share) in bar.shares.iter().enumerate().filter(|(_, s)| s.is_finite() && **s > 0.0) {
+        let color = other(i).color;
+        let corners = [(at(from), top), (at(from + share), top + 56)];
+        root.draw(&Rectangle::new(corners, color.filled()))?;
+        // A border tells neighbours apart in grey, too.
+        root.draw(&Rectangle::new(corners, WHITE.stroke_width(1)))?;
+        if share >= 4.0 {
+            let middle = (at(from + share / 2.0), top + 28);
+            text(root, middle, 14.0, text_on(color), HPos::Center, &format!("{share:.0}"))?;
+        }
+        from += share;
+    }
+    root.draw(&PathElement::new([(at(0.0), top), (at(0.0), top + 56)], QUIET))?;
+    Ok(())
 }

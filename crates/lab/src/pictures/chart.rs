@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use plotters::prelude::*;
-
-use super::{FONT, PictureError, error, with_font};
+use super::lines::{Axis, Line, lines};
+use super::palette::{EXACT, FRUSTUM, POINT};
+use super::{PictureError, error};
 
 /// One frame of a walk, for the chart.
 #[derive(Debug, Clone, Copy)]
@@ -17,64 +17,55 @@ pub struct FrameCounts {
     pub exact: usize,
 }
 
-const FRUSTUM_COLOR: RGBColor = RGBColor(150, 150, 150);
-const PVS_COLOR: RGBColor = RGBColor(31, 90, 180);
-const EXACT_COLOR: RGBColor = RGBColor(20, 140, 60);
-
-/// Draws objects in the frustum, in the PVS and visible, frame by frame, as a PNG.
+/// Draws objects in the frustum, in the PVS and visible, frame by frame, as an SVG. The finding is its title, and
+/// `title` stands below.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn chart(path: &Path, title: &str, frames: &[FrameCounts]) -> Result<(), PictureError> {
-    let fail = error(path);
-    with_font();
-    let root = BitMapBackend::new(path, (1200, 640)).into_drawing_area();
-    let draw = || -> Result<(), Box<dyn std::error::Error>> {
-        root.fill(&WHITE)?;
-        let top = frames.iter().map(|f| f.frustum.max(f.pvs)).max().unwrap_or(1).max(1) as f64 * 1.12;
-        let last = frames.len().saturating_sub(1).max(1);
-        let mut chart = ChartBuilder::on(&root)
-            .caption(title, (FONT, 26))
-            .margin(16)
-            .x_label_area_size(48)
-            .y_label_area_size(70)
-            .build_cartesian_2d(0..last, 0.0..top)?;
-        chart
-            .configure_mesh()
-            .x_desc("frame of the walk")
-            .y_desc("objects")
-            .label_style((FONT, 17))
-            .axis_desc_style((FONT, 19))
-            .y_label_formatter(&|v| format!("{v:.0}"))
-            .light_line_style(WHITE)
-            .draw()?;
-        let mut line = |label: &str,
-                        color: RGBColor,
-                        of: fn(&FrameCounts) -> usize|
-         -> Result<(), Box<dyn std::error::Error>> {
-            let mean = frames.iter().map(|f| of(f) as f64).sum::<f64>() / frames.len().max(1) as f64;
-            chart
-                .draw_series(LineSeries::new(
-                    frames.iter().enumerate().map(|(i, f)| (i, of(f) as f64)),
-                    color.stroke_width(3),
-                ))?
-                .label(format!("{label} (mean {mean:.0})"))
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], color.stroke_width(3)));
-            Ok(())
-        };
-        line("in the frustum", FRUSTUM_COLOR, |f| f.frustum)?;
-        line("found visible by casca (PVS)", PVS_COLOR, |f| f.pvs)?;
-        line("truly visible (exact)", EXACT_COLOR, |f| f.exact)?;
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .label_font((FONT, 18))
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .legend_area_size(32)
-            .draw()?;
-        root.present()?;
-        Ok(())
+    if frames.is_empty() {
+        return Err(error(path)("there are no frames".to_owned()));
+    }
+    let of = |label: &str, style, value: fn(&FrameCounts) -> usize| {
+        let points = frames.iter().enumerate().map(|(i, f)| (i as f64, value(f) as f64));
+        Line::new(format!("{label}: {:.0}", mean(frames, value)), style, points.collect())
     };
-    draw().map_err(|e| fail(e.to_string()))
+    let all = [
+        of("in view", FRUSTUM, |f| f.frustum),
+        of("found visible", POINT, |f| f.pvs),
+        of("exactly visible", EXACT.dashed(), |f| f.exact),
+    ];
+    let subtitle = format!("{title}. The legend gives the means over the walk.");
+    let axes = (&Axis::linear("frame of the walk"), &Axis::linear("objects"));
+    lines(path, &finding(frames), &subtitle, axes, &all)
+}
+
+fn mean(frames: &[FrameCounts], value: fn(&FrameCounts) -> usize) -> f64 {
+    frames.iter().map(|f| value(f) as f64).sum::<f64>() / frames.len().max(1) as f64
+}
+
+fn finding(frames: &[FrameCounts]) -> String {
+    let [view, found, exact] =
+        [mean(frames, |f| f.frustum), mean(frames, |f| f.pvs), mean(frames, |f| f.exact)];
+    let kept = if view > 0.0 { found / view * 100.0 } else { 100.0 };
+    match exact > 0.0 {
+        true => format!(
+            "{kept:.0}% of the objects in view are found visible: {:.2} for each that can be seen",
+            found / exact
+        ),
+        false => format!("{kept:.0}% of the objects in view are found visible"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_title_says_the_finding() {
+        let frame = |frustum, pvs, exact| FrameCounts { frustum, pvs, exact };
+        let said = finding(&[frame(100, 10, 8), frame(300, 30, 24)]);
+        assert_eq!(said, "10% of the objects in view are found visible: 1.25 for each that can be seen");
+        assert!(!finding(&[frame(0, 0, 0)]).contains("NaN"));
+    }
 }

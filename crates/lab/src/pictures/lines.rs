@@ -5,28 +5,32 @@ use std::path::Path;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
-use super::{COLORS, FONT, PictureError, error, with_font};
+use super::PictureError;
+use super::palette::{QUIET, Style, TEXT};
+use super::svg::{Area, Drawn, Head, Sample, font, log_ticks, mark, path as draw_path, save, short};
 
 /// One line of a chart.
 #[derive(Debug, Clone)]
 pub struct Line {
     /// What it is called.
     pub label: String,
+    /// How it looks.
+    pub style: Style,
     /// Points from left to right; those that are not finite are left out.
     pub points: Vec<(f64, f64)>,
-    /// Drawn as separate points without a line: what others measured, for instance.
+    /// Drawn as separate marks without a line: numbers from elsewhere, for instance.
     pub dots: bool,
 }
 
 impl Line {
     /// A line through points.
-    pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), points, dots: false }
+    pub fn new(label: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), style, points, dots: false }
     }
 
     /// Points alone.
-    pub fn dots(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), points, dots: true }
+    pub fn dots(label: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), style, points, dots: true }
     }
 }
 
@@ -58,7 +62,10 @@ impl Axis {
             (lo, hi) = (lo.min(v), hi.max(v));
         }
         match (self.log, lo < hi) {
-            (true, true) => (lo / 1.2, hi * 1.25),
+            (true, true) => {
+                let margin = (hi / lo).powf(0.05);
+                (lo / margin, hi * margin)
+            }
             (false, true) => (lo, hi + (hi - lo) * 0.06),
             (true, false) if lo.is_finite() => (lo / 2.0, lo * 2.0),
             (false, false) if lo.is_finite() => (lo.min(0.0), lo.max(0.0) + 1.0),
@@ -71,93 +78,85 @@ impl Axis {
     }
 }
 
-/// Width of the drawing without the legend, and height, in pixels.
-pub(super) const SIZE: (u32, u32) = (1000, 620);
+/// Width of charts, and height without the head, in pixels.
+pub(super) const SIZE: (u32, u32) = (1000, 480);
 
-/// Room for a legend with these labels beside a drawing, in pixels.
-pub(super) fn legend_width<'a>(labels: impl Iterator<Item = &'a str>) -> u32 {
-    64 + labels.map(|l| l.chars().count()).max().unwrap_or(0) as u32 * 9
-}
+/// Marks on a line; longer ones have a mark at some points only.
+const MARKS: usize = 18;
 
-/// Draws lines as a PNG, with the legend beside them.
+/// Draws lines as an SVG. The title says the finding, the subtitle what is drawn.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn lines(path: &Path, title: &str, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(), PictureError> {
-    with_font();
-    let room = legend_width(lines.iter().map(|l| l.label.as_str()));
-    let root = BitMapBackend::new(path, (SIZE.0 + room, SIZE.1)).into_drawing_area();
+pub fn lines(
+    path: &Path,
+    title: &str,
+    subtitle: &str,
+    (x, y): (&Axis, &Axis),
+    lines: &[Line],
+) -> Result<(), PictureError> {
+    let key =
+        |l: &Line| (if l.dots { Sample::Mark(l.style) } else { Sample::Line(l.style) }, l.label.clone());
+    let head = Head::new(SIZE.0, title, subtitle, lines.iter().map(key).collect());
     let points = || lines.iter().flat_map(|l| &l.points).filter(|p| x.takes(p.0) && y.takes(p.1));
     let (xs, ys) = (x.range(points().map(|p| p.0)), y.range(points().map(|p| p.1)));
-    let drawn = match (x.log, y.log) {
-        (false, false) => draw(&root, title, (x, xs.0..xs.1), (y, ys.0..ys.1), lines),
-        (true, false) => draw(&root, title, (x, (xs.0..xs.1).log_scale()), (y, ys.0..ys.1), lines),
-        (false, true) => draw(&root, title, (x, xs.0..xs.1), (y, (ys.0..ys.1).log_scale()), lines),
-        (true, true) => {
-            draw(&root, title, (x, (xs.0..xs.1).log_scale()), (y, (ys.0..ys.1).log_scale()), lines)
+    let even = |(a, b): (f64, f64)| a..b;
+    let log = |(a, b): (f64, f64)| (a..b).log_scale().with_key_points(log_ticks(a, b));
+    save(path, (SIZE.0, SIZE.1 + head.height as u32), |root| {
+        head.draw(root)?;
+        match (x.log, y.log) {
+            (false, false) => draw(root, &head, (x, even(xs)), (y, even(ys)), lines),
+            (true, false) => draw(root, &head, (x, log(xs)), (y, even(ys)), lines),
+            (false, true) => draw(root, &head, (x, even(xs)), (y, log(ys)), lines),
+            (true, true) => draw(root, &head, (x, log(xs)), (y, log(ys)), lines),
         }
-    };
-    drawn.map_err(|e| error(path)(e.to_string()))
-}
-
-/// A number in as few digits as tell it.
-fn short(v: f64) -> String {
-    match v.abs() {
-        a if a >= 1e6 || a > 0.0 && a < 1e-3 => format!("{v:.0e}"),
-        a if a >= 100.0 || a == a.round() => format!("{v:.0}"),
-        a if a >= 1.0 => format!("{v:.1}"),
-        _ => format!("{v:.3}").trim_end_matches('0').to_owned(),
-    }
+    })
 }
 
 fn draw<X, Y>(
-    root: &DrawingArea<BitMapBackend, plotters::coord::Shift>,
-    title: &str,
+    root: &Area<'_>,
+    head: &Head,
     (x, across): (&Axis, X),
     (y, up): (&Axis, Y),
     lines: &[Line],
-) -> Result<(), Box<dyn std::error::Error>>
+) -> Drawn
 where
     X: AsRangedCoord<Value = f64>,
     Y: AsRangedCoord<Value = f64>,
     X::CoordDescType: ValueFormatter<f64>,
     Y::CoordDescType: ValueFormatter<f64>,
 {
-    root.fill(&WHITE)?;
-    let (plot, legend) = root.split_horizontally(SIZE.0);
+    let (_, plot) = root.split_vertically(head.height);
     let mut chart = ChartBuilder::on(&plot)
-        .caption(title, (FONT, 26))
         .margin(16)
-        .x_label_area_size(50)
+        .x_label_area_size(52)
         .y_label_area_size(84)
         .build_cartesian_2d(across, up)?;
     chart
         .configure_mesh()
         .x_desc(&x.label)
         .y_desc(&y.label)
-        .label_style((FONT, 17))
-        .axis_desc_style((FONT, 19))
+        .label_style(font(14.0).color(&TEXT))
+        .axis_desc_style(font(15.0).color(&TEXT))
         .x_label_formatter(&|v| short(*v))
         .y_label_formatter(&|v| short(*v))
-        .light_line_style(WHITE)
+        .axis_style(QUIET)
+        .bold_line_style(BLACK.mix(0.13))
+        .light_line_style(TRANSPARENT)
         .draw()?;
-    for (i, line) in lines.iter().enumerate() {
-        let color = COLORS[i % COLORS.len()];
-        let at: Vec<(f64, f64)> =
-            line.points.iter().copied().filter(|p| x.takes(p.0) && y.takes(p.1)).collect();
-        let y = 72 + 26 * i as i32;
-        legend.draw(&Text::new(line.label.as_str(), (40, y - 8), (FONT, 17)))?;
-        if line.dots {
-            chart.draw_series(at.iter().map(|&p| TriangleMarker::new(p, 8, color.filled())))?;
-            legend.draw(&TriangleMarker::new((18, y), 8, color.filled()))?;
-            continue;
-        }
-        chart.draw_series(LineSeries::new(at.iter().copied(), color.stroke_width(3)))?;
-        legend.draw(&PathElement::new([(4, y), (32, y)], color.stroke_width(3)))?;
-        if at.len() <= 40 {
-            chart.draw_series(at.iter().map(|&p| Circle::new(p, 4, color.filled())))?;
+    let place = |p: &(f64, f64)| chart.backend_coord(p);
+    let inside = |p: &&(f64, f64)| x.takes(p.0) && y.takes(p.1);
+    let places: Vec<Vec<(i32, i32)>> =
+        lines.iter().map(|l| l.points.iter().filter(inside).map(place).collect()).collect();
+    for (line, at) in lines.iter().zip(&places).filter(|(l, _)| !l.dots) {
+        draw_path(root, at, &line.style)?;
+    }
+    for (i, (line, at)) in lines.iter().zip(&places).enumerate() {
+        // Each line starts to be marked at another point, so that marks do not cover each other.
+        let step = at.len().div_ceil(MARKS).max(1);
+        for &p in at.iter().skip(if step > 1 { i % step } else { 0 }).step_by(step) {
+            mark(root, p, if line.dots { 7 } else { 5 }, &line.style, true)?;
         }
     }
-    root.present()?;
     Ok(())
 }

@@ -1,16 +1,20 @@
-//! Pictures: the chart of a walk, the grid from above, what a frame shows and hides,
+//! Pictures: the chart of a walk, the grid from above, the objects that a frame shows and hides,
 //! speed against accuracy, lines of any quantities, and bars of shares.
+//!
+//! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. Titles say the
+//! finding, computed from the data; all colours and marks are those of [`palette`].
 
 mod bars;
 mod chart;
 mod frame;
 mod lines;
+pub mod palette;
+mod raster;
+mod svg;
 mod top_view;
 mod tradeoff;
 
 use std::path::Path;
-
-use plotters::style::{FontStyle, RGBColor, register_font};
 
 pub use bars::{Bar, bars};
 pub use chart::{FrameCounts, chart};
@@ -29,28 +33,4 @@ pub struct PictureError {
 
 fn error(path: &Path) -> impl Fn(String) -> PictureError + '_ {
     move |why| PictureError { path: path.display().to_string(), why }
-}
-
-const FONT: &str = "sans-serif";
-
-/// Colours of lines and bars, in their order.
-const COLORS: [RGBColor; 10] = [
-    RGBColor(31, 90, 180),
-    RGBColor(20, 140, 60),
-    RGBColor(200, 90, 20),
-    RGBColor(150, 40, 150),
-    RGBColor(110, 110, 110),
-    RGBColor(190, 30, 60),
-    RGBColor(0, 140, 150),
-    RGBColor(0, 0, 0),
-    RGBColor(170, 140, 0),
-    RGBColor(240, 130, 180),
-];
-
-/// Makes the text of pictures work without fonts on the machine.
-fn with_font() {
-    for style in [FontStyle::Normal, FontStyle::Bold] {
-        // Fails only for broken font data.
-        let _ = register_font(FONT, style, epaint_default_fonts::UBUNTU_LIGHT);
-    }
 }

@@ -7,7 +7,11 @@ use casca::matrix::BitMatrix;
 use glam::{DVec3, IVec3, Vec3};
 use plotters::prelude::*;
 
-use super::{FONT, PictureError, error, with_font};
+use super::PictureError;
+use super::palette::{
+    CAMERA, HIDDEN_CELL, Marker, OPAQUE_CELL, QUIET, Style, TEXT, UNVISITED_CELL, VISIBLE_CELL, VOLUME, WALK,
+};
+use super::svg::{Area, Drawn, Head, Sample, font, mark, path as draw_path, save};
 use crate::world::Camera;
 
 /// What the picture from above shows of one frame.
@@ -26,134 +30,165 @@ pub struct TopView<'a> {
     pub path: &'a [Vec3],
 }
 
-const OPAQUE_CELL: RGBColor = RGBColor(60, 60, 66);
-const HIDDEN_CELL: RGBColor = RGBColor(176, 196, 226);
-const VISIBLE_CELL: RGBColor = RGBColor(255, 226, 140);
-const PARTLY_CELL: RGBColor = RGBColor(205, 205, 205);
-const VOLUME: RGBColor = RGBColor(190, 40, 150);
-const VIEW: RGBColor = RGBColor(200, 30, 30);
-const WALK: RGBColor = RGBColor(20, 120, 60);
+const WALKED: Style = Style { color: WALK, marker: Marker::Star, dashed: true };
+const SEEN: Style = Style { color: CAMERA, marker: Marker::Disc, dashed: false };
 
-/// Draws the slice of the grid at the eye's height from above, as a PNG: opaque,
-/// hidden and visible cells, temporal bounding volumes, frustum and path.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn top_view(path: &Path, title: &str, view: &TopView) -> Result<(), PictureError> {
-    let fail = error(path);
-    with_font();
-    let grid = view.scene.grid();
-    let (min, max) = (grid.min(), grid.max());
-    let (width, depth) = (max.x - min.x, max.z - min.z);
-    let long = width.max(depth);
-    let (w, h) = ((880.0 * width / long) as u32 + 360, (880.0 * depth / long).max(420.0) as u32 + 120);
-    let root = BitMapBackend::new(path, (w, h)).into_drawing_area();
-    let draw = || -> Result<(), Box<dyn std::error::Error>> {
-        root.fill(&WHITE)?;
-        let (left, right) = root.split_horizontally(w - 290);
-        let mut chart = ChartBuilder::on(&left)
-            .caption(title, (FONT, 22))
-            .margin(10)
-            .x_label_area_size(44)
-            .y_label_area_size(60)
-            .build_cartesian_2d(min.x..max.x, max.z..min.z)?;
-        let eye = view.camera.eye.as_dvec3();
-        let dims = grid.dims();
-        let y = grid.cell_of(eye).y.clamp(0, dims.y - 1);
-        let mut cells = Vec::new();
-        for z in 0..dims.z {
-            for x in 0..dims.x {
-                let c = IVec3::new(x, y, z);
-                let color = if view.scene.is_opaque(c) {
-                    OPAQUE_CELL
-                } else if view.hidden.get(c) {
-                    HIDDEN_CELL
-                } else if view.visited.get(c) {
-                    VISIBLE_CELL
-                } else if view.scene.is_occupied(c) {
-                    PARTLY_CELL
-                } else {
-                    continue;
-                };
-                let (lo, hi) = grid.cell_bounds(c);
-                cells.push(Rectangle::new([(lo.x, lo.z), (hi.x, hi.z)], color.filled()));
-            }
+/// Cells `x0..x1` of the rows `z0..z1`, all of one kind.
+struct Block {
+    x: std::ops::Range<i32>,
+    z: std::ops::Range<i32>,
+    kind: usize,
+}
+
+/// The kinds of cells: colours and names.
+const KINDS: [(RGBColor, &str); 4] = [
+    (VISIBLE_CELL, "cell that may be seen"),
+    (HIDDEN_CELL, "hidden cell"),
+    (OPAQUE_CELL, "opaque cell, which hides"),
+    (UNVISITED_CELL, "occupied cell, not visited"),
+];
+
+impl TopView<'_> {
+    /// The layer of cells at the height of the eye.
+    fn layer(&self) -> i32 {
+        let grid = self.scene.grid();
+        grid.cell_of(self.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1)
+    }
+
+    fn kind(&self, cell: IVec3) -> Option<usize> {
+        if self.scene.is_opaque(cell) {
+            Some(2)
+        } else if self.hidden.get(cell) {
+            Some(1)
+        } else if self.visited.get(cell) {
+            Some(0)
+        } else {
+            self.scene.is_occupied(cell).then_some(3)
         }
-        chart.draw_series(cells)?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .x_desc("x (m)")
-            .y_desc("z (m)")
-            .label_style((FONT, 15))
-            .axis_desc_style((FONT, 17))
-            .x_label_formatter(&|v| format!("{v:.0}"))
-            .y_label_formatter(&|v| format!("{v:.0}"))
-            .draw()?;
-        chart.draw_series(
-            view.volumes
-                .iter()
-                .map(|(lo, hi)| Rectangle::new([(lo.x, lo.z), (hi.x, hi.z)], VOLUME.stroke_width(1))),
-        )?;
-        chart.draw_series(LineSeries::new(
-            view.path.iter().map(|p| (f64::from(p.x), f64::from(p.z))),
-            WALK.stroke_width(2),
-        ))?;
-        let inverse = view.camera.view_projection().as_dmat4().inverse();
-        for x in [-1.0, 1.0] {
-            // The lateral border of the frustum at the eye's height, as far as the picture goes.
+    }
+
+    /// The layer's cells in as few rectangles as row by row gives.
+    fn blocks(&self) -> Vec<Block> {
+        let (dims, y) = (self.scene.grid().dims(), self.layer());
+        let (mut done, mut open): (Vec<Block>, Vec<Block>) = (Vec::new(), Vec::new());
+        for z in 0..dims.z {
+            let mut row: Vec<Block> = Vec::new();
+            for x in 0..dims.x {
+                let Some(kind) = self.kind(IVec3::new(x, y, z)) else { continue };
+                match row.last_mut() {
+                    Some(last) if last.x.end == x && last.kind == kind => last.x.end = x + 1,
+                    _ => row.push(Block { x: x..x + 1, z: z..z + 1, kind }),
+                }
+            }
+            for block in &mut row {
+                if let Some(above) = open.iter().position(|o| o.x == block.x && o.kind == block.kind) {
+                    block.z.start = open.swap_remove(above).z.start;
+                }
+            }
+            done.append(&mut open);
+            open = row;
+        }
+        done.append(&mut open);
+        done
+    }
+
+    /// Shares of the visited cells of the layer that are hidden.
+    fn finding(&self) -> String {
+        let count = |kind| -> i32 {
+            let of_kind = self.blocks().into_iter().filter(|b| b.kind == kind);
+            of_kind.map(|b| (b.x.len() * b.z.len()) as i32).sum()
+        };
+        let (seen, hidden) = (count(0), count(1));
+        let share = f64::from(hidden) / f64::from((seen + hidden).max(1)) * 100.0;
+        format!("Opaque cells hide {share:.0}% of the cells in view at the height of the eye")
+    }
+
+    /// The ends of the left and right border of the view at the height of the eye.
+    fn borders(&self) -> [DVec3; 2] {
+        let grid = self.scene.grid();
+        let (min, max, eye) = (grid.min(), grid.max(), self.camera.eye.as_dvec3());
+        let inverse = self.camera.view_projection().as_dmat4().inverse();
+        [-1.0, 1.0].map(|x| {
             let towards = inverse.project_point3(DVec3::new(x, 0.0, 0.5)) - eye;
             let flat = DVec3::new(towards.x, 0.0, towards.z).normalize_or_zero();
-            let mut reach = 2.0 * long;
+            let mut reach = 2.0 * (max - min).max_element();
             for (o, d, lo, hi) in [(eye.x, flat.x, min.x, max.x), (eye.z, flat.z, min.z, max.z)] {
                 if d.abs() > 1e-9 {
                     let border = if d > 0.0 { hi } else { lo };
                     reach = reach.min(((border - o) / d).max(0.0));
                 }
             }
-            let end = eye + flat * reach;
-            chart.draw_series(LineSeries::new([(eye.x, eye.z), (end.x, end.z)], VIEW.stroke_width(2)))?;
-        }
-        chart.draw_series([Circle::new((eye.x, eye.z), 5, VIEW.filled())])?;
-
-        let text = |label: &str, y: i32| Text::new(label.to_owned(), (46, y), (FONT, 17).into_font());
-        let height = y_label(grid.min().y + (f64::from(y) + 0.5) * grid.cell_size());
-        right.draw(&Text::new(
-            format!("Slice at eye height ({height} m)"),
-            (10, 50),
-            (FONT, 17).into_font(),
-        ))?;
-        let boxes = [
-            (VISIBLE_CELL, "visible cell"),
-            (HIDDEN_CELL, "hidden cell"),
-            (OPAQUE_CELL, "opaque cell (occludes)"),
-            (PARTLY_CELL, "occupied, not visited"),
-        ];
-        let mut at = 84;
-        for (color, label) in boxes {
-            right.draw(&Rectangle::new([(10, at), (36, at + 18)], color.filled()))?;
-            right.draw(&text(label, at + 1))?;
-            at += 30;
-        }
-        right.draw(&Rectangle::new([(10, at), (36, at + 18)], WHITE.filled()))?;
-        right.draw(&Rectangle::new([(10, at), (36, at + 18)], BLACK.mix(0.2).stroke_width(1)))?;
-        right.draw(&text("empty, not visited", at + 1))?;
-        at += 30;
-        right.draw(&Rectangle::new([(10, at), (36, at + 18)], VOLUME.stroke_width(1)))?;
-        right.draw(&text("hidden moving object's", at - 6))?;
-        right.draw(&text("bounding volume (TBV)", at + 11))?;
-        at += 38;
-        for (color, label) in [(VIEW, "eye and frustum"), (WALK, "path of the walk")] {
-            right.draw(&PathElement::new([(10, at + 9), (36, at + 9)], color.stroke_width(3)))?;
-            right.draw(&text(label, at + 1))?;
-            at += 30;
-        }
-        root.present()?;
-        Ok(())
-    };
-    draw().map_err(|e| fail(e.to_string()))
+            eye + flat * reach
+        })
+    }
 }
 
-fn y_label(y: f64) -> String {
-    format!("y = {y:.1}")
+/// Draws the slice of the grid at the eye's height from above, as an SVG: opaque, hidden and visible cells,
+/// temporal bounding volumes, frustum and path. The finding is its title, and `title` stands below.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn top_view(path: &Path, title: &str, view: &TopView) -> Result<(), PictureError> {
+    let grid = view.scene.grid();
+    let size = grid.max() - grid.min();
+    let long = size.x.max(size.z);
+    let wide = ((880.0 * size.x / long) as u32 + 120).max(760);
+    let mut keys: Vec<(Sample, String)> =
+        KINDS.iter().map(|&(color, name)| (Sample::Box(color), name.to_owned())).collect();
+    keys.push((Sample::Frame(QUIET), "empty cell, not visited".to_owned()));
+    keys.push((Sample::Frame(VOLUME), "bounding volume of a hidden moving object".to_owned()));
+    keys.push((Sample::Line(SEEN), "eye and borders of the view".to_owned()));
+    keys.push((Sample::Line(WALKED), "path of the walk, from the star".to_owned()));
+    let middle = grid.min().y + (f64::from(view.layer()) + 0.5) * grid.cell_size();
+    let subtitle = format!("{title}; the slice at the height of the eye, y = {middle:.1} m");
+    let head = Head::new(wide, &view.finding(), &subtitle, keys);
+    let high = (880.0 * size.z / long).max(300.0) as u32 + 90 + head.height as u32;
+    save(path, (wide, high), |root| {
+        head.draw(root)?;
+        draw(root, &head, view)
+    })
+}
+
+fn draw(root: &Area<'_>, head: &Head, view: &TopView) -> Drawn {
+    let grid = view.scene.grid();
+    let (min, max) = (grid.min(), grid.max());
+    let (_, plot) = root.split_vertically(head.height);
+    let mut chart = ChartBuilder::on(&plot)
+        .margin(14)
+        .x_label_area_size(50)
+        .y_label_area_size(64)
+        .build_cartesian_2d(min.x..max.x, max.z..min.z)?;
+    for block in view.blocks() {
+        let cell = |x, z| grid.cell_bounds(IVec3::new(x, 0, z));
+        let (lo, hi) = (cell(block.x.start, block.z.start).0, cell(block.x.end - 1, block.z.end - 1).1);
+        let corners = [(lo.x, lo.z), (hi.x, hi.z)].map(|p| chart.backend_coord(&p));
+        root.draw(&Rectangle::new(corners, KINDS[block.kind].0.filled()))?;
+    }
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc("x, m")
+        .y_desc("z, m")
+        .label_style(font(14.0).color(&TEXT))
+        .axis_desc_style(font(15.0).color(&TEXT))
+        .x_label_formatter(&|v| format!("{v:.0}"))
+        .y_label_formatter(&|v| format!("{v:.0}"))
+        .axis_style(QUIET)
+        .draw()?;
+    let at = |x: f64, z: f64| chart.backend_coord(&(x, z));
+    for (lo, hi) in view.volumes {
+        let inside = |p: DVec3| p.clamp(min, max);
+        let (lo, hi) = (inside(*lo), inside(*hi));
+        root.draw(&Rectangle::new([at(lo.x, lo.z), at(hi.x, hi.z)], VOLUME.stroke_width(1)))?;
+    }
+    let walk: Vec<(i32, i32)> = view.path.iter().map(|p| at(f64::from(p.x), f64::from(p.z))).collect();
+    draw_path(root, &walk, &WALKED)?;
+    if let Some(&start) = walk.first() {
+        mark(root, start, 7, &WALKED, true)?;
+    }
+    let eye = view.camera.eye.as_dvec3();
+    for end in view.borders() {
+        draw_path(root, &[at(eye.x, eye.z), at(end.x, end.z)], &SEEN)?;
+    }
+    mark(root, at(eye.x, eye.z), 6, &SEEN, true)
 }

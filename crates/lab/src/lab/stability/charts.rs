@@ -4,6 +4,7 @@ use super::run::{Finding, HZB};
 use super::tables::accuracy;
 use super::{gaps, jitter, resolution};
 use crate::lab::{Lab, LabError, Section, Table};
+use crate::pictures::palette::{POINT, Style, method as style_of};
 use crate::pictures::{Axis, Line, lines};
 
 /// The methods that are drawn, in the order of their colours.
@@ -19,6 +20,25 @@ fn joined(lines: Vec<Line>) -> Vec<Line> {
         }
     }
     out
+}
+
+/// The style of a method.
+fn style(method: &str) -> Style {
+    style_of(method).unwrap_or(POINT)
+}
+
+/// A value of each line, in percent: "point 0.1%, cell 0.2%".
+fn percents(lines: &[Line], at: impl Fn(&Line) -> Option<f64>) -> String {
+    let said = |l: &Line| {
+        let name = l.label.split(" (").next().unwrap_or_default();
+        let digits = |v: f64| match v {
+            v if v > 0.0 && v < 0.1 => format!("{v:.2}"),
+            v if v > 0.0 && v < 10.0 => format!("{v:.1}"),
+            v => format!("{v:.0}"),
+        };
+        at(l).map(|v| format!("{name} {}%", digits(v)))
+    };
+    lines.iter().filter_map(said).collect::<Vec<_>>().join(", ")
 }
 
 /// Labels as a reader knows the settings.
@@ -62,32 +82,35 @@ pub(super) fn of_jitter(lab: &Lab, findings: &[Finding], section: &mut Section) 
             ]);
         }
     }
-    section.table(table);
     let scenes = jitter::SCENES.len() as f64;
     let drawn: Vec<Line> = METHODS
         .iter()
         .zip(&sums)
         .map(|(method, sums)| {
             let points = amplitudes.iter().zip(sums).map(|(&a, s)| (f64::from(a), s / scenes));
-            Line::new(label(findings, method, true), points.collect())
+            Line::new(label(findings, method, true), style(method), points.collect())
         })
         .collect();
-    let file = "stability-jitter.png";
+    let file = "stability-jitter.svg";
     let x = Axis {
         holds: amplitudes.iter().map(|&a| f64::from(a)).collect(),
         ..Axis::log("jitter of the camera, metres and radians")
     };
-    let y = Axis::log("objects that flip per frame, % of those in the frustum");
-    lines(&lab.folder.join(file), "Unsteadiness under a trembling camera", &x, &y, &drawn)?;
-    section.picture(
-        file,
-        "Objects that come or go from frame to frame although their visibility stays the same, mean of the scenes. \
-         A method without a point at some amplitude did not flip there at all.",
+    let y = Axis::log("flips per frame, % of the objects in the frustum");
+    let middle = |l: &Line| l.points.iter().find(|p| p.0 > 5e-4 && p.0 < 5e-3).map(|p| p.1);
+    let title = format!(
+        "Objects that flip in a frame when the camera trembles by 1 mm: {}",
+        percents(&drawn, middle)
     );
+    let subtitle = "A flip is an object that comes or goes although its exact visibility stays the same; mean of the \
+                    scenes. A method without a mark at an amplitude did not flip at all.";
+    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &drawn)?;
+    section.picture(file, &title);
+    section.rows("Flips and flicker by amplitude as CSV", table);
     Ok(())
 }
 
-/// A chart of what is lost through slits.
+/// A chart of the objects lost through slits.
 pub(super) fn of_gaps(lab: &Lab, findings: &[Finding], section: &mut Section) -> Result<(), LabError> {
     let widths = gaps::widths_in_pixels();
     let drawn: Vec<Line> = METHODS
@@ -101,19 +124,20 @@ pub(super) fn of_gaps(lab: &Lab, findings: &[Finding], section: &mut Section) ->
                 }
                 (1.0 / width, 100.0 * lost as f64 / (shown as f64).max(1.0))
             });
-            Line::new(label(findings, method, true), points.collect())
+            Line::new(label(findings, method, true), style(method), points.collect())
         })
         .collect();
-    let file = "stability-gaps.png";
+    let file = "stability-gaps.svg";
     let x = Axis::log(&format!("width of a pixel of the {HZB} wide buffer, divided by that of the slit"));
     let y = Axis { holds: vec![0.0, 110.0], ..Axis::linear("objects lost, % of those seen through slits") };
-    let title = "Objects lost behind slits (narrower to the right)";
-    lines(&lab.folder.join(file), title, &x, &y, &joined(drawn))?;
-    section.picture(
-        file,
-        "Share of the objects in sight behind slits that each method leaves out, over all three kinds of wall. \
-         At 1 a slit is one pixel wide, at 100 a hundredth.",
+    let title = format!(
+        "Objects lost behind slits a hundredth of a pixel wide: {}",
+        percents(&drawn, |l| l.points.last().map(|p| p.1))
     );
+    let subtitle = "Share of the objects in sight that each method leaves out, over three kinds of wall; slits get narrower \
+                    to the right. At 1 a slit is one pixel wide, at 100 a hundredth.";
+    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &joined(drawn))?;
+    section.picture(file, &title);
     Ok(())
 }
 
@@ -123,7 +147,6 @@ pub(super) fn of_resolution(lab: &Lab, findings: &[Finding], section: &mut Secti
     for (k, kind) in resolution::SCENES.iter().enumerate() {
         let of_scene = || findings.iter().skip(k * resolutions.len()).take(resolutions.len());
         let mut drawn = Vec::new();
-        let mut most = 1.0f64;
         for method in METHODS {
             let mut points: Vec<(f64, f64)> = Vec::new();
             for (&n, finding) in resolutions.iter().zip(of_scene()) {
@@ -133,24 +156,31 @@ pub(super) fn of_resolution(lab: &Lab, findings: &[Finding], section: &mut Secti
                 }
                 let Some(ratio) = finding.of(method).and_then(|o| accuracy(finding, o)) else { continue };
                 points.push((n as f64, ratio));
-                most = most.max(ratio);
             }
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            drawn.push(Line::new(method, points));
+            drawn.push(Line::new(method, style(method), points));
         }
-        let file = format!("stability-resolution-{}.png", kind.name());
+        let file = format!("stability-resolution-{}.svg", kind.name());
         let x = Axis::log("pixels across the picture (hzb, rays) or a side of the view cube (point, cell)");
-        // Room for the legend above the lines.
-        let y = Axis {
-            holds: vec![1.0, most.powf(1.35)],
-            ..Axis::log("PVS/EVS: objects found / objects visible")
-        };
-        let title = format!("Resolution and accuracy: {}", kind.name());
-        lines(&lab.folder.join(&file), &title, &x, &y, &drawn)?;
-        section.picture(
-            &file,
-            "Objects found over objects visible. Below 1 more was lost than found in vain; the table says how much.",
-        );
+        let y = Axis { holds: vec![1.0], ..Axis::log("PVS/visible") };
+        let (title, subtitle) = resolution_words(kind.name(), of_scene());
+        lines(&lab.folder.join(&file), &title, &subtitle, (&x, &y), &drawn)?;
+        section.picture(&file, &title);
     }
     Ok(())
+}
+
+/// How much each method lost over all resolutions of a scene, and how the chart is to be read.
+fn resolution_words<'a>(
+    scene: &str,
+    findings: impl Iterator<Item = &'a Finding> + Clone,
+) -> (String, String) {
+    let lost = |method: &str| {
+        let lost: usize = findings.clone().filter_map(|f| f.of(method)).map(|o| o.lost).sum();
+        format!("{method} {}", if lost == 0 { "none".to_owned() } else { lost.to_string() })
+    };
+    let title = format!("Objects lost at 8 to 2048 pixels, {scene}: {}", METHODS.map(lost).join(", "));
+    let subtitle = "Objects found for each visible one, by resolution. Where a line is below 1, more is lost than found in \
+                    vain.";
+    (title, subtitle.to_owned())
 }

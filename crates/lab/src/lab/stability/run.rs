@@ -34,7 +34,7 @@ pub(super) fn aimed_rays(lab: &Lab) -> usize {
 /// Why visible objects were lost, in order of [`Outcome::causes`].
 pub(super) const CAUSES: [&str; 4] = [
     "missing from the list of objects in the frustum",
-    "hidden by what lies before the near plane",
+    "hidden by objects before the near plane",
     "seen only between the samples",
     "hidden by rounded positions, directions or depths, although samples show them",
 ];
@@ -117,7 +117,7 @@ fn contenders(case: &Case) -> Result<Vec<(Contender, usize)>, LabError> {
 /// Says why a baseline lost an object.
 struct Judge<'a> {
     oracle: &'a Oracle,
-    /// What its samples show.
+    /// The objects that its samples show.
     samples: ItemBuffer,
     in_frustum: &'a [usize],
     eye: DVec3,

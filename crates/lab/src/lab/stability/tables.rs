@@ -1,7 +1,7 @@
-//! Tables and words from what was found.
+//! Tables and words from the findings.
 
 use super::run::{CAUSES, Finding, Outcome};
-use crate::lab::Table;
+use crate::lab::{Table, grouped};
 
 /// Times and ratios are compared with the last calm case before.
 pub(super) fn with_calm(findings: &[Finding]) -> impl Iterator<Item = (&Finding, &Finding)> {
@@ -24,7 +24,7 @@ pub(super) fn accuracy(finding: &Finding, outcome: &Outcome) -> Option<f64> {
     ratio(found as f64, finding.visible() as f64)
 }
 
-/// What was lost and why, in a few words.
+/// Why objects were lost, in a few words.
 fn causes(outcome: &Outcome) -> String {
     let counts = outcome.causes.iter().zip(CAUSES).filter(|c| *c.0 > 0);
     let words: Vec<String> = counts.map(|(n, why)| format!("{n} {why}")).collect();
@@ -38,8 +38,8 @@ pub(super) fn table(name: &str, findings: &[Finding]) -> Table {
         "method",
         "frames",
         "visible",
-        "false negatives",
-        "PVS/EVS",
+        "objects lost",
+        "PVS/visible",
         "time / calm",
         "why objects were lost",
     ];
@@ -67,49 +67,55 @@ pub(super) fn table(name: &str, findings: &[Finding]) -> Table {
     table
 }
 
-/// What each method did with the cases of a group, in a sentence each.
+/// Names with commas, and "and" before the last.
+fn listed(names: &[String]) -> String {
+    match names {
+        [first @ .., a, b] => {
+            first.iter().map(|n| format!("{n}, ")).collect::<String>() + &format!("{a} and {b}")
+        }
+        _ => names.concat(),
+    }
+}
+
+/// A count and its noun.
+fn counted(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
+/// How many objects each method lost in the cases of a group, and mainly why, in a sentence or two.
 pub(super) fn words(findings: &[Finding]) -> String {
-    let mut out = Vec::new();
     let names: Vec<&str> =
         findings.first().map_or(Vec::new(), |f| f.outcomes.iter().map(|o| o.method).collect());
     let sure: usize = findings.iter().map(|f| f.sure).sum();
+    let (mut safe, mut lossy) = (Vec::new(), Vec::new());
+    let mut why: Vec<(usize, &str)> = CAUSES.iter().map(|&c| (0, c)).collect();
     for name in names.into_iter().filter(|n| *n != "frustum") {
-        let outcomes: Vec<(&Finding, &Outcome)> =
-            findings.iter().filter_map(|f| f.of(name).map(|o| (f, o))).collect();
-        let lost: usize = outcomes.iter().map(|(_, o)| o.lost).sum();
-        let cases = outcomes.iter().filter(|(_, o)| o.lost > 0).count();
-        let mut why: Vec<(usize, &str)> = CAUSES
-            .iter()
-            .enumerate()
-            .map(|(i, &c)| (outcomes.iter().map(|(_, o)| o.causes[i]).sum(), c))
-            .filter(|(n, _)| *n > 0)
-            .collect();
-        why.sort_unstable_by_key(|w| std::cmp::Reverse(w.0));
-        let why: Vec<String> = why.iter().map(|(n, c)| format!("{n} {c}")).collect();
-        let mut sentence = if lost == 0 {
-            format!("`{name}` lost none of {sure} sightings")
-        } else {
-            format!("`{name}` lost {lost} of {sure} sightings, in {cases} of {} cases", findings.len())
-        };
-        if !why.is_empty() {
-            sentence += &format!(" ({})", why.join("; "));
+        let outcomes: Vec<&Outcome> = findings.iter().filter_map(|f| f.of(name)).collect();
+        let lost: usize = outcomes.iter().map(|o| o.lost).sum();
+        let cases = outcomes.iter().filter(|o| o.lost > 0).count();
+        match lost {
+            0 => safe.push(format!("`{name}`")),
+            _ => lossy.push(format!("`{name}` loses {} in {}", grouped(lost), counted(cases, "case"))),
         }
-        let widest = outcomes
-            .iter()
-            .filter_map(|(f, o)| Some((accuracy(f, o)?, &f.case)))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((ratio, case)) = widest {
-            sentence += &format!("; at most it found {ratio:.2} times what is visible ({case})");
+        for (total, i) in why.iter_mut().zip(0..) {
+            total.0 += outcomes.iter().map(|o| o.causes[i]).sum::<usize>();
         }
-        out.push(format!("- {sentence}."));
     }
-    out.join("\n")
+    let mut said = format!("Of {} sightings in {}, ", grouped(sure), counted(findings.len(), "case"));
+    if !safe.is_empty() {
+        lossy.insert(0, format!("{} lose{} none", listed(&safe), if safe.len() == 1 { "s" } else { "" }));
+    }
+    said += &lossy.join("; ");
+    match why.into_iter().max_by_key(|w| w.0) {
+        Some((n, cause)) if n > 0 => format!("{said}; most of these are {cause}."),
+        _ => said + ".",
+    }
 }
 
 /// One row for each method: how it fared in all cases.
 pub(super) fn summary(findings: &[&Finding]) -> Table {
     let columns =
-        ["method", "rows", "rows with losses", "false negatives", "of sightings", "worst row", "lost in it"];
+        ["method", "cases", "cases with losses", "objects lost", "of sightings", "worst case", "lost in it"];
     let mut table = Table::new("stability-summary", &columns);
     let names: Vec<&str> =
         findings.first().map_or(Vec::new(), |f| f.outcomes.iter().map(|o| o.method).collect());

@@ -3,10 +3,11 @@
 use casca::{Method, View};
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
-use super::super::{Lab, LabError, Section, Table, median};
-use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, settings};
+use super::super::{Lab, LabError, Section, Table, grouped, median};
+use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, settings, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
+use crate::pictures::palette::{CELL, Marker, Style, THESIS as GIVEN, other};
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::{SceneKind, SceneOptions, build};
 use crate::world::FRAME_SECONDS;
@@ -43,7 +44,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         ("cell, 100x60x100, all reported", Method::Cell, FINE, Telling::Always),
         ("point, 50x30x50", Method::Point, COARSE, Telling::OnExpiry),
         ("point, 100x60x100", Method::Point, FINE, Telling::OnExpiry),
-        ("VFC, all reported", Method::Frustum, FINE, Telling::Always),
+        ("frustum, all reported", Method::Frustum, FINE, Telling::Always),
     ];
     let mut rows: Vec<Row> =
         ways.iter().map(|w| Row { name: w.0, upkeep: Vec::new(), query: Vec::new() }).collect();
@@ -101,43 +102,57 @@ fn draw(
     counts: &[usize],
 ) -> Result<(), LabError> {
     section.text(
-        "### Hidden dynamic objects (figure 4.3)\n\nAmong the 5,000 spheres stands a closed bunker in which more and \
-         more small spheres move. The camera stands still in the middle of the walk. The time of a frame is upkeep \
-         (clock, reports, feedback) and query; hidden objects are reported when their volumes expire, \
-         as in the thesis, and in one row in every frame. As in the thesis, where nothing was in sight, the line of the depth buffer \
-         is what the hidden objects alone cost it: all are drawn, in software, with 80 or 320 triangles each.",
+        "### Hidden dynamic objects (section 4.2)\n\nAmong the 5,000 spheres stands a closed bunker in which more and \
+         more small spheres move; the camera stands still. The time of a frame is upkeep (clock, reports, feedback) and \
+         query. Hidden objects are reported when their bounding volumes expire, as in the thesis, or all in every frame.",
     );
+    let look = |name: &str| match name.contains("all reported") && name.starts_with("cell") {
+        true => Style { marker: Marker::Hexagon, ..CELL },
+        false => style(name),
+    };
     let count = Axis { label: "hidden dynamic objects".to_owned(), ..Axis::linear("") };
-    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, r.frame())).collect();
-    all.push(Line::new("depth buffer: the hidden ones", drawn.to_vec()));
-    let file = "thesis-hidden-frame.png";
-    let title = "Figure 4.3: time of a frame, without drawing what is visible";
-    lines(&lab.folder.join(file), title, &count, &Axis::log("ms, median"), &all)?;
-    section.picture(file, "The time of a frame against the number of hidden moving objects.");
-
-    let mut all: Vec<Line> = rows
-        .iter()
-        .filter(|r| !r.name.starts_with("VFC"))
-        .map(|r| {
-            let base = at(&r.upkeep, 500.0);
-            let points = r.upkeep.iter().filter(|p| p.0 > 0.0);
-            Line::new(r.name, points.map(|p| (p.0, ratio(p.1, base))).collect())
-        })
-        .collect();
-    let most = THESIS.2 / THESIS.0;
-    all.push(Line::dots("thesis, 50x30x50 (at 10,000: whole frame)", vec![(500.0, 1.0), (10_000.0, most)]));
-    let file = "thesis-hidden-upkeep.png";
-    let title = "Figure 4.3: upkeep, relative to that with 500 hidden objects";
-    let (x, y) = (Axis::log("hidden dynamic objects"), Axis::log("upkeep / upkeep with 500"));
-    lines(&lab.folder.join(file), title, &x, &y, &all)?;
-    section.picture(
-        file,
-        "How upkeep grows; the thesis gives 3.4 ms for 500 and, for more than 10,000, frames of about 10 ms, which is the most that upkeep can be.",
+    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, look(r.name), r.frame())).collect();
+    all.push(Line::new("drawing the hidden objects into a depth buffer", other(8), drawn.to_vec()));
+    let file = "thesis-hidden-frame.svg";
+    let last = counts.last().copied().unwrap_or(0) as f64;
+    let growth = |p: Vec<(f64, f64)>| ratio(at(&p, last), at(&p, 0.0));
+    let many = grouped(last as usize);
+    let title = format!(
+        "{many} hidden moving objects make a frame of point {:.2} times as long, one of frustum culling {:.1} times",
+        growth(rows[4].frame()),
+        growth(rows[5].frame())
     );
+    let subtitle = "Upkeep and query, without drawing the visible objects. Dashed: 50x30x50 cells.";
+    let y = Axis::log("time of a frame, ms, median");
+    lines(&lab.folder.join(file), &title, subtitle, (&count, &y), &all)?;
+    section.picture(file, &title);
+
+    let relative = |r: &Row| {
+        let base = at(&r.upkeep, 500.0);
+        let points = r.upkeep.iter().filter(|p| p.0 > 0.0);
+        Line::new(r.name, look(r.name), points.map(|p| (p.0, ratio(p.1, base))).collect())
+    };
+    let mut all: Vec<Line> = rows.iter().filter(|r| !r.name.starts_with("frustum")).map(relative).collect();
+    let most = THESIS.2 / THESIS.0;
+    all.push(Line::dots(
+        "thesis, 50x30x50 (at 10,000: a whole frame)",
+        GIVEN,
+        vec![(500.0, 1.0), (10_000.0, most)],
+    ));
+    let file = "thesis-hidden-upkeep.svg";
+    let title = format!(
+        "From 500 to {many} hidden objects, upkeep grows {:.1} times if they are reported on expiry, {:.1} times if always",
+        ratio(at(&rows[1].upkeep, last), at(&rows[1].upkeep, 500.0)),
+        ratio(at(&rows[2].upkeep, last), at(&rows[2].upkeep, 500.0))
+    );
+    let subtitle =
+        "Upkeep relative to that of 500 hidden objects; the title is about cell with 100x60x100 cells.";
+    let (x, y) = (Axis::log("hidden dynamic objects"), Axis::log("upkeep / upkeep of 500 objects"));
+    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
+    section.picture(file, &title);
 
     let mut table =
         Table::new("thesis-hidden", &["way", "hidden objects", "upkeep, ms", "query, ms", "frame, ms"]);
-    let last = counts.last().copied().unwrap_or(0) as f64;
     for r in rows {
         for n in [0.0, 500.0, last] {
             let (u, q) = (at(&r.upkeep, n), at(&r.query, n));
@@ -150,7 +165,7 @@ fn draw(
             ]);
         }
     }
-    section.table(table);
+    section.rows("All times as CSV", table);
     Ok(())
 }
 
@@ -164,7 +179,7 @@ fn findings(rows: &[Row], drawn: &[(f64, f64)]) -> Vec<Finding> {
             "The depth buffer alone grows linearly with hidden objects; the method stays constant.",
             format!(
                 "From 500 to 10,000 hidden objects the depth buffer's time for them grows {:.1} times. From none to \
-                 10,000, frames with VFC take {:.2} times as long, queries of `cell` {:.2}, of `point` {:.2}, and \
+                 10,000, frames with `frustum` take {:.2} times as long, queries of `cell` {:.2}, of `point` {:.2}, and \
                  whole frames of `point` {:.2} (100x60x100, reported on expiry).",
                 ratio(at(drawn, 10_000.0), at(drawn, 500.0)),
                 growth(&rows[5].frame()),

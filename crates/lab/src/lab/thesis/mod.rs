@@ -15,6 +15,7 @@ use glam::UVec3;
 
 use super::{ASPECT, Lab, LabError, Section, Table};
 use crate::drive::grid_for;
+use crate::pictures::palette::{self, Style};
 use crate::world::World;
 
 /// Pixels of the software depth buffer that stands for the graphics card.
@@ -25,7 +26,7 @@ const EXACT: (usize, usize) = (1920, 1080);
 const COARSE: UVec3 = UVec3::new(50, 30, 50);
 const FINE: UVec3 = UVec3::new(100, 60, 100);
 
-/// What the thesis says, and what is found here.
+/// A finding of the thesis, and the one of this run.
 struct Finding {
     place: &'static str,
     thesis: String,
@@ -42,6 +43,12 @@ fn settings(method: Method) -> Settings {
     let mut settings = Settings::default();
     settings.method = method;
     settings
+}
+
+/// The style of a way; dashed on the coarse grid.
+fn style(name: &str) -> Style {
+    let style = palette::method(name).unwrap_or(palette::other(8));
+    if name.contains("50x30x50") { style.dashed() } else { style }
 }
 
 fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {
@@ -70,15 +77,13 @@ pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
     }
     let mut section = Section::new("The thesis' experiments, with today's code");
     section.text(
-        "Each experiment of the thesis' chapter 4, on scenes made as it describes them: clusters of spheres, \
-         4,800 static and 200 that move. Its figures come from an Athlon XP at 1.5 GHz with a GeForce2, so \
-         ratios and shapes of curves are compared, not times. Its figures are lost as pictures; triangles in the \
-         charts are the numbers that its text gives. `cell` is the thesis' kind of visibility (from a \
-         cell, by opaque cells); `point` is the library's default; VFC is culling to the frustum alone. \
-         \"Visible\" is a pixel or more of an exact item buffer of 1920x1080.",
+        "casca follows a thesis of 2002. Here are the experiments of its chapter 4, on scenes made as it describes them: \
+         clusters of spheres, 4,800 static and 200 that move. Its times come from an Athlon XP at 1.5 GHz with a GeForce2, so \
+         ratios and shapes of curves are compared. Its charts are lost; black marks in ours are the numbers that \
+         its text gives. `cell` is the thesis' kind of visibility. An object is visible if an exact item buffer of \
+         1920x1080 shows a pixel of it.",
     );
-    let mut table =
-        Table::new("thesis-findings", &["in the thesis", "what the thesis found", "what we find"]);
+    let mut table = Table::new("thesis-findings", &["section", "the thesis found", "we find"]);
     for f in findings {
         table.row([f.place.to_owned(), f.thesis, f.here]);
     }

@@ -120,19 +120,25 @@ fn draw(lab: &Lab, section: &mut Section, totals: &[[f64; 8]; 2], frames: usize)
     section.text(format!(
         "### Where the time goes (section 4.7)\n\n4,800 static and 200 moving spheres, 70 cells along the longest axis, \
          {frames} frames. Reports and feedback are timed directly. The library has no clocks inside a query, so its parts \
-         come from differences: a step of the walk costs what it costs in the empty scene, a test of an object what it \
-         costs among objects that hide nothing; the rest of the query is occlusion; \
-         refinement is the difference between `point` with and without it. \
-         These are estimates: a test that fails looks at more pixels than one that succeeds at once, and that counts as occlusion here. \
-         Drawing the caps is part of occlusion. Rendering the PVS is left out here; the thesis had a graphics card for it."
+         are estimates from differences: a step of the walk costs as much as in the empty scene, a test of an object as much \
+         as among objects that hide nothing, and the rest is occlusion. Rendering the PVS is left out."
     ));
     let shares = [&THESIS, &percent(&totals[0]), &percent(&totals[1])].map(|s| s.to_vec());
     let labels = ["thesis, 70x70x70", "here: cell", "here: point"];
     let all: Vec<Bar> =
         labels.iter().zip(&shares).map(|(l, s)| Bar { label: (*l).to_owned(), shares: s.clone() }).collect();
-    let file = "thesis-profile.png";
-    bars(&lab.folder.join(file), "Section 4.7: where the time of a frame goes", "percent", &PARTS, &all)?;
-    section.picture(file, "Shares of a frame by stage, as the thesis gives them and as estimated here.");
+    let file = "thesis-profile.svg";
+    let title = format!(
+        "Upkeep takes {:.0}% of a frame with cell and {:.0}% with point (thesis: 55%); occlusion and refinement \
+         take {:.0}% and {:.0}%",
+        shares[1][0] + shares[1][1],
+        shares[2][0] + shares[2][1],
+        shares[1][3..6].iter().sum::<f64>(),
+        shares[2][3..6].iter().sum::<f64>()
+    );
+    let subtitle = "Shares of a frame by stage, as the thesis gives them and as estimated here.";
+    bars(&lab.folder.join(file), &title, subtitle, "share of a frame, %", &PARTS, &all)?;
+    section.picture(file, &title);
     let mut table =
         Table::new("thesis-profile", &["part", "thesis, %", "cell, %", "cell, ms", "point, %", "point, ms"]);
     for (i, part) in PARTS.iter().enumerate() {
@@ -145,7 +151,7 @@ fn draw(lab: &Lab, section: &mut Section, totals: &[[f64; 8]; 2], frames: usize)
             format!("{:.4}", totals[1][i]),
         ]);
     }
-    section.table(table);
+    section.rows("All parts as CSV", table);
     Ok(())
 }
 
@@ -154,9 +160,9 @@ fn findings(totals: &[[f64; 8]; 2], sizes: [f64; 2]) -> Vec<Finding> {
     vec![
         Finding::new(
             "4.7",
-            "Bringing the grid up to date takes about 55 % of a frame, hidden objects about 5 %.",
+            "Bringing the grid up to date takes about 55% of a frame, hidden objects about 5%.",
             format!(
-                "`cell`: {:.0} %, hidden objects {:.0} %; `point`: {:.0} % and {:.0} %.",
+                "`cell`: {:.0}%, hidden objects {:.0}%; `point`: {:.0}% and {:.0}%.",
                 cell[0] + cell[1],
                 cell[1],
                 point[0] + point[1],
@@ -165,9 +171,9 @@ fn findings(totals: &[[f64; 8]; 2], sizes: [f64; 2]) -> Vec<Finding> {
         ),
         Finding::new(
             "4.7",
-            "The walk takes 20.4 %, occlusion and caps 15.7 %.",
+            "The walk takes 20.4%, occlusion and caps 15.7%.",
             format!(
-                "`cell`: {:.0} % and {:.0} %; `point`: {:.0} % and, with refinement, {:.0} %.",
+                "`cell`: {:.0}% and {:.0}%; `point`: {:.0}% and, with refinement, {:.0}%.",
                 cell[2],
                 cell[3] + cell[4],
                 point[2],

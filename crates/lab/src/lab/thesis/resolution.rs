@@ -7,15 +7,16 @@ use casca::{Aabb, GridSpec, Method, View};
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, settings};
+use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, settings, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
+use crate::pictures::palette::{CELL, FRUSTUM, Marker, POINT, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::{SceneKind, SceneOptions, build};
 use crate::world::{Camera, Motion};
 
-/// The thesis' solution point, its PVS/exact there and at 100, and the resolution below which
+/// The thesis' solution point, its PVS/visible there and at 100, and the resolution below which
 /// it hides nothing.
 const THESIS_BEST: (f64, f64) = (70.0, 3.6);
 const THESIS_FINE: (f64, f64) = (100.0, 3.2);
@@ -144,55 +145,23 @@ impl Found {
     fn draw(&self, lab: &Lab, section: &mut Section, views: usize) -> Result<(), LabError> {
         let [cell, point] = &self.methods;
         section.text(format!(
-            "### The resolution of the grid (figures 4.7 and 4.8)\n\nThe 4,800 static spheres seen at 55 degrees (the \
+            "### The resolution of the grid (section 4.6)\n\nThe 4,800 static spheres seen at 55 degrees (the \
              mean of {views} viewpoints of the walk), on grids of cubic cells with N of them along the \
-             longest axis. The *solution point* is the N of the fastest frame: query, and drawing the PVS in software; for `point`, \
-             which draws nearly the same whatever the N, of the fastest query. \
+             longest axis. The *solution point* is the N of the fastest frame: query, and drawing the PVS in software; for `point`, of \
+             the fastest query. \
              `GridSpec::fit` chooses N = {}; {:.0} objects are visible.",
             self.fit, self.exact
         ));
-        let x = Axis::linear("N, cells along the longest axis");
-        let frame = |p: &Point| p.frame;
-        let query = |p: &Point| p.query;
-        let mut all = Vec::new();
-        for ((name, _), points) in METHODS.iter().zip(&self.methods) {
-            all.push(Line::new(format!("{name}: query and drawing"), curve(points, frame)));
-            all.push(Line::new(format!("{name}: query alone"), curve(points, query)));
-        }
-        let solution = best(cell, frame);
-        let mark = |name: String, x: f64, points| Line::dots(name, vec![(x, between(points, x))]);
-        let (cells, points) = (curve(cell, frame), curve(point, query));
-        all.push(mark("thesis: fastest at about 70".to_owned(), THESIS_BEST.0, &cells));
-        all.push(mark(format!("cell: fastest at {}", solution.cells), solution.cells, &cells));
-        let solution = best(point, query);
-        all.push(mark(format!("point: fastest at {}", solution.cells), solution.cells, &points));
-        all.push(mark(format!("GridSpec::fit: {}", self.fit), self.fit, &points));
-        let file = "thesis-resolution-cost.png";
-        let title = "Figure 4.7: time against the resolution of the grid";
-        lines(&lab.folder.join(file), title, &x, &Axis::log("ms, mean over the viewpoints"), &all)?;
-        section.picture(file, "Time of a frame and of the query alone; triangles mark the solution points.");
-
-        let vfc = vec![(10.0, self.vfc), (160.0, self.vfc)];
-        let all = [
-            Line::new("cell", curve(cell, |p| p.ratio)),
-            Line::new("point", curve(point, |p| p.ratio)),
-            Line::new("VFC", vfc),
-            Line::dots("thesis: 3.6 at 70, 3.2 at 100", vec![THESIS_BEST, THESIS_FINE]),
-        ];
-        let file = "thesis-resolution-pvs.png";
-        let title = "Figure 4.8: objects found / objects visible";
-        let y = Axis { holds: vec![1.0], ..Axis::log("PVS / exactly visible (1 is best)") };
-        lines(&lab.folder.join(file), title, &x, &y, &all)?;
-        section.picture(file, "Accuracy against the resolution of the grid.");
-
+        self.draw_cost(lab, section)?;
+        self.draw_accuracy(lab, section)?;
         let columns = [
             "N",
             "cell: query, ms",
             "cell: frame, ms",
-            "cell: PVS/exact",
+            "cell: PVS/visible",
             "point: query, ms",
             "point: frame, ms",
-            "point: PVS/exact",
+            "point: PVS/visible",
             "visible objects lost",
         ];
         let mut table = Table::new("thesis-resolution", &columns);
@@ -209,7 +178,75 @@ impl Found {
                 format!("{}", c.lost + p.lost),
             ]);
         }
-        section.table(table);
+        section.rows("All resolutions as CSV", table);
+        Ok(())
+    }
+
+    fn draw_cost(&self, lab: &Lab, section: &mut Section) -> Result<(), LabError> {
+        let [cell, point] = &self.methods;
+        let (frame, query) = (|p: &Point| p.frame, |p: &Point| p.query);
+        let mut all = Vec::new();
+        for ((name, _), points) in METHODS.iter().zip(&self.methods) {
+            all.push(Line::new(format!("{name}: query and drawing"), style(name), curve(points, frame)));
+            all.push(Line::new(format!("{name}: query alone"), style(name).dashed(), curve(points, query)));
+        }
+        let mark = |name: String, style: Style, x: f64, points: &[(f64, f64)]| {
+            Line::dots(name, style, vec![(x, between(points, x))])
+        };
+        let (cells, points) = (curve(cell, frame), curve(point, query));
+        let (slow, fast) = (best(cell, frame), best(point, query));
+        let star = |style: Style| Style { marker: Marker::Star, ..style };
+        all.push(mark("thesis: fastest at about 70".to_owned(), THESIS, THESIS_BEST.0, &cells));
+        all.push(mark(format!("cell: fastest at {}", slow.cells), star(CELL), slow.cells, &cells));
+        all.push(mark(format!("point: fastest at {}", fast.cells), star(POINT), fast.cells, &points));
+        let fit = Style { marker: Marker::Hexagon, ..THESIS };
+        all.push(mark(format!("GridSpec::fit chooses {}", self.fit), fit, self.fit, &points));
+        let file = "thesis-resolution-cost.svg";
+        let times = |points: &[Point]| {
+            let most = points.iter().map(|p| p.query).fold(0.0, f64::max);
+            ratio(most, best(points, |p| p.query).query)
+        };
+        let title = format!(
+            "Over all grids, the slowest query of point takes {:.1} times the fastest, that of cell {:.0} times",
+            times(point),
+            times(cell)
+        );
+        let subtitle = "Time by the number of cells along the longest axis, mean over the viewpoints; drawing is in software.";
+        let x = Axis::linear("N, cells along the longest axis");
+        lines(&lab.folder.join(file), &title, subtitle, (&x, &Axis::log("time, ms")), &all)?;
+        section.picture(file, &title);
+        Ok(())
+    }
+
+    fn draw_accuracy(&self, lab: &Lab, section: &mut Section) -> Result<(), LabError> {
+        let [cell, point] = &self.methods;
+        let ends = |points: &[Point]| {
+            let ratios = || points.iter().map(|p| p.ratio);
+            (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max))
+        };
+        let span = cell.first().zip(cell.last()).map_or((10.0, 160.0), |(a, b)| (a.cells, b.cells));
+        let all = [
+            Line::new("cell", CELL, curve(cell, |p| p.ratio)),
+            Line::new("point", POINT, curve(point, |p| p.ratio)),
+            Line::new("frustum", FRUSTUM, vec![(span.0, self.vfc), (span.1, self.vfc)]),
+            Line::dots("thesis: 3.6 at 70, 3.2 at 100", THESIS, vec![THESIS_BEST, THESIS_FINE]),
+        ];
+        let file = "thesis-resolution-pvs.svg";
+        let ((tight, wide), (least, most)) = (ends(point), ends(cell));
+        let title = format!(
+            "For each visible object, point finds {tight:.2} to {wide:.2} on any grid, cell {most:.1} on the coarsest \
+             and {least:.1} on the finest"
+        );
+        let y = Axis { holds: vec![1.0], ..Axis::log("PVS/visible") };
+        let x = Axis::linear("N, cells along the longest axis");
+        lines(
+            &lab.folder.join(file),
+            &title,
+            "Objects found for each visible one; 1 is exact.",
+            (&x, &y),
+            &all,
+        )?;
+        section.picture(file, &title);
         Ok(())
     }
 
@@ -237,7 +274,7 @@ impl Found {
             Finding::new(
                 "4.6, fig. 4.8",
                 format!(
-                    "PVS/exact {} at N = {}, {} at {}.",
+                    "PVS/visible {} at N = {}, {} at {}.",
                     THESIS_BEST.1, THESIS_BEST.0, THESIS_FINE.1, THESIS_FINE.0
                 ),
                 format!(
@@ -250,11 +287,13 @@ impl Found {
             ),
             Finding::new(
                 "4.6, fig. 4.8",
-                format!("Below N = {THESIS_COARSE} no better than VFC."),
+                format!("Below N = {THESIS_COARSE} no better than frustum culling."),
                 match useless {
-                    Some(p) => format!("`cell` is no better than VFC (within 1 %) up to N = {}.", p.cells),
+                    Some(p) => {
+                        format!("`cell` is no better than `frustum` (within 1%) up to N = {}.", p.cells)
+                    }
                     None => format!(
-                        "`cell` is better than VFC at every N from {} on.",
+                        "`cell` is better than `frustum` at every N from {} on.",
                         cell.first().map_or(0.0, |p| p.cells)
                     ),
                 },

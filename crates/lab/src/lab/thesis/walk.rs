@@ -8,10 +8,11 @@ use casca::Method;
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table, median};
-use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, settings};
+use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, settings, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
+use crate::pictures::palette::{Marker, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::{SceneKind, SceneOptions, build};
 use crate::world::FRAME_SECONDS;
@@ -63,14 +64,14 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         ("cell, 100x60x100", Method::Cell, FINE),
         ("point, 50x30x50", Method::Point, COARSE),
         ("point, 100x60x100", Method::Point, FINE),
-        ("VFC", Method::Frustum, FINE),
+        ("frustum", Method::Frustum, FINE),
     ];
     let mut rows: Vec<Row> = ways.iter().map(|w| Row { name: w.0, ..Row::default() }).collect();
     let mut stages = Vec::new();
     for (_, method, dims) in ways {
         stages.push(Stage::new(&world, &grid(&world, dims)?, settings(method), Telling::Always)?);
     }
-    let mut hzb = Row { name: "hierarchical depth buffer, 1280x720", ..Row::default() };
+    let mut hzb = Row { name: "hzb, 1280x720", ..Row::default() };
     let (mut alone, mut visible, mut at) = (Vec::new(), Vec::new(), Vec::new());
     let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
     let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
@@ -119,23 +120,34 @@ fn thesis_dots(at: &[f64], y: f64) -> Vec<(f64, f64)> {
     (1..=5).map(|i| (end * f64::from(i) / 5.0 - end * 0.1, y)).collect()
 }
 
+/// Marks for the mean that the thesis gives for one of its grids.
+fn given(label: &str, coarse: bool, at: &[f64], y: f64) -> Line {
+    let style = if coarse { THESIS } else { Style { marker: Marker::Star, ..THESIS } };
+    Line::dots(label, style, thesis_dots(at, y))
+}
+
 fn cost(lab: &Lab, section: &mut Section, rows: &[Row], alone: &[f64], at: &[f64]) -> Result<(), LabError> {
     section.text(
-        "### A walk: its cost (figure 4.4)\n\nThe observer walks among 4,800 static and 200 moving spheres. A frame is \
-         upkeep, query and the drawing of the PVS by the software depth buffer; the depth buffer alone draws all 5,000 objects. \
-         The chart shows how many times faster than that each way is.",
+        "### A walk: cost and accuracy (sections 4.3 and 4.4)\n\nThe observer walks among 4,800 static and 200 moving spheres. A \
+         frame is upkeep, query and the drawing of the PVS by a software depth buffer, which stands for the graphics card. The \
+         depth buffer alone draws all 5,000 objects.",
     );
-    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, over(at, alone, &r.frame()))).collect();
-    all.push(Line::dots("thesis, 50x30x50: mean about 10", thesis_dots(at, 10.0)));
-    all.push(Line::dots("thesis, 100x60x100: mean about 4", thesis_dots(at, 4.0)));
-    let file = "thesis-walk-cost.png";
-    let title = "Figure 4.4: frames, times as fast as the depth buffer alone";
-    let (x, y) = (Axis::linear("frame of the walk"), Axis::log("time of depth buffer alone / time of frame"));
-    lines(&lab.folder.join(file), title, &x, &y, &all)?;
-    section.picture(
-        file,
-        "Speed of whole frames (culling, and drawing in software) relative to drawing everything.",
+    let line = |r: &Row| Line::new(r.name, style(r.name), over(at, alone, &r.frame()));
+    let mut all: Vec<Line> = rows.iter().map(line).collect();
+    all.push(given("thesis, 50x30x50: mean of about 10", true, at, 10.0));
+    all.push(given("thesis, 100x60x100: mean of about 4", false, at, 4.0));
+    let file = "thesis-walk-cost.svg";
+    let faster = |i: usize| ratio(middle(alone), middle(&rows[i].frame()));
+    let title = format!(
+        "Frames are {:.1} times as fast with point as when all is drawn, {:.1} times with cell, {:.1} with hzb",
+        faster(3),
+        faster(1),
+        faster(5)
     );
+    let subtitle = "Whole frames, drawn in software. Dashed: 50x30x50 cells.";
+    let (x, y) = (Axis::linear("frame of the walk"), Axis::log("time to draw all / time of a frame"));
+    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
+    section.picture(file, &title);
     Ok(())
 }
 
@@ -146,21 +158,28 @@ fn accuracy(
     visible: &[f64],
     at: &[f64],
 ) -> Result<(), LabError> {
-    section.text(
-        "### A walk: the PVS against what is visible (figure 4.5)\n\nObjects found over objects visible, on the \
-         same walk. The hierarchical depth buffer, which samples, is there for comparison; the table counts what each way loses.",
+    let line = |r: &Row| Line::new(r.name, style(r.name), over(at, &r.found, visible));
+    let mut all: Vec<Line> = rows.iter().map(line).collect();
+    all.push(given("thesis, 50x30x50: about 6", true, at, 6.0));
+    all.push(given("thesis, 100x60x100: about 2", false, at, 2.0));
+    let file = "thesis-walk-pvs.svg";
+    let ratio_of = |i: usize| ratio(mean(&rows[i].found), mean(visible));
+    let title = format!(
+        "For each visible object, point finds {:.2}, cell {:.2}, hzb {:.2} and frustum culling {:.1}",
+        ratio_of(3),
+        ratio_of(1),
+        ratio_of(5),
+        ratio_of(4)
     );
-    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, over(at, &r.found, visible))).collect();
-    all.push(Line::dots("thesis, 50x30x50: about 6", thesis_dots(at, 6.0)));
-    all.push(Line::dots("thesis, 100x60x100: about 2", thesis_dots(at, 2.0)));
-    let file = "thesis-walk-pvs.png";
-    let title = "Figure 4.5: objects found / objects visible";
-    let y = Axis { holds: vec![1.0], ..Axis::log("PVS / exactly visible (1 is best)") };
-    lines(&lab.folder.join(file), title, &Axis::linear("frame of the walk"), &y, &all)?;
-    section.picture(file, "How far each result is from exact visibility.");
+    let subtitle =
+        "Objects found for each visible one, on the same walk; 1 is exact. Dashed: 50x30x50 cells.";
+    let y = Axis { holds: vec![1.0], ..Axis::log("PVS/visible") };
+    lines(&lab.folder.join(file), &title, subtitle, (&Axis::linear("frame of the walk"), &y), &all)?;
+    section.picture(file, &title);
     Ok(())
 }
 
+/// The times and sets of each way.
 fn table(section: &mut Section, rows: &[Row], alone: &[f64], visible: &[f64]) {
     let columns = [
         "way",
@@ -169,7 +188,7 @@ fn table(section: &mut Section, rows: &[Row], alone: &[f64], visible: &[f64]) {
         "drawing, ms",
         "times as fast as drawing all",
         "mean PVS",
-        "PVS/exact",
+        "PVS/visible",
         "visible objects lost in a frame",
     ];
     let mut table = Table::new("thesis-walk", &columns);
@@ -186,13 +205,7 @@ fn table(section: &mut Section, rows: &[Row], alone: &[f64], visible: &[f64]) {
             format!("{:.2}", r.lost as f64 / visible.len().max(1) as f64),
         ]);
     }
-    section.table(table);
-    section.text(format!(
-        "Drawing all takes {:.2} ms; {:.1} objects are visible in a frame, on average over {} frames.",
-        middle(alone),
-        mean(visible),
-        visible.len()
-    ));
+    section.rows("Means of each way as CSV", table);
 }
 
 fn findings(rows: &[Row], alone: &[f64], visible: &[f64]) -> Vec<Finding> {
@@ -203,7 +216,7 @@ fn findings(rows: &[Row], alone: &[f64], visible: &[f64]) -> Vec<Finding> {
             "4.3, fig. 4.4; 5",
             "On average about 10 times as fast as the depth buffer alone with 50x30x50 cells, 4 times with 100x60x100.",
             format!(
-                "`cell` {:.1} and {:.1} times, `point` {:.1} and {:.1}, VFC {:.1}.",
+                "`cell` {:.1} and {:.1} times, `point` {:.1} and {:.1}, `frustum` {:.1}.",
                 faster(0),
                 faster(1),
                 faster(2),
@@ -224,7 +237,7 @@ fn findings(rows: &[Row], alone: &[f64], visible: &[f64]) -> Vec<Finding> {
             "4.4, fig. 4.5; 5",
             "The PVS is about twice what is visible with 100x60x100 cells, about six times with 50x30x50.",
             format!(
-                "`cell` {:.2} and {:.2}, `point` {:.2} and {:.2}, VFC {:.2}.",
+                "`cell` {:.2} and {:.2}, `point` {:.2} and {:.2}, `frustum` {:.2}.",
                 accuracy(1),
                 accuracy(0),
                 accuracy(3),

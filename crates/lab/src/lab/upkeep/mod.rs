@@ -13,9 +13,10 @@ use std::time::Instant;
 use casca::{Aabb, GridSpec, Method, Settings};
 
 use super::stage::{Stage, Telling, frame_of, ms};
-use super::{Lab, LabError, Section, Table, median};
+use super::{Lab, LabError, Section, Table, grouped, median};
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
+use crate::pictures::palette::{self, Marker, Style};
 use crate::pictures::{Axis, Line, lines};
 use crate::world::{FRAME_SECONDS, Object, Shape, World};
 use arena::Arena;
@@ -49,7 +50,7 @@ struct Effort {
     patience: f64,
 }
 
-/// What one structure did in one arena, for a frame.
+/// The results of one structure in one arena, for a frame.
 #[derive(Debug, Clone)]
 struct Row {
     name: &'static str,
@@ -241,41 +242,70 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
     }
     let mut section = Section::new("Upkeep of moving objects, against trees and arrays");
     section.text(
-        "The thesis ends with the wish to compare its grid and its temporal bounding volumes with hierarchies. Here all \
-         objects move in every frame: small spheres in a hall of 128x48x128 m, slowly (up to 0.5 m/s) or \
-         fast (up to 20 m/s), in the open (*visible*) or behind a wall with a gate of 3x3 m (*hidden*). An array, bounding \
-         volume hierarchies (refit, or rebuilt with the fastest preset), a loose octree and an R*-tree (each box taken out \
-         and put back) take all boxes and then collect those that meet the frustum, all by the same test. \
-         **The library answers a harder question:** which objects are not hidden. *Update* there is the clock, all reports, and the \
-         feedback of the result; *on expiry*, hidden objects are reported only when asked for. Grids are \
-         those of `GridSpec::fit`. All sides run in turns on one thread; medians over frames. \
-         One of the library's ways that takes more than three seconds in one hall is measured in one frame only.",
+        "The thesis ends with the wish to compare its grid with hierarchies. Here all objects move in every frame: small spheres in a hall \
+         of 128x48x128 m, slowly (up to 0.5 m/s) or fast (up to 20 m/s), in the open (*visible*) or behind a wall with a gate \
+         of 3x3 m (*hidden*). An array, bounding volume hierarchies, a loose octree and an R*-tree take all boxes and \
+         collect those in the frustum, all by the same test. **casca answers a harder question:** which objects are \
+         not hidden. Its *update* is the clock, all reports and the feedback of the result; *on expiry*, hidden objects are \
+         reported only when asked for. One thread, grids of `GridSpec::fit`, medians over frames; a way of casca that takes more than \
+         three seconds in one hall is measured in one frame only.",
     );
     let last = counts.last().copied().unwrap_or(0);
+    section.text(verdict(&rows, last));
     summary(&mut section, &rows, last);
     for (hidden, fast) in [(true, false), (false, true)] {
         let chosen: Vec<&Row> =
             rows.iter().filter(|r| (r.arena.hidden, r.arena.fast) == (hidden, fast)).collect();
-        let mut all: Vec<Line> = Vec::new();
-        for row in &chosen {
-            let point = (row.arena.count as f64, row.sum());
-            match all.iter_mut().find(|l| l.label == row.name) {
-                Some(line) => line.points.push(point),
-                None => all.push(Line::new(row.name, vec![point])),
-            }
-        }
-        let name = chosen.first().map_or(String::new(), |r| kind(&r.arena));
-        let file = format!("upkeep-{}.png", name.replace(", ", "-"));
-        let title = format!("Update and query of moving objects: {name}");
-        let (x, y) = (Axis::log("moving objects"), Axis::log("update + query, ms, median of frames"));
-        lines(&lab.folder.join(&file), &title, &x, &y, &all)?;
-        section.picture(&file, &format!("Time of a frame by the number of objects that move, {name}."));
+        draw(lab, &mut section, &chosen, last)?;
     }
-    section.text(verdict(&rows, last));
-    section.text("<details><summary>All rows</summary>");
-    section.table(whole(&rows));
-    section.text("</details>");
+    section.rows("All rows as CSV", whole(&rows));
     Ok(section)
+}
+
+/// The style of a structure or of one of the library's ways.
+fn style(name: &str) -> Style {
+    match name {
+        "casca point" => palette::POINT,
+        "casca point, on expiry" => Style { marker: Marker::Star, ..palette::POINT.dashed() },
+        "casca cell" => palette::CELL,
+        "casca frustum" => palette::FRUSTUM,
+        "linear array" => palette::other(8),
+        "BVH, refit" => palette::other(0),
+        "BVH, rebuilt" => Style { marker: Marker::Wedge, ..palette::other(0).dashed() },
+        "loose octree" => palette::other(5),
+        _ => palette::other(2),
+    }
+}
+
+/// The chart of one arena: time of a frame by the number of objects.
+fn draw(lab: &Lab, section: &mut Section, rows: &[&Row], count: usize) -> Result<(), LabError> {
+    let mut all: Vec<Line> = Vec::new();
+    for row in rows {
+        let point = (row.arena.count as f64, row.sum());
+        match all.iter_mut().find(|l| l.label == row.name) {
+            Some(line) => line.points.push(point),
+            None => all.push(Line::new(row.name, style(row.name), vec![point])),
+        }
+    }
+    let name = rows.first().map_or(String::new(), |r| kind(&r.arena));
+    let file = format!("upkeep-{}.svg", name.replace(", ", "-"));
+    let of = |name: &str| rows.iter().find(|r| r.arena.count == count && r.name == name);
+    let title = match (of("linear array"), of("casca point")) {
+        (Some(array), Some(point)) => format!(
+            "{} moving objects, {name}: the array takes {:.2} ms and returns {}, point takes {:.2} ms and returns {}",
+            grouped(count),
+            array.sum(),
+            whole_number(array.returned),
+            point.sum(),
+            whole_number(point.returned)
+        ),
+        _ => format!("Moving objects, {name}"),
+    };
+    let (x, y) = (Axis::log("moving objects"), Axis::log("update and query, ms, median"));
+    let subtitle = "Time of a frame by the number of objects that move. Only casca's point and cell find out which are hidden.";
+    lines(&lab.folder.join(&file), &title, subtitle, (&x, &y), &all)?;
+    section.picture(&file, &title);
+    Ok(())
 }
 
 fn find<'a>(rows: &'a [Row], name: &str, like: &Arena) -> Option<&'a Row> {
@@ -286,7 +316,7 @@ fn find<'a>(rows: &'a [Row], name: &str, like: &Arena) -> Option<&'a Row> {
 fn summary(section: &mut Section, rows: &[Row], count: usize) {
     let arenas: Vec<Arena> =
         rows.iter().filter(|r| r.arena.count == count && r.name == WAYS[0].0).map(|r| r.arena).collect();
-    let mut columns = vec![format!("{count} moving objects: update + query, ms")];
+    let mut columns = vec![format!("{} moving objects: update + query, ms", grouped(count))];
     columns.extend(arenas.iter().map(kind));
     let names: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut table = Table::new("upkeep-summary", &names);
@@ -313,9 +343,14 @@ fn summary(section: &mut Section, rows: &[Row], count: usize) {
     section.table(table);
 }
 
-/// What is seen, in words made from the numbers.
+/// A mean number of objects, rounded.
+fn whole_number(n: f64) -> String {
+    grouped(n.round() as usize)
+}
+
+/// The findings in words.
 fn verdict(rows: &[Row], count: usize) -> String {
-    let mut out = String::new();
+    let mut out = format!("With {} objects:\n\n", grouped(count));
     for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
         let here: Vec<&Row> = rows
             .iter()
@@ -327,22 +362,23 @@ fn verdict(rows: &[Row], count: usize) -> String {
         };
         let (Some(ours), Some(theirs)) = (least(true), least(false)) else { continue };
         out.push_str(&format!(
-            "{count} objects, {}: the fastest of the others is the {} with {:.2} ms for {:.0} objects, the fastest occlusion \
-             query is {} with {:.2} ms for {:.0} objects, of which {:.0} are visible.\n\n",
+            "- {}: the fastest structure is the {} ({:.2} ms, returns {}), the fastest occlusion query {} ({:.2} ms, returns \
+             {}); {} are visible.\n",
             kind(&ours.arena),
             theirs.name,
             theirs.sum(),
-            theirs.returned,
+            whole_number(theirs.returned),
             ours.name,
             ours.sum(),
-            ours.returned,
-            ours.visible
+            whole_number(ours.returned),
+            whole_number(ours.visible)
         ));
     }
     let lost: usize = rows.iter().map(|r| r.lost).sum();
-    out.push_str(&format!(
-        "In all judged frames together, {lost} objects that the item buffer shows were missing from a result."
-    ));
+    out.push_str(&match lost {
+        0 => "\nNo visible object is missing from any result, in all frames compared.".to_owned(),
+        n => format!("\n{n} visible objects are missing from results, in all frames compared."),
+    });
     out
 }
 
