@@ -16,22 +16,25 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "attack")]
 pub mod attack;
 pub mod baselines;
 pub mod command_line;
 pub mod drive;
 pub mod export;
 pub mod import;
+#[cfg(feature = "experiments")]
 pub mod lab;
 pub mod measure;
 pub mod oracle;
+#[cfg(feature = "pictures")]
 pub mod pictures;
 pub mod scenes;
 pub mod world;
 
 /// The configuration of a property test of `n` cases: the same cases in every
 /// run, unless `CASCA_SEED` is set; `CASCA_CASES` multiplies their number.
-#[cfg(feature = "testing")]
+#[cfg(feature = "proptest")]
 pub fn cases(n: u32) -> proptest::test_runner::Config {
     let from_env = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<u64>().ok());
     proptest::test_runner::Config {

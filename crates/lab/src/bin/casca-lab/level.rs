@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, say, try_writing};
 use casca_lab::export;
-use casca_lab::lab::LabError;
 use casca_lab::scenes::{self, SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
+
+use crate::Failure;
 
 /// The options.
 #[derive(Debug, Parser)]
@@ -30,7 +31,7 @@ pub struct Options {
 }
 
 /// Writes the file.
-pub fn run(options: &Options) -> Result<Outcome, LabError> {
+pub fn run(options: &Options) -> Result<Outcome, Failure> {
     try_writing(&options.out)?;
     let scene_options =
         SceneOptions { seed: options.seed, frames: options.frames as usize, ..SceneOptions::default() };

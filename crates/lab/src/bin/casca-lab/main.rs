@@ -2,26 +2,40 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
+//! `tradeoff` and `report` are built with `--features experiments`.
 
 mod level;
 mod prepare;
 mod progress;
+#[cfg(feature = "experiments")]
 mod report;
+#[cfg(feature = "experiments")]
 mod tradeoff;
 mod walk;
 
+use std::error::Error;
 use std::process::ExitCode;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, finish};
-use casca_lab::lab::LabError;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
+
+/// Why a command failed.
+type Failure = Box<dyn Error + Send + Sync>;
+
+/// Where the commands are that are not always built.
+const MORE: &str = if cfg!(feature = "experiments") {
+    ""
+} else {
+    "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
+     methods and settings\n  report    Runs the experiments and writes the report\n\n"
+};
 
 #[derive(Debug, Parser)]
 #[command(
     name = "casca-lab",
     about = "Walks, measurements and files for casca",
-    after_help = EXIT_CODES
+    after_help = format!("{MORE}{EXIT_CODES}")
 )]
 struct CommandLine {
     #[command(subcommand)]
@@ -31,7 +45,9 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Walk(walk::Options),
+    #[cfg(feature = "experiments")]
     Tradeoff(tradeoff::Options),
+    #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
     Level(level::Options),
@@ -46,10 +62,12 @@ impl Command {
         }
     }
 
-    fn run(&self) -> Result<Outcome, LabError> {
+    fn run(&self) -> Result<Outcome, Failure> {
         match self {
             Self::Walk(options) => walk::run(options),
+            #[cfg(feature = "experiments")]
             Self::Tradeoff(options) => tradeoff::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),

@@ -11,13 +11,12 @@ use std::time::Duration;
 use casca::{FileError, Preparation, TriMesh};
 use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use casca_lab::import;
-use casca_lab::lab::LabError;
 use casca_lab::measure::timed;
 use casca_lab::world::{Mesh, Shape};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 
-use crate::progress;
+use crate::{Failure, progress};
 
 /// The options.
 #[derive(Debug, Parser)]
@@ -115,7 +114,7 @@ fn save(path: &Path, prepared: &[TriMesh]) -> std::io::Result<()> {
 }
 
 /// Reads the meshes of a file to its end.
-fn load(path: &Path) -> Result<Vec<TriMesh>, LabError> {
+fn load(path: &Path) -> Result<Vec<TriMesh>, Failure> {
     let mut file = BufReader::new(File::open(path).map_err(PathError::read(path))?);
     let mut loaded = Vec::new();
     loop {
@@ -128,7 +127,7 @@ fn load(path: &Path) -> Result<Vec<TriMesh>, LabError> {
 }
 
 /// Says which mesh is not the same after loading. Equal meshes have equal bytes.
-fn compare(meshes: &[(String, Arc<Mesh>)], prepared: &[TriMesh], loaded: &[TriMesh]) -> Result<(), LabError> {
+fn compare(meshes: &[(String, Arc<Mesh>)], prepared: &[TriMesh], loaded: &[TriMesh]) -> Result<(), Failure> {
     let bytes = |mesh: &TriMesh| {
         let mut bytes = Vec::new();
         mesh.write(&mut bytes).map(|()| bytes)
@@ -145,7 +144,7 @@ fn compare(meshes: &[(String, Arc<Mesh>)], prepared: &[TriMesh], loaded: &[TriMe
 }
 
 /// Prepares the meshes, writes them, reads them back and compares.
-pub fn run(options: &Options) -> Result<Outcome, LabError> {
+pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // Large meshes take a while: what cannot be written is said before it.
     try_writing(&options.out)?;
     let meshes = match &options.input {

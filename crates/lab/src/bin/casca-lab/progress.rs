@@ -1,7 +1,5 @@
 //! Progress on the terminal.
 
-use std::time::Duration;
-
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar with a label that counts up to `total` of what `unit` names.
@@ -10,10 +8,11 @@ pub fn bar(quiet: bool, total: usize, label: &str, unit: &str) -> ProgressBar {
     start(quiet, ProgressBar::new(total as u64), &template).with_message(label.to_owned())
 }
 
-/// A sign that work goes on, after the time that has passed.
+/// The time that has passed and a message, with a sign that work goes on.
+#[cfg(feature = "experiments")]
 pub fn spinner(quiet: bool) -> ProgressBar {
     let spinner = start(quiet, ProgressBar::new_spinner(), "{spinner} {elapsed} {prefix}: {wide_msg}");
-    spinner.enable_steady_tick(Duration::from_millis(200));
+    spinner.enable_steady_tick(std::time::Duration::from_millis(200));
     spinner
 }
 

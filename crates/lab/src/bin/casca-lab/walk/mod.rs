@@ -7,13 +7,12 @@ mod session;
 mod summary;
 
 use casca_lab::command_line::{Outcome, PathError, try_writing, try_writing_into};
-use casca_lab::lab::LabError;
 use casca_lab::pictures::chart;
 use casca_lab::scenes::SceneOptions;
 use casca_lab::world::World;
 use indicatif::ProgressBar;
 
-use crate::progress;
+use crate::{Failure, progress};
 pub use options::Options;
 use pictures::PICTURES;
 use session::{Frame, Session};
@@ -25,7 +24,7 @@ const ASPECT: f32 = 16.0 / 9.0;
 const LOSSES_SHOWN: usize = 10;
 
 /// Walks, prints what was found, and writes the pictures and the file of results.
-pub fn run(options: &Options) -> Result<Outcome, LabError> {
+pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // A walk takes minutes: what cannot be written is said before it.
     try_writing_into(&options.out, &PICTURES)?;
     options.json.as_deref().map_or(Ok(()), try_writing)?;
@@ -44,7 +43,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     Ok(summary.outcome())
 }
 
-fn open(options: &Options) -> Result<World, LabError> {
+fn open(options: &Options) -> Result<World, Failure> {
     let frames = options.frames.map(|n| n as usize);
     let mut scene_options = SceneOptions { seed: options.seed, ..SceneOptions::default() };
     scene_options.frames = frames.unwrap_or(scene_options.frames);
@@ -53,7 +52,7 @@ fn open(options: &Options) -> Result<World, LabError> {
     Ok(world)
 }
 
-fn walk(options: &Options, session: &mut Session<'_>) -> Result<Vec<Frame>, LabError> {
+fn walk(options: &Options, session: &mut Session<'_>) -> Result<Vec<Frame>, Failure> {
     let count = session.world.frames;
     let bar = progress::bar(options.quiet, count, &session.world.name, "frame");
     let mut frames: Vec<Frame> = Vec::with_capacity(count);

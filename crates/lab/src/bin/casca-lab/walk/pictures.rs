@@ -1,7 +1,6 @@
 //! The pictures of the frame in the middle of a walk.
 
 use casca::{Method, Query, Scene, View};
-use casca_lab::lab::LabError;
 use casca_lab::oracle::ItemBuffer;
 use casca_lab::pictures::{FramePicture, PictureError, TopView, buffers, frame, top_view};
 use casca_lab::world::{Camera, World};
@@ -9,6 +8,7 @@ use glam::Vec3;
 
 use super::ASPECT;
 use super::options::{MethodName, Options};
+use crate::Failure;
 
 /// The files that a walk writes.
 pub const PICTURES: [&str; 4] = ["walk.png", "frame.png", "buffers.png", "top_view.png"];
@@ -36,7 +36,7 @@ pub struct Shot<'a> {
 
 impl Shot<'_> {
     /// Draws all pictures; `view` is that of the camera.
-    pub fn draw(&self, view: &View) -> Result<(), LabError> {
+    pub fn draw(&self, view: &View) -> Result<(), Failure> {
         self.top_view(view)?;
         self.frame()?;
         if self.options.method == MethodName::Point {
@@ -51,7 +51,7 @@ impl Shot<'_> {
     }
 
     /// The grid from above, with the cells that the method `Cell` visits.
-    fn top_view(&self, view: &View) -> Result<(), LabError> {
+    fn top_view(&self, view: &View) -> Result<(), Failure> {
         let mut settings = self.options.settings();
         settings.record_cells = true;
         settings.method = Method::Cell;

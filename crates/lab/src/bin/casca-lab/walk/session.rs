@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use casca::{Aabb, GridSpec, Method, Query};
 use casca_lab::baselines::{Hzb, RayBuffer};
 use casca_lab::drive::{Driver, grid_for, view_of};
-use casca_lab::lab::LabError;
 use casca_lab::measure::timed;
 use casca_lab::oracle::{FrameVerdict, Oracle, OracleOptions};
 use casca_lab::pictures::FrameCounts;
@@ -16,7 +15,7 @@ use glam::Vec3;
 use super::ASPECT;
 use super::options::{GridChoice, MethodName, Options};
 use super::pictures::{Shot, height_of};
-use crate::progress;
+use crate::{Failure, progress};
 
 /// The results of one frame.
 pub struct Frame {
@@ -74,7 +73,7 @@ pub struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Fills the library's scene.
-    pub fn new(options: &'a Options, mut world: World) -> Result<Self, LabError> {
+    pub fn new(options: &'a Options, mut world: World) -> Result<Self, Failure> {
         world.set_frame(0);
         let (driver, setup) = timed(|| fill(options, &world));
         let mut frustum = options.settings();
@@ -100,7 +99,7 @@ impl<'a> Session<'a> {
     }
 
     /// Runs a frame and checks it; in the middle of the walk also draws it.
-    pub fn frame(&mut self, number: usize) -> Result<Frame, LabError> {
+    pub fn frame(&mut self, number: usize) -> Result<Frame, Failure> {
         let moved = self.world.set_frame(number);
         let (camera, objects) = (self.world.camera(number, ASPECT), &self.world.objects);
         let view = view_of(&camera)?;
@@ -155,7 +154,7 @@ impl<'a> Session<'a> {
 }
 
 /// The library's scene with all objects of the world, in the grid that is asked for.
-fn fill(options: &Options, world: &World) -> Result<Driver, LabError> {
+fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
     let grid = match options.grid {
         Some(GridChoice::Fit) => {
             GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?
