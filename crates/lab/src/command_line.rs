@@ -1,4 +1,4 @@
-//! What the command lines of the examples share: scenes by name or file, the limits of what they take,
+//! What the command lines share: scenes by name or file, the limits of what they take,
 //! places that are tried before the work and not after it, and exit codes.
 
 use std::fmt::Display;
@@ -20,7 +20,7 @@ pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
 /// Rays to one object, at most.
 pub const MOST_SAMPLES: i64 = 10_000;
 
-/// What the examples exit with, for their `--help`. Code 2 is given by clap.
+/// What the programs exit with, for their `--help`. Code 2 is given by clap.
 pub const EXIT_CODES: &str = "Exit codes:
   0  all is well
   1  something visible was lost

@@ -3,6 +3,7 @@
 //! Independent of the library, so that the oracle can work on it without
 //! sharing code with what it checks.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Vec3, camera};
@@ -17,6 +18,82 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Vertex indices, three per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// The triangles of a box by the numbers of its [`box_corners`], counter-clockwise seen from outside.
+pub const BOX_TRIANGLES: [[u32; 3]; 12] = [
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+];
+
+/// The corners of a box; the bits of a corner's number say where it has the greater x (1), y (2) and z (4).
+pub fn box_corners(min: Vec3, max: Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|i| {
+        let side = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+        Vec3::new(side(0), side(1), side(2))
+    })
+}
+
+impl Mesh {
+    /// A box.
+    pub fn cuboid(min: Vec3, max: Vec3) -> Self {
+        Self { positions: box_corners(min, max).to_vec(), triangles: BOX_TRIANGLES.to_vec() }
+    }
+
+    /// An icosahedron cut into 4^`cuts` times its triangles, with vertices at distance 1 from the origin.
+    pub fn ball(cuts: u32) -> Self {
+        let g = (1.0 + 5f32.sqrt()) / 2.0;
+        let mut positions: Vec<Vec3> = Vec::new();
+        for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
+            positions.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+        }
+        let mut triangles = Vec::new();
+        for i in 0..12u32 {
+            for j in 0..12u32 {
+                for k in 0..12u32 {
+                    let [a, b, c] = [i, j, k].map(|v| positions[v as usize]);
+                    let edge = |p: Vec3, q: Vec3| (p.distance(q) - 2.0).abs() < 1e-3;
+                    let first = i < j && i < k;
+                    let outward = (b - a).cross(c - a).dot(a) > 0.0;
+                    if first && outward && edge(a, b) && edge(b, c) && edge(c, a) {
+                        triangles.push([i, j, k]);
+                    }
+                }
+            }
+        }
+        for _ in 0..cuts {
+            triangles = cut(&mut positions, triangles);
+        }
+        Self { positions: positions.into_iter().map(Vec3::normalize).collect(), triangles }
+    }
+}
+
+/// Cuts each triangle into four, with new vertices in the directions of the middles of edges.
+fn cut(positions: &mut Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    let mut middles = HashMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            let (p, q) = (positions[a as usize].normalize(), positions[b as usize].normalize());
+            positions.push(p + q);
+            positions.len() as u32 - 1
+        })
+    };
+    let mut next = Vec::with_capacity(4 * triangles.len());
+    for [a, b, c] in triangles {
+        let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
+        next.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
+    }
+    next
 }
 
 /// The exact geometry of an object, in world space.

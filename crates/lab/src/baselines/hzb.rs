@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::{DepthPyramid, Screen, bounds, front_to_back};
-use crate::world::{Camera, Object, Shape};
+use crate::world::{BOX_TRIANGLES, Camera, Mesh, Object, Shape, box_corners};
 
 /// Spheres whose radius is less than this many pixels are drawn with 80 triangles
 /// instead of 320, and below a pixel not at all.
@@ -12,72 +12,16 @@ const COARSE: f32 = 12.0;
 /// A software occlusion buffer.
 pub struct Hzb {
     depth: DepthPyramid,
-    fine: (Vec<Vec3>, Vec<[u16; 3]>),
-    coarse: (Vec<Vec3>, Vec<[u16; 3]>),
+    fine: Mesh,
+    coarse: Mesh,
     clip: Vec<Vec4>,
 }
-
-/// An icosahedron cut into 4^`cuts` times its triangles, with vertices at distance 1.
-fn ball(cuts: u32) -> (Vec<Vec3>, Vec<[u16; 3]>) {
-    let g = (1.0 + 5f32.sqrt()) / 2.0;
-    let mut points: Vec<Vec3> = Vec::new();
-    for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
-        points.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
-    }
-    let mut triangles = Vec::new();
-    for i in 0..12u16 {
-        for j in 0..12u16 {
-            for k in 0..12u16 {
-                let [a, b, c] = [i, j, k].map(|v| points[usize::from(v)]);
-                let edge = |p: Vec3, q: Vec3| (p.distance(q) - 2.0).abs() < 1e-3;
-                let first = i < j && i < k;
-                let outward = (b - a).cross(c - a).dot(a) > 0.0;
-                if first && outward && edge(a, b) && edge(b, c) && edge(c, a) {
-                    triangles.push([i, j, k]);
-                }
-            }
-        }
-    }
-    for _ in 0..cuts {
-        let mut middles = std::collections::HashMap::new();
-        let mut next = Vec::new();
-        for t in triangles {
-            let mut middle = |a: u16, b: u16| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    let (p, q) = (points[usize::from(a)].normalize(), points[usize::from(b)].normalize());
-                    points.push(p + q);
-                    points.len() as u16 - 1
-                })
-            };
-            let [a, b, c] = t;
-            let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
-            next.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
-        }
-        triangles = next;
-    }
-    (points.into_iter().map(Vec3::normalize).collect(), triangles)
-}
-
-/// Corners by bits: 1 the greater x, 2 the greater y, 4 the greater z; outward counter-clockwise.
-const BOX: [[u16; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-];
 
 impl Hzb {
     /// A buffer of `width` by `height` pixels.
     pub fn new(width: usize, height: usize) -> Self {
-        Self { depth: DepthPyramid::new(width, height), fine: ball(2), coarse: ball(1), clip: Vec::new() }
+        let (fine, coarse) = (Mesh::ball(2), Mesh::ball(1));
+        Self { depth: DepthPyramid::new(width, height), fine, coarse, clip: Vec::new() }
     }
 
     /// The buffer as the last frame left it.
@@ -126,23 +70,17 @@ impl Hzb {
                 let scale = screen.matrix.row(1).truncate().length() * screen.height * 0.5;
                 let pixels = radius / distance * scale;
                 if pixels >= 1.0 {
-                    let (points, triangles) = if pixels < COARSE { &self.coarse } else { &self.fine };
-                    clip.extend(points.iter().map(|&p| screen.clip(*center + p * *radius)));
-                    for t in triangles {
-                        triangle(&mut self.depth, screen, t.map(|v| clip[usize::from(v)]), true);
+                    let ball = if pixels < COARSE { &self.coarse } else { &self.fine };
+                    clip.extend(ball.positions.iter().map(|&p| screen.clip(*center + p * *radius)));
+                    for t in &ball.triangles {
+                        triangle(&mut self.depth, screen, t.map(|v| clip[v as usize]), true);
                     }
                 }
             }
             Shape::Box { min, max } => {
-                clip.extend((0..8).map(|i| {
-                    screen.clip(Vec3::new(
-                        if i & 1 == 0 { min.x } else { max.x },
-                        if i & 2 == 0 { min.y } else { max.y },
-                        if i & 4 == 0 { min.z } else { max.z },
-                    ))
-                }));
-                for t in BOX {
-                    triangle(&mut self.depth, screen, t.map(|v| clip[usize::from(v)]), true);
+                clip.extend(box_corners(*min, *max).map(|corner| screen.clip(corner)));
+                for t in BOX_TRIANGLES {
+                    triangle(&mut self.depth, screen, t.map(|v| clip[v as usize]), true);
                 }
             }
             Shape::Mesh { mesh, transform } => {

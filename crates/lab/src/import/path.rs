@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3};
 
 use super::Trouble;
 use super::nodes::Nodes;
-use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 #[derive(Debug, Clone)]
 pub(super) struct FileCamera {
@@ -120,11 +120,7 @@ struct Way {
 impl Way {
     fn new(mesh: &Mesh) -> Self {
         let (min, max) = bounds_of(mesh, &Affine3A::IDENTITY).unwrap_or_default();
-        let corner = |i: usize| {
-            let side = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
-            Vec3::new(side(0), side(1), side(2))
-        };
-        Self { corners: std::array::from_fn(corner), last: None, farthest: 0.0 }
+        Self { corners: box_corners(min, max), last: None, farthest: 0.0 }
     }
 
     /// The way of a point is linear in where it is on the mesh, so that none goes farther than a corner of

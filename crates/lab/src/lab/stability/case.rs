@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 
 pub(super) use crate::lab::ASPECT;
 use crate::lab::LabError;
-use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use crate::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 /// A point of an object that the case was built to show; judged beside the points that the oracle picks.
 #[derive(Debug, Clone, Copy)]
@@ -146,20 +146,12 @@ pub(super) fn quad(corners: [Vec3; 4]) -> Shape {
 
 /// The closed surface of a solid with eight corners, by bits: 1 the greater x, 2 the greater y, 4 the greater z.
 pub(super) fn hexahedron(corners: [Vec3; 8]) -> Shape {
-    const SIDES: [[u32; 4]; 6] =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    mesh(corners.to_vec(), SIDES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+    mesh(corners.to_vec(), BOX_TRIANGLES.to_vec())
 }
 
 /// A box as the mesh of its twelve triangles.
 pub(super) fn box_mesh(min: Vec3, max: Vec3) -> Shape {
-    hexahedron([0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
-        Vec3::new(
-            if i & 1 == 0 { min.x } else { max.x },
-            if i & 2 == 0 { min.y } else { max.y },
-            if i & 4 == 0 { min.z } else { max.z },
-        )
-    }))
+    hexahedron(box_corners(min, max))
 }
 
 /// A camera moved to `eye` and turned by `turn`; its projection stays.

@@ -9,8 +9,8 @@ use casca_lab::drive::view_of;
 use casca_lab::world::{Camera, Object, Shape};
 use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
 
-use super::renderer::{Corner, Line, Marks};
-use super::stage::Frame;
+use crate::playback::Frame;
+use crate::renderer::{Corner, Line, Marks};
 
 /// A layer of marks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,23 +1,22 @@
-//! The laboratory: runs all experiments and writes the report with its charts and tables.
-//!
-//! `cargo run --release --example report` writes `docs/report.md`; `--quick` makes a smoke run
-//! of it in `target/report`. `--help` lists the experiments and options.
+//! Runs all experiments and writes the report, with its charts and tables, to `docs/report.md`;
+//! `--quick` makes a smoke run in `target/report`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome, finish, make_folder, say, try_writing_into};
+use casca_lab::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use casca_lab::import;
 use casca_lab::lab::{
     Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
 };
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::progress;
+
+/// The options.
 #[derive(Debug, Parser)]
 #[command(about = "Runs the experiments and writes the report", after_help = EXIT_CODES, allow_negative_numbers = true)]
-struct Options {
+pub struct Options {
     /// A smoke run, whose figures mean nothing
     #[arg(long)]
     quick: bool,
@@ -68,7 +67,8 @@ fn files_in(folder: &str) -> Vec<PathBuf> {
     files
 }
 
-fn run(options: &Options) -> Result<Outcome, LabError> {
+/// Runs the experiments and writes the report.
+pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let whole = !options.quick && options.only.is_empty();
     let out = options.out.clone();
     let out = out.unwrap_or_else(|| PathBuf::from(if whole { "docs" } else { "target/report" }));
@@ -78,9 +78,7 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     files.iter().try_for_each(|file: &PathBuf| import::load(file).map(|_| ()))?;
     try_writing_into(&out, &["report.md"])?;
     make_folder(&folder)?;
-    let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-    bar.set_style(ProgressStyle::with_template("{spinner} {elapsed} {prefix}: {wide_msg}")?);
-    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    let bar = progress::spinner(options.quiet);
     let progress = |what: &str| bar.set_message(what.to_owned());
     let lab = Lab { quick: options.quick, seed: options.seed, files, folder, progress: &progress };
     let start = Instant::now();
@@ -102,17 +100,13 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
         if files.is_empty() { "none".to_owned() } else { files.join(", ") },
         start.elapsed().as_secs_f64() / 60.0
     );
-    let quick = if options.quick { " -- --quick" } else { "" };
-    let command = format!("cargo run --release --example report{quick}");
+    let quick = if options.quick { " --quick" } else { "" };
+    let command = format!("cargo run --release -p casca-lab -- report{quick}");
     let path = out.join("report.md");
     write(&path, &lab, &sections, &command, &settings)?;
     bar.finish_and_clear();
     say(path.display());
     Ok(Outcome::Well)
-}
-
-fn main() -> ExitCode {
-    finish(run(&Options::parse()))
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use casca_lab::world::Camera;
-use wgpu::util::DeviceExt;
-use wgpu::{BufferUsages, TextureFormat, VertexFormat, VertexStepMode, vertex_attr_array};
+use casca_stage::canvas::Target;
+use casca_stage::gpu::{DEPTH, Gpu, ITEMS};
+use casca_stage::wgpu::util::DeviceExt;
+use casca_stage::wgpu::{self, BufferUsages, TextureFormat, VertexFormat, VertexStepMode, vertex_attr_array};
 
-use super::geometry::{DrawList, Geometry, Instance};
-use super::gpu::{DEPTH, Gpu, ITEMS};
+use crate::geometry::{DrawList, Geometry, Instance};
 
 /// No object, in item buffers.
 pub const NO_ITEM: u32 = u32::MAX;
@@ -191,18 +192,17 @@ impl Renderer {
         }
     }
 
-    /// Draws a list of objects, and marks over them, to a texture with a depth texture of the same size.
+    /// Draws a list of objects, and marks over them.
     pub fn draw(
         &mut self,
         gpu: &Gpu,
         output: Output,
-        (target, depth): (&wgpu::TextureView, &wgpu::TextureView),
+        target: &Target,
         camera: &Camera,
         list: &DrawList,
         marks: &Marks,
     ) {
-        let size = target.texture();
-        let eye = Eye::new(camera, (size.width(), size.height()), self.haze);
+        let eye = Eye::new(camera, target.size(), self.haze);
         gpu.queue.write_buffer(&self.eye, 0, bytemuck::bytes_of(&eye));
         self.instances.write(gpu, &list.instances);
         self.line_ends.write(gpu, &marks.lines);
@@ -213,13 +213,13 @@ impl Renderer {
         let clear = if output == Output::Picture { SKY } else { nothing };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
+                view: &target.colour,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
+                view: &target.depth,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(0.0),
                     store: wgpu::StoreOp::Discard,

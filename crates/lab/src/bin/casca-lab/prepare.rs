@@ -1,28 +1,27 @@
-//! Prepares meshes once and keeps them in a file, so that the next start only reads them.
-//!
-//! `cargo run --release --example prepare` needs no arguments and makes a mesh of its own; name a glTF 2.0
-//! file to prepare the meshes in that. `--help` lists the rest.
+//! Prepares meshes once and keeps them in a file, so that the next start only reads them: meshes
+//! made here, or those of a glTF 2.0 file.
 
 use std::collections::HashSet;
-use std::error::Error;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::Duration;
 
 use casca::{FileError, Preparation, TriMesh};
-use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, finish, say, try_writing};
+use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use casca_lab::import;
+use casca_lab::measure::timed;
 use casca_lab::world::{Mesh, Shape};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
-use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::{Failure, progress};
+
+/// The options.
 #[derive(Debug, Parser)]
 #[command(about = "Prepares meshes, saves them, and reads them back", after_help = EXIT_CODES, allow_negative_numbers = true)]
-struct Options {
+pub struct Options {
     /// A glTF 2.0 file (.glb or .gltf) [default: a mesh made here]
     input: Option<PathBuf>,
     /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's diagonal]
@@ -72,7 +71,7 @@ fn rocks() -> Vec<(String, Arc<Mesh>)> {
 }
 
 /// The meshes of a file, each once, with the name of the first object that has it.
-fn meshes_of(path: &std::path::Path) -> Result<Vec<(String, Arc<Mesh>)>, import::ImportError> {
+fn meshes_of(path: &Path) -> Result<Vec<(String, Arc<Mesh>)>, import::ImportError> {
     let mut known = HashSet::new();
     let mut meshes = Vec::new();
     for object in import::load(path)?.objects {
@@ -85,54 +84,50 @@ fn meshes_of(path: &std::path::Path) -> Result<Vec<(String, Arc<Mesh>)>, import:
     Ok(meshes)
 }
 
-fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
-    // Large meshes take a while: what cannot be written is said before it.
-    try_writing(&options.out)?;
-    let meshes = match &options.input {
-        Some(path) => meshes_of(path)?,
-        None => rocks(),
-    };
+/// Prepares meshes, with a bar that counts their triangles.
+fn prepare(meshes: &[(String, Arc<Mesh>)], options: &Options) -> Result<Vec<TriMesh>, casca::Error> {
     let mut how = Preparation::default();
     how.tolerance = options.tolerance;
-
-    let total: usize = meshes.iter().map(|(_, m)| m.triangles.len()).sum();
-    let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(total as u64) };
-    bar.set_style(ProgressStyle::with_template("{msg} {bar:40} triangle {pos} of {len}, {eta} left")?);
-    let start = Instant::now();
-    let mut prepared = Vec::with_capacity(meshes.len());
+    let bar = progress::bar(options.quiet, triangles(meshes), "", "triangle");
     let mut done = 0;
-    for (name, mesh) in &meshes {
+    let prepared = meshes.iter().map(|(name, mesh)| {
         bar.set_message(name.clone());
         let count = mesh.triangles.len();
         let mut progress = |share: f32| bar.set_position(done + (share * count as f32) as u64);
-        prepared.push(TriMesh::prepare(mesh.positions.clone(), mesh.triangles.clone(), &how, &mut progress)?);
+        let prepared = TriMesh::prepare(mesh.positions.clone(), mesh.triangles.clone(), &how, &mut progress);
         done += count as u64;
-    }
+        prepared
+    });
+    let prepared = prepared.collect();
     bar.finish_and_clear();
-    let preparing = start.elapsed().as_secs_f64();
+    prepared
+}
 
-    let start = Instant::now();
-    let save = || {
-        let mut file = BufWriter::new(File::create(&options.out)?);
-        prepared.iter().try_for_each(|mesh| mesh.write(&mut file))?;
-        file.flush()
-    };
-    save().map_err(PathError::write(&options.out))?;
-    let saving = start.elapsed().as_secs_f64();
+fn triangles(meshes: &[(String, Arc<Mesh>)]) -> usize {
+    meshes.iter().map(|(_, mesh)| mesh.triangles.len()).sum()
+}
 
-    let start = Instant::now();
-    let mut file = BufReader::new(File::open(&options.out).map_err(PathError::read(&options.out))?);
-    let mut loaded = Vec::with_capacity(prepared.len());
+fn save(path: &Path, prepared: &[TriMesh]) -> std::io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    prepared.iter().try_for_each(|mesh| mesh.write(&mut file))?;
+    file.flush()
+}
+
+/// Reads the meshes of a file to its end.
+fn load(path: &Path) -> Result<Vec<TriMesh>, Failure> {
+    let mut file = BufReader::new(File::open(path).map_err(PathError::read(path))?);
+    let mut loaded = Vec::new();
     loop {
         match TriMesh::read(&mut file) {
             Ok(mesh) => loaded.push(mesh),
-            Err(FileError::Truncated { held: 0, .. }) => break,
-            Err(e) => return Err(format!("{}: {e}", options.out.display()).into()),
+            Err(FileError::Truncated { held: 0, .. }) => return Ok(loaded),
+            Err(e) => return Err(format!("{}: {e}", path.display()).into()),
         }
     }
-    let loading = start.elapsed().as_secs_f64();
+}
 
-    // What is the same has the same bytes.
+/// Says which mesh is not the same after loading. Equal meshes have equal bytes.
+fn compare(meshes: &[(String, Arc<Mesh>)], prepared: &[TriMesh], loaded: &[TriMesh]) -> Result<(), Failure> {
     let bytes = |mesh: &TriMesh| {
         let mut bytes = Vec::new();
         mesh.write(&mut bytes).map(|()| bytes)
@@ -140,31 +135,46 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     if loaded.len() != prepared.len() {
         return Err(format!("{} meshes were saved, but {} loaded", prepared.len(), loaded.len()).into());
     }
-    for ((name, _), (a, b)) in meshes.iter().zip(prepared.iter().zip(&loaded)) {
+    for ((name, _), (a, b)) in meshes.iter().zip(prepared.iter().zip(loaded)) {
         if bytes(a)? != bytes(b)? {
             return Err(format!("{name} is not the same after loading").into());
         }
     }
+    Ok(())
+}
+
+/// Prepares the meshes, writes them, reads them back and compares.
+pub fn run(options: &Options) -> Result<Outcome, Failure> {
+    // Large meshes take a while: what cannot be written is said before it.
+    try_writing(&options.out)?;
+    let meshes = match &options.input {
+        Some(path) => meshes_of(path)?,
+        None => rocks(),
+    };
+    let (prepared, preparing) = timed(|| prepare(&meshes, options));
+    let prepared = prepared?;
+    let (saved, saving) = timed(|| save(&options.out, &prepared));
+    saved.map_err(PathError::write(&options.out))?;
+    let (loaded, loading) = timed(|| load(&options.out));
+    compare(&meshes, &prepared, &loaded?)?;
 
     let row = |name: &str, value: String| say(format_args!("{name:<26}{value:>12}"));
+    let sum = |count: fn(&TriMesh) -> usize| prepared.iter().map(count).sum::<usize>().to_string();
+    let seconds = |time: Duration| format!("{:.3} s", time.as_secs_f64());
     row("meshes", prepared.len().to_string());
-    row("closed", prepared.iter().filter(|m| m.is_closed()).count().to_string());
-    row("triangles", total.to_string());
-    row("patches kept of them", prepared.iter().map(|m| m.patches()).sum::<usize>().to_string());
-    row("sides of their outlines", prepared.iter().map(|m| m.sides()).sum::<usize>().to_string());
+    row("closed", sum(|m| usize::from(m.is_closed())));
+    row("triangles", triangles(&meshes).to_string());
+    row("patches kept of them", sum(TriMesh::patches));
+    row("sides of their outlines", sum(TriMesh::sides));
     row("bytes", std::fs::metadata(&options.out).map_err(PathError::read(&options.out))?.len().to_string());
-    row("preparing", format!("{preparing:.3} s"));
-    row("saving", format!("{saving:.3} s"));
-    row("loading", format!("{loading:.3} s"));
+    row("preparing", seconds(preparing));
+    row("saving", seconds(saving));
+    row("loading", seconds(loading));
     if prepared.is_empty() {
         return Ok(Outcome::NothingChecked);
     }
     say(format_args!("\nall meshes are the same after loading: {}", options.out.display()));
     Ok(Outcome::Well)
-}
-
-fn main() -> ExitCode {
-    finish(run(&Options::parse()))
 }
 
 #[cfg(test)]

@@ -4,11 +4,12 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use casca_lab::scenes::{self, SceneKind, SceneOptions};
+use casca_stage::canvas::Canvas;
+use casca_stage::gpu::{COLOUR, Gpu};
 
-use super::canvas::{Canvas, coloured};
-use super::gpu::{COLOUR, Gpu};
-use super::renderer::{Marks, Renderer};
-use super::stage::{Method, Stage};
+use crate::draw::{Painter, coloured};
+use crate::playback::{Method, Playback};
+use crate::renderer::{Marks, Renderer};
 
 /// Frames measured for each method.
 const FRAMES: usize = 15;
@@ -27,22 +28,24 @@ pub fn bench(gpu: &Gpu, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
         let options = SceneOptions { scale, ..SceneOptions::default() };
         let methods = [Method::All, Method::Frustum, Method::Point, Method::Cell];
         // Each has a scene of its own, so that each pays for what moves.
-        let new = |_| Stage::new(scenes::build(SceneKind::Spheres, &options));
-        let mut stages = methods.iter().map(new).collect::<Result<Vec<_>, _>>()?;
+        let new = |_| Playback::new(scenes::build(SceneKind::Spheres, &options));
+        let mut playbacks = methods.iter().map(new).collect::<Result<Vec<_>, _>>()?;
         let canvas = Canvas::new(gpu, size);
-        let mut renderer = Renderer::new(gpu, COLOUR, &stages[0].geometry);
-        let aspect = canvas.size.0 as f32 / canvas.size.1 as f32;
+        let mut renderer = Renderer::new(gpu, COLOUR, &playbacks[0].geometry);
+        let aspect = canvas.aspect();
         let mut times: Vec<(Vec<Duration>, Vec<Duration>, usize)> = vec![Default::default(); methods.len()];
         for i in 0..FRAMES + 1 {
-            for ((method, stage), (frames, queries, drawn)) in methods.iter().zip(&mut stages).zip(&mut times)
+            for ((method, playback), (frames, queries, drawn)) in
+                methods.iter().zip(&mut playbacks).zip(&mut times)
             {
-                let camera = stage.path_camera(aspect);
+                let camera = playback.path_camera(aspect);
                 let start = Instant::now();
                 let mut query = Duration::ZERO;
                 let mut visible = 0;
-                stage.frame(*method, &camera, &mut |frame| {
+                playback.frame(*method, &camera, &mut |frame| {
                     let list = coloured(frame.geometry, frame.objects, &frame.visible);
-                    canvas.draw(gpu, &mut renderer, &camera, &list, &Marks::default());
+                    let mut painter = Painter { gpu, canvas: &canvas, renderer: &mut renderer };
+                    painter.picture(&camera, &list, &Marks::default());
                     gpu.wait()?;
                     (query, visible) = (frame.time, frame.visible.len());
                     Ok(())
@@ -53,11 +56,11 @@ pub fn bench(gpu: &Gpu, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
                     queries.push(query);
                     *drawn += visible;
                 }
-                let step = stage.world.frames / FRAMES;
-                (0..step).for_each(|_| stage.advance());
+                let step = playback.world.frames / FRAMES;
+                (0..step).for_each(|_| playback.advance());
             }
         }
-        let (objects, all) = (stages[0].world.objects.len(), median(&mut times[0].0));
+        let (objects, all) = (playbacks[0].world.objects.len(), median(&mut times[0].0));
         for (method, (frame_times, query_times, drawn)) in methods.iter().zip(&mut times) {
             let frame = median(frame_times);
             println!(

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use casca_lab::world::{Mesh, Object, Shape};
@@ -46,7 +47,7 @@ impl Geometry {
         for object in objects {
             let mesh = match &object.shape {
                 Shape::Mesh { mesh, .. } => {
-                    let key = std::sync::Arc::as_ptr(mesh);
+                    let key = Arc::as_ptr(mesh);
                     Some(*known.entry(key).or_insert_with(|| geometry.add(mesh)))
                 }
                 _ => None,

@@ -10,9 +10,10 @@ use casca_lab::baselines::{Hzb, RayBuffer};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::measure::timed;
 use casca_lab::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_stage::window::Done;
 
-use super::frame_loop::{self, Done};
-use super::geometry::Geometry;
+use crate::frame_loop;
+use crate::geometry::Geometry;
 
 /// Pixels of the depth buffers that are compared with, as engines choose them.
 const HZB: (usize, usize) = (640, 360);
@@ -73,7 +74,7 @@ impl FromStr for Method {
 }
 
 /// A scene and its clock.
-pub struct Stage {
+pub struct Playback {
     /// The objects as they are now.
     pub world: World,
     /// The library's scene.
@@ -107,8 +108,8 @@ pub struct Frame<'a> {
     pub time: Duration,
 }
 
-impl Stage {
-    /// A stage with all objects where they are at first.
+impl Playback {
+    /// A scene with all objects where they are at first.
     ///
     /// # Errors
     /// As [`Driver::new`].

@@ -1,28 +1,28 @@
 //! Speed against accuracy: every method at several settings on every scene, beside the
 //! methods that engines use today, as a chart (SVG) and a table (CSV).
 //!
-//! `cargo run --release --example tradeoff` needs no arguments; `--help` lists them. All
-//! queries run on one thread. "Visible" is an exact item buffer, one ray a pixel. The report
-//! (`--example report`) holds the same for all scenes, with what it recommends.
+//! All queries run on one thread. "Visible" is an exact item buffer, one ray a pixel. The command
+//! `report` has the same for all scenes, with the settings that it recommends.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use casca_lab::command_line::{
-    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, finish, say, try_writing_into,
+    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, say, try_writing_into,
 };
 use casca_lab::lab::LabError;
 use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
 use casca_lab::scenes::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
-use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::progress;
 
 /// What is written.
 const FILES: [&str; 2] = ["tradeoff.csv", "tradeoff.svg"];
 
+/// The options.
 #[derive(Debug, Parser)]
 #[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true)]
-struct Options {
+pub struct Options {
     /// Scenes: procedural ones or glTF files [default: all procedural ones]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<SceneName>,
@@ -73,7 +73,8 @@ fn print(scene: &SceneTradeoff) {
     ));
 }
 
-fn run(options: &Options) -> Result<Outcome, LabError> {
+/// Measures, prints and writes the chart and the table.
+pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let names = match &options.scenes[..] {
         [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
         given => given.to_vec(),
@@ -89,10 +90,8 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     let mut scenes = Vec::new();
     for name in &names {
         let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
-        let frames = sampling.frames.min(world.frames) as u64;
-        let bar = if options.quiet { ProgressBar::hidden() } else { ProgressBar::new(frames) };
-        bar.set_style(ProgressStyle::with_template("{msg} {bar:40} frame {pos} of {len}, {eta} left")?);
-        bar.set_message(world.name.clone());
+        let frames = sampling.frames.min(world.frames);
+        let bar = progress::bar(options.quiet, frames, &world.name, "frame");
         let scene = measure(world, &sampling, |done| bar.set_position(done as u64))?;
         bar.finish_and_clear();
         print(&scene);
@@ -105,10 +104,6 @@ fn run(options: &Options) -> Result<Outcome, LabError> {
     }
     say(format_args!("\nchart and table: {}", options.out.join("tradeoff.{svg,csv}").display()));
     Ok(Outcome::Well)
-}
-
-fn main() -> ExitCode {
-    finish(run(&Options::parse()))
 }
 
 #[cfg(test)]

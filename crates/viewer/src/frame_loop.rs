@@ -1,15 +1,12 @@
 //! casca in a render loop. This is what an engine copies: tell the scene what moved, ask what can
 //! be seen, draw that, and give the answer back so that hidden moving objects cost nothing.
 
-use std::error::Error;
 use std::time::{Duration, Instant};
 
 use casca::{Query, Scene};
 use casca_lab::drive::{Driver, view_of};
 use casca_lab::world::{Camera, Object};
-
-/// Nothing, or what went wrong.
-pub type Done = Result<(), Box<dyn Error>>;
+use casca_stage::window::Done;
 
 /// One frame. `moved` are the objects with another shape than in the frame before, `camera` is what
 /// looks, and `draw` draws the objects of [`Query::pvs`]; it is told the time of the query.

@@ -1,6 +1,6 @@
 //! The graphics device, pictures drawn without a window, and reading them back.
 
-use std::fmt;
+use std::fmt::Display;
 
 use wgpu::{TextureFormat, TextureUsages};
 
@@ -12,30 +12,20 @@ pub const ITEMS: TextureFormat = TextureFormat::R32Uint;
 pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
 /// Why nothing can be drawn.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// The machine has no adapter that serves.
+    #[error(
+        "no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do ({0})"
+    )]
     NoAdapter(String),
     /// The adapter gives no device.
+    #[error("the graphics adapter gives no device: {0}")]
     NoDevice(String),
     /// A picture cannot be read back.
+    #[error("the picture cannot be read back: {0}")]
     Read(String),
 }
-
-impl fmt::Display for GpuError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoAdapter(why) => write!(
-                f,
-                "no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do ({why})"
-            ),
-            Self::NoDevice(why) => write!(f, "the graphics adapter gives no device: {why}"),
-            Self::Read(why) => write!(f, "the picture cannot be read back: {why}"),
-        }
-    }
-}
-
-impl std::error::Error for GpuError {}
 
 /// A device and its queue.
 pub struct Gpu {
@@ -77,7 +67,7 @@ impl Gpu {
         .map_err(|e| GpuError::NoAdapter(e.to_string()))?;
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: Some("viewer"),
+            label: Some("stage"),
             required_limits: wgpu::Limits {
                 max_buffer_size: limits.max_buffer_size,
                 ..wgpu::Limits::downlevel_defaults().using_resolution(limits)
@@ -153,7 +143,7 @@ impl Gpu {
             let _ = send.send(result);
         });
         self.wait()?;
-        let failed = |e: &dyn fmt::Display| GpuError::Read(e.to_string());
+        let failed = |e: &dyn Display| GpuError::Read(e.to_string());
         receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
         let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
         let mut pixels = Vec::with_capacity(row * height as usize);

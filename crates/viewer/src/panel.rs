@@ -3,11 +3,13 @@
 use std::time::Duration;
 
 use casca::OcclusionImage;
-use egui::{Align2, Color32, ColorImage, RichText, TextureHandle};
+use casca_stage::canvas::Target;
+use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
+use casca_stage::gpu::Gpu;
+use casca_stage::panel::{Panel, boxed};
 
-use super::gpu::Gpu;
-use super::overlays::{Layer, Overlays};
-use super::stage::Method;
+use crate::overlays::{Layer, Overlays};
+use crate::playback::Method;
 
 /// What the panel says.
 pub struct Numbers {
@@ -29,88 +31,21 @@ pub struct Numbers {
     pub help: bool,
 }
 
-/// Draws the panel.
-pub struct Panel {
-    context: egui::Context,
-    renderer: egui_wgpu::Renderer,
-    insets: Vec<TextureHandle>,
-}
-
-impl Panel {
-    /// A panel over pictures of this format.
-    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        let context = egui::Context::default();
-        context.set_theme(egui::Theme::Dark);
-        let renderer = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::PREDICTABLE);
-        Self { context, renderer, insets: Vec::new() }
-    }
-
-    /// Draws it over `target`, where a point is `scale` pixels wide.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        target: &wgpu::TextureView,
-        scale: f32,
-        numbers: &Numbers,
-        overlays: &Overlays,
-        images: &[OcclusionImage],
-    ) {
-        let (context, insets) = (self.context.clone(), &mut self.insets);
-        *insets = images.iter().map(|image| inset(&context, image)).collect();
-        let size = target.texture();
-        let points = egui::vec2(size.width() as f32, size.height() as f32) / scale;
-        let mut input = egui::RawInput {
-            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, points)),
-            ..Default::default()
-        };
-        input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(scale);
-        let run = || context.run_ui(input.clone(), |ui| show(ui.ctx(), numbers, overlays, insets));
-        let mut output = run();
-        // Boxes are placed by the size that they had before.
-        output.append(run());
-        let screen = egui_wgpu::ScreenDescriptor {
-            size_in_pixels: [size.width(), size.height()],
-            pixels_per_point: output.pixels_per_point,
-        };
-        let (device, queue) = (&gpu.device, &gpu.queue);
-        let jobs = context.tessellate(output.shapes, output.pixels_per_point);
-        for (id, deltas) in &output.textures_delta.set {
-            deltas.iter().for_each(|delta| self.renderer.update_texture(device, queue, *id, delta));
-        }
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut commands = self.renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
-        let mut pass = encoder
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: target,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                ..Default::default()
-            })
-            .forget_lifetime();
-        self.renderer.render(&mut pass, &jobs, &screen);
-        drop(pass);
-        commands.push(encoder.finish());
-        queue.submit(commands);
-        for id in &output.textures_delta.free {
-            self.renderer.free_texture(id);
-        }
-    }
+/// Draws the panel over a target, where a point is `scale` pixels wide, with the occlusion buffers given.
+pub fn draw(
+    panel: &mut Panel,
+    (gpu, target, scale): (&Gpu, &Target, f32),
+    numbers: &Numbers,
+    overlays: &Overlays,
+    images: &[OcclusionImage],
+) {
+    let insets: Vec<TextureHandle> =
+        images.iter().map(|image| panel.image("occlusion buffer", inset(image))).collect();
+    panel.draw(gpu, target, scale, &|context| show(context, numbers, overlays, &insets));
 }
 
 fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets: &[TextureHandle]) {
-    let boxed = |name: &str, corner: Align2, offset: [f32; 2], add: &mut dyn FnMut(&mut egui::Ui)| {
-        let area = egui::Area::new(egui::Id::unique(name)).anchor(corner, offset);
-        area.interactable(false).fade_in(false).show(context, |ui| {
-            let frame =
-                egui::Frame::new().fill(Color32::from_black_alpha(215)).inner_margin(8).corner_radius(6);
-            ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
-            frame.show(ui, |ui| add(ui));
-        });
-    };
-    boxed("numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
+    boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         let (shown, all) = numbers.visible;
         let percent = 100.0 * shown as f64 / all.max(1) as f64;
@@ -152,7 +87,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
         }
     });
     if !insets.is_empty() {
-        boxed("insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
+        boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
             for texture in insets {
                 let size = texture.size_vec2();
                 ui.image((texture.id(), size * (220.0 / size.max_elem())));
@@ -160,7 +95,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
         });
     }
     if numbers.help {
-        boxed("help", Align2::CENTER_BOTTOM, [0.0, -10.0], &mut |ui| {
+        boxed(context, "help", Align2::CENTER_BOTTOM, [0.0, -10.0], &mut |ui| {
             ui.set_max_width(context.content_rect().width() - 40.0);
             let layers: Vec<String> =
                 Layer::EVERY.iter().zip(1..).map(|(layer, key)| format!("{key} {}", layer.name())).collect();
@@ -174,7 +109,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
 }
 
 /// An occlusion buffer, upright: open pixels white, others the darker the nearer they are covered.
-fn inset(context: &egui::Context, image: &OcclusionImage) -> TextureHandle {
+fn inset(image: &OcclusionImage) -> ColorImage {
     let (w, h) = (image.width.max(1), image.height.max(1));
     // Columns run along y on the sides of x: those are turned.
     let (d, turned) = (image.direction, image.direction.x.abs() > 0.5);
@@ -194,5 +129,5 @@ fn inset(context: &egui::Context, image: &OcclusionImage) -> TextureHandle {
             });
         }
     }
-    context.load_texture("occlusion buffer", ColorImage::new(size, pixels), egui::TextureOptions::NEAREST)
+    ColorImage::new(size, pixels)
 }

@@ -1,11 +1,10 @@
-//! The command line.
+//! The options of the command `walk`.
 
 use std::path::PathBuf;
 
 use casca::{MAX_CELLS_PER_AXIS, Method, Query, Settings};
 use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTHS};
-use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser, ValueEnum, value_parser};
+use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
 /// Cells of a grid. So many take half a minute to fill and 2 GB.
@@ -26,10 +25,23 @@ pub enum MethodName {
     Rays,
 }
 
-/// What can be said on the command line.
+impl MethodName {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Frustum => "frustum",
+            Self::Cell => "cell",
+            Self::Point => "point",
+            Self::Hzb => "hzb",
+            Self::Rays => "rays",
+        }
+    }
+}
+
+/// The options.
 #[derive(Debug, Parser)]
 #[command(
-    about = "Walks through a scene and says frame by frame what can be seen, with proof that nothing is lost",
+    about = "Walks through a scene, finds the visible objects of each frame, and proves that none is missing",
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
@@ -74,7 +86,7 @@ pub struct Options {
     #[arg(long)]
     pub json: Option<PathBuf>,
     /// Where the pictures go
-    #[arg(long, default_value = "target/walkthrough")]
+    #[arg(long, default_value = "target/walk")]
     pub out: PathBuf,
     /// No progress bar
     #[arg(long)]
@@ -133,17 +145,8 @@ fn parse_width(text: &str) -> Result<u32, String> {
 }
 
 impl Options {
-    /// What the command line says; ends the program with a message if that makes no sense.
-    pub fn from_command_line() -> Self {
-        let options = Self::parse();
-        match options.check() {
-            Ok(()) => options,
-            Err(why) => Self::command().error(ErrorKind::ArgumentConflict, why).exit(),
-        }
-    }
-
-    /// Whether the options make sense together.
-    fn check(&self) -> Result<(), String> {
+    /// Says why the options make no sense together, if they do not.
+    pub fn check(&self) -> Result<(), String> {
         if self.width == 0 && (self.samples == 0 || self.candidates == 0) {
             let why = "without an item buffer (--width 0) only rays can find what is lost";
             return Err(format!("nothing would be checked: {why}, and --samples or --candidates is 0"));
@@ -169,11 +172,13 @@ impl Options {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
 
     /// The options of a command line, or why it makes no sense.
     fn options(line: &str) -> Result<Options, String> {
-        let words = std::iter::once("walkthrough").chain(line.split_whitespace());
+        let words = std::iter::once("walk").chain(line.split_whitespace());
         let options = Options::try_parse_from(words).map_err(|e| e.to_string())?;
         options.check().map(|()| options)
     }

@@ -1,0 +1,101 @@
+//! The command line of casca's test scenes: walks checked against exact visibility, measurements,
+//! the report, prepared meshes and levels in files.
+//!
+//! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
+//! `tradeoff` and `report` are built with `--features experiments`.
+
+mod level;
+mod prepare;
+mod progress;
+#[cfg(feature = "experiments")]
+mod report;
+#[cfg(feature = "experiments")]
+mod tradeoff;
+mod walk;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use casca_lab::command_line::{EXIT_CODES, Outcome, finish};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
+
+/// Why a command failed.
+type Failure = Box<dyn Error + Send + Sync>;
+
+/// Where the commands are that are not always built.
+const MORE: &str = if cfg!(feature = "experiments") {
+    ""
+} else {
+    "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
+     methods and settings\n  report    Runs the experiments and writes the report\n\n"
+};
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "casca-lab",
+    about = "Walks, measurements and files for casca",
+    after_help = format!("{MORE}{EXIT_CODES}")
+)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Walk(walk::Options),
+    #[cfg(feature = "experiments")]
+    Tradeoff(tradeoff::Options),
+    #[cfg(feature = "experiments")]
+    Report(report::Options),
+    Prepare(prepare::Options),
+    Level(level::Options),
+}
+
+impl Command {
+    /// Says why the options make no sense together, if they do not.
+    fn check(&self) -> Result<(), String> {
+        match self {
+            Self::Walk(options) => options.check(),
+            _ => Ok(()),
+        }
+    }
+
+    fn run(&self) -> Result<Outcome, Failure> {
+        match self {
+            Self::Walk(options) => walk::run(options),
+            #[cfg(feature = "experiments")]
+            Self::Tradeoff(options) => tradeoff::run(options),
+            #[cfg(feature = "experiments")]
+            Self::Report(options) => report::run(options),
+            Self::Prepare(options) => prepare::run(options),
+            Self::Level(options) => level::run(options),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let CommandLine { command } = CommandLine::parse();
+    if let Err(why) = command.check() {
+        CommandLine::command().error(ErrorKind::ArgumentConflict, why).exit();
+    }
+    finish(command.run())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_needs_no_options_and_tells_the_exit_codes() {
+        CommandLine::command().debug_assert();
+        for name in ["walk", "tradeoff", "report", "prepare", "level"] {
+            assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
+            let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
+            assert!(help.contains("4  nothing was checked"), "{name}: {help}");
+        }
+        assert!(CommandLine::try_parse_from(["casca-lab", "run"]).is_err());
+        assert!(CommandLine::try_parse_from(["casca-lab"]).is_err());
+    }
+}

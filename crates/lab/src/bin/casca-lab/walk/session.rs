@@ -1,0 +1,169 @@
+//! A walk in progress: the scene, the queries and the exact visibility that they are checked against.
+
+use std::collections::HashSet;
+use std::time::{Duration, Instant};
+
+use casca::{Aabb, GridSpec, Method, Query};
+use casca_lab::baselines::{Hzb, RayBuffer};
+use casca_lab::drive::{Driver, grid_for, view_of};
+use casca_lab::measure::timed;
+use casca_lab::oracle::{FrameVerdict, Oracle, OracleOptions};
+use casca_lab::pictures::FrameCounts;
+use casca_lab::world::{Camera, FRAME_SECONDS, Object, World};
+use glam::Vec3;
+
+use super::ASPECT;
+use super::options::{GridChoice, MethodName, Options};
+use super::pictures::{Shot, height_of};
+use crate::{Failure, progress};
+
+/// The results of one frame.
+pub struct Frame {
+    /// Objects in the frustum, found and visible.
+    pub counts: FrameCounts,
+    /// Time of the query.
+    pub query: Duration,
+    /// Time of telling the scene what moved.
+    pub update: Duration,
+    /// Cells that the query visited.
+    pub cells: u64,
+    /// The result of the check.
+    pub verdict: FrameVerdict,
+}
+
+/// A method of today's engines, for comparison.
+enum Rival {
+    Hzb(Hzb),
+    Rays(RayBuffer),
+}
+
+impl Rival {
+    fn of(method: MethodName, objects: &[Object]) -> Option<Self> {
+        match method {
+            MethodName::Hzb => Some(Self::Hzb(Hzb::new(640, height_of(640)))),
+            MethodName::Rays => Some(Self::Rays(RayBuffer::new(objects, 256, height_of(256)))),
+            _ => None,
+        }
+    }
+
+    fn frame(&mut self, objects: &[Object], in_frustum: &[usize], camera: &Camera) -> Vec<usize> {
+        match self {
+            Self::Hzb(hzb) => hzb.frame(objects, in_frustum, camera),
+            Self::Rays(rays) => rays.frame(objects, in_frustum, camera),
+        }
+    }
+}
+
+/// A walk in progress.
+pub struct Session<'a> {
+    /// The scene as it is now.
+    pub world: World,
+    /// The library's scene.
+    pub driver: Driver,
+    /// Time that it took to fill the library's scene.
+    pub setup: Duration,
+    options: &'a Options,
+    query: Query,
+    frustum: Query,
+    rival: Option<Rival>,
+    oracle: Oracle,
+    /// The eye in each frame.
+    path: Vec<Vec3>,
+}
+
+impl<'a> Session<'a> {
+    /// Fills the library's scene.
+    pub fn new(options: &'a Options, mut world: World) -> Result<Self, Failure> {
+        world.set_frame(0);
+        let (driver, setup) = timed(|| fill(options, &world));
+        let mut frustum = options.settings();
+        frustum.method = Method::Frustum;
+        let oracle_options = OracleOptions {
+            width: options.width as usize,
+            height: height_of(options.width as usize),
+            samples_per_object: options.samples as usize,
+            max_candidates: options.candidates as usize,
+            seed: options.seed,
+        };
+        Ok(Self {
+            driver: driver?,
+            setup,
+            options,
+            query: Query::with_settings(options.settings())?,
+            frustum: Query::with_settings(frustum)?,
+            rival: Rival::of(options.method, &world.objects),
+            oracle: Oracle::new(&world.objects, oracle_options),
+            path: (0..world.frames).map(|f| world.camera(f, ASPECT).eye).collect(),
+            world,
+        })
+    }
+
+    /// Runs a frame and checks it; in the middle of the walk also draws it.
+    pub fn frame(&mut self, number: usize) -> Result<Frame, Failure> {
+        let moved = self.world.set_frame(number);
+        let (camera, objects) = (self.world.camera(number, ASPECT), &self.world.objects);
+        let view = view_of(&camera)?;
+
+        let start = Instant::now();
+        self.driver.scene.begin_frame(number as f64 * FRAME_SECONDS)?;
+        self.driver.update(objects, &moved)?;
+        let mut update = start.elapsed();
+        let ((), mut query) = timed(|| {
+            self.query.run(&self.driver.scene, &view);
+        });
+        let pvs = self.query.pvs();
+        let cells = pvs.stats().cells_visited;
+        let in_frustum = self.frustum.run(&self.driver.scene, &view);
+        let in_frustum: Vec<usize> =
+            (0..objects.len()).filter(|&i| self.driver.sees(in_frustum, i)).collect();
+        let found: Option<HashSet<usize>> = self.rival.as_mut().map(|rival| {
+            let (found, time) = timed(|| rival.frame(objects, &in_frustum, &camera));
+            query = time;
+            found.into_iter().collect()
+        });
+        let sees = |object: usize| match &found {
+            Some(found) => found.contains(&object),
+            None => self.driver.sees(pvs, object),
+        };
+        let verdict = self.oracle.frame(objects, &moved, &camera, &sees);
+        let tested = |object: &usize| objects[*object].tested;
+        let counts = FrameCounts {
+            frustum: in_frustum.iter().copied().filter(tested).count(),
+            pvs: (0..objects.len()).filter(tested).filter(|&i| sees(i)).count(),
+            exact: verdict.exact.len(),
+        };
+        if number == self.world.frames / 2 {
+            let shot = Shot {
+                options: self.options,
+                world: &self.world,
+                scene: &self.driver.scene,
+                query: &self.query,
+                number,
+                camera,
+                in_frustum: &in_frustum,
+                sees: &sees,
+                path: &self.path,
+            };
+            shot.draw(&view)?;
+        }
+        let start = Instant::now();
+        self.driver.scene.end_frame([self.query.pvs()])?;
+        update += start.elapsed();
+        Ok(Frame { counts, query, update, cells, verdict })
+    }
+}
+
+/// The library's scene with all objects of the world, in the grid that is asked for.
+fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
+    let grid = match options.grid {
+        Some(GridChoice::Fit) => {
+            GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?
+        }
+        Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
+        None => grid_for(&world.grid, None)?,
+    };
+    let bar = progress::bar(options.quiet, world.objects.len(), "preparing", "object");
+    let driver = Driver::new(world, &grid, |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
+    Ok(driver)
+}

@@ -1,0 +1,192 @@
+//! The results of a walk as a table and as JSON.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use casca_lab::command_line::{Outcome, say};
+use casca_lab::pictures::FrameCounts;
+use glam::IVec3;
+use serde_json::{Value, json};
+
+use super::options::Options;
+use super::session::{Frame, Session};
+
+/// The results of a walk.
+pub struct Summary {
+    scene: String,
+    method: &'static str,
+    seed: u64,
+    dims: IVec3,
+    /// Objects that are tested.
+    objects: usize,
+    setup: Duration,
+    grid_bytes: usize,
+    out: PathBuf,
+    frames: Vec<Frame>,
+    mean_frustum: f64,
+    mean_pvs: f64,
+    /// Unknown without an item buffer: rays look only at objects that the PVS leaves out.
+    mean_exact: Option<f64>,
+}
+
+fn mean(values: impl ExactSizeIterator<Item = usize>) -> f64 {
+    let n = values.len().max(1) as f64;
+    values.map(|value| value as f64).sum::<f64>() / n
+}
+
+fn micros(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e6
+}
+
+/// The value below which a share of all values is; 0 of none.
+fn percentile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n => values[((n - 1) as f64 * share).round() as usize],
+    }
+}
+
+impl Summary {
+    pub fn new(options: &Options, session: &Session<'_>, frames: Vec<Frame>) -> Self {
+        let mean_of = |count: fn(&FrameCounts) -> usize| mean(frames.iter().map(|f| count(&f.counts)));
+        let (scene, world) = (&session.driver.scene, &session.world);
+        Self {
+            scene: world.name.clone(),
+            method: options.method.name(),
+            seed: options.seed,
+            dims: scene.grid().dims(),
+            objects: world.objects.iter().filter(|o| o.tested).count(),
+            setup: session.setup,
+            grid_bytes: scene.memory().grid(),
+            out: options.out.clone(),
+            mean_frustum: mean_of(|c| c.frustum),
+            mean_pvs: mean_of(|c| c.pvs),
+            mean_exact: (options.width > 0).then(|| mean_of(|c| c.exact)),
+            frames,
+        }
+    }
+
+    fn rays(&self) -> u64 {
+        self.frames.iter().map(|f| f.verdict.rays).sum()
+    }
+
+    fn pixels(&self) -> u64 {
+        self.frames.iter().map(|f| f.verdict.item_rays).sum()
+    }
+
+    fn losses(&self) -> usize {
+        self.frames.iter().map(|f| f.verdict.false_negatives.len()).sum()
+    }
+
+    /// Objects found over objects visible.
+    fn ratio(&self) -> Option<f64> {
+        self.mean_exact.filter(|exact| *exact > 0.0).map(|exact| self.mean_pvs / exact)
+    }
+
+    /// A percentile of the times of queries, in microseconds.
+    fn query(&self, share: f64) -> f64 {
+        percentile(self.frames.iter().map(|f| micros(f.query)), share)
+    }
+
+    /// The median time of updates, in microseconds.
+    fn update(&self) -> f64 {
+        percentile(self.frames.iter().map(|f| micros(f.update)), 0.5)
+    }
+
+    fn setup_ms(&self) -> f64 {
+        self.setup.as_secs_f64() * 1e3
+    }
+
+    /// Nanoseconds for each cell that the queries visited; 0 if they visit none.
+    fn per_cell(&self) -> f64 {
+        let cells: u64 = self.frames.iter().map(|f| f.cells).sum();
+        let nanoseconds: f64 = self.frames.iter().map(|f| micros(f.query) * 1e3).sum();
+        if cells > 0 { nanoseconds / cells as f64 } else { 0.0 }
+    }
+
+    /// Whether the walk lost something, or could not have noticed.
+    pub fn outcome(&self) -> Outcome {
+        if self.losses() > 0 {
+            return Outcome::Lost;
+        }
+        if self.objects == 0 || self.rays() + self.pixels() == 0 {
+            eprintln!("nothing was checked: no ray was shot at anything that could be lost");
+            return Outcome::NothingChecked;
+        }
+        Outcome::Well
+    }
+
+    /// Prints the table.
+    pub fn print(&self) {
+        let row = |name: &str, value: String| say(format_args!("{name:<34}{value:>16}"));
+        let known = |value: Option<String>| value.unwrap_or_else(|| "unknown".to_owned());
+        say("");
+        row("scene", self.scene.clone());
+        row("method", self.method.to_owned());
+        row("grid (cells)", format!("{}x{}x{}", self.dims.x, self.dims.y, self.dims.z));
+        row("frames", self.frames.len().to_string());
+        row("objects", self.objects.to_string());
+        row("in the frustum (mean)", format!("{:.1}", self.mean_frustum));
+        row("PVS (mean)", format!("{:.1}", self.mean_pvs));
+        row("exactly visible (mean)", known(self.mean_exact.map(|n| format!("{n:.1}"))));
+        row("PVS / exactly visible", known(self.ratio().map(|n| format!("{n:.3}"))));
+        row("false negatives", self.losses().to_string());
+        row("rays of proof", format!("{:.1} M", (self.rays() + self.pixels()) as f64 / 1e6));
+        row("query time, median", format!("{:.0} us", self.query(0.5)));
+        row("query time, 99th percentile", format!("{:.0} us", self.query(0.99)));
+        if self.per_cell() > 0.0 {
+            row("query time per visited cell", format!("{:.2} ns", self.per_cell()));
+        }
+        row("scene update, median", format!("{:.0} us", self.update()));
+        row("preparation and setup", format!("{:.0} ms", self.setup_ms()));
+        row("grid memory", format!("{:.2} MiB", self.grid_bytes as f64 / (1 << 20) as f64));
+        say(format_args!(
+            "\npictures: walk.svg, frame.png, buffers.png and top_view.svg in {}",
+            self.out.display()
+        ));
+    }
+
+    /// All results.
+    pub fn json(&self) -> Value {
+        json!({
+            "scene": self.scene,
+            "method": self.method,
+            "grid": self.dims.to_array(),
+            "seed": self.seed,
+            "objects": self.objects,
+            "frames": self.frames.len(),
+            "mean_frustum": self.mean_frustum,
+            "mean_pvs": self.mean_pvs,
+            "mean_exact": self.mean_exact,
+            "ratio": self.ratio(),
+            "false_negatives": self.losses(),
+            "unconfirmed": self.frames.iter().map(|f| f.verdict.unconfirmed.len()).sum::<usize>(),
+            "oracle_rays": self.rays(),
+            "oracle_pixels": self.pixels(),
+            "median_query_us": self.query(0.5),
+            "p99_query_us": self.query(0.99),
+            "ns_per_visited_cell": self.per_cell(),
+            "median_update_us": self.update(),
+            "setup_ms": self.setup_ms(),
+            "grid_bytes": self.grid_bytes,
+            "lost": self.frames.iter().enumerate().flat_map(|(number, frame)| {
+                frame.verdict.false_negatives.iter().map(move |lost| json!({
+                    "frame": number,
+                    "object": lost.object,
+                    "origin": lost.origin.to_array(),
+                    "target": lost.target.to_array(),
+                }))
+            }).collect::<Vec<_>>(),
+            "per_frame": self.frames.iter().map(|f| json!({
+                "frustum": f.counts.frustum,
+                "pvs": f.counts.pvs,
+                "exact": f.counts.exact,
+                "query_us": micros(f.query),
+                "update_us": micros(f.update),
+                "cells": f.cells,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}

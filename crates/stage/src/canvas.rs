@@ -1,0 +1,111 @@
+//! Pictures and item buffers of one size, drawn without a window.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};
+
+/// Textures to draw into.
+pub struct Canvas {
+    size: (u32, u32),
+    picture: wgpu::Texture,
+    items: wgpu::Texture,
+    depth: wgpu::Texture,
+}
+
+/// A texture that is drawn into, with a depth texture of the same size.
+pub struct Target {
+    /// Colours, or the numbers of objects.
+    pub colour: wgpu::TextureView,
+    /// Depth.
+    pub depth: wgpu::TextureView,
+}
+
+impl Target {
+    /// Views of two textures.
+    pub fn new(colour: &wgpu::Texture, depth: &wgpu::Texture) -> Self {
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        Self { colour: view(colour), depth: view(depth) }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        let texture = self.colour.texture();
+        (texture.width(), texture.height())
+    }
+}
+
+impl Canvas {
+    /// Textures of `size`, made smaller if the device has no such large ones.
+    pub fn new(gpu: &Gpu, size: (u32, u32)) -> Self {
+        Self {
+            size: gpu.clamp(size),
+            picture: gpu.texture(size, COLOUR),
+            items: gpu.texture(size, ITEMS),
+            depth: gpu.texture(size, DEPTH),
+        }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f32 {
+        self.size.0 as f32 / self.size.1 as f32
+    }
+
+    /// The picture, to draw into. Its format is [`COLOUR`].
+    pub fn picture(&self) -> Target {
+        Target::new(&self.picture, &self.depth)
+    }
+
+    /// The item buffer, to draw into. Its format is [`ITEMS`].
+    pub fn items(&self) -> Target {
+        Target::new(&self.items, &self.depth)
+    }
+
+    /// The picture as it was drawn: red, green, blue, opacity, row by row.
+    ///
+    /// # Errors
+    /// As [`Gpu::read`].
+    pub fn read_picture(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        gpu.read(&self.picture)
+    }
+
+    /// The item buffer as it was drawn: the number in each pixel, row by row.
+    ///
+    /// # Errors
+    /// As [`Gpu::read`].
+    pub fn read_items(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let bytes = gpu.read(&self.items)?;
+        Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    }
+}
+
+/// A picture that cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {why}", path.display())]
+pub struct PngError {
+    path: PathBuf,
+    why: png::EncodingError,
+}
+
+/// Writes a picture of four bytes a pixel as a PNG.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), PngError> {
+    let write = || {
+        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let opaque: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&opaque)?;
+        writer.finish()
+    };
+    write().map_err(|why| PngError { path: path.to_owned(), why })
+}

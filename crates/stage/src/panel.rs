@@ -1,0 +1,93 @@
+//! Text and images over a picture.
+
+use egui::{Align2, Color32, ColorImage, TextureHandle, TextureOptions};
+
+use crate::canvas::Target;
+use crate::gpu::Gpu;
+
+/// Draws boxes of text and images.
+pub struct Panel {
+    context: egui::Context,
+    renderer: egui_wgpu::Renderer,
+}
+
+impl Panel {
+    /// A panel over pictures of this format.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let context = egui::Context::default();
+        context.set_theme(egui::Theme::Dark);
+        let renderer = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::PREDICTABLE);
+        Self { context, renderer }
+    }
+
+    /// An image for [`Panel::draw`]. It stays for as long as its handle.
+    pub fn image(&self, name: &str, image: ColorImage) -> TextureHandle {
+        self.context.load_texture(name, image, TextureOptions::NEAREST)
+    }
+
+    /// Draws what `show` shows over `target`, where a point is `scale` pixels wide.
+    pub fn draw(&mut self, gpu: &Gpu, target: &Target, scale: f32, show: &dyn Fn(&egui::Context)) {
+        let (width, height) = target.size();
+        let points = egui::vec2(width as f32, height as f32) / scale;
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, points)),
+            ..Default::default()
+        };
+        input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(scale);
+        let context = self.context.clone();
+        let run = || context.run_ui(input.clone(), |ui| show(ui.ctx()));
+        let mut output = run();
+        // Boxes are placed by the size that they had before.
+        output.append(run());
+        self.paint(gpu, target, output);
+    }
+
+    fn paint(&mut self, gpu: &Gpu, target: &Target, output: egui::FullOutput) {
+        let (width, height) = target.size();
+        let screen = egui_wgpu::ScreenDescriptor {
+            size_in_pixels: [width, height],
+            pixels_per_point: output.pixels_per_point,
+        };
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let jobs = self.context.tessellate(output.shapes, output.pixels_per_point);
+        for (id, deltas) in &output.textures_delta.set {
+            deltas.iter().for_each(|delta| self.renderer.update_texture(device, queue, *id, delta));
+        }
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut commands = self.renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &target.colour,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            })
+            .forget_lifetime();
+        self.renderer.render(&mut pass, &jobs, &screen);
+        drop(pass);
+        commands.push(encoder.finish());
+        queue.submit(commands);
+        for id in &output.textures_delta.free {
+            self.renderer.free_texture(id);
+        }
+    }
+}
+
+/// A dark box at a corner or side of the picture, `offset` points away from it.
+pub fn boxed(
+    context: &egui::Context,
+    name: &str,
+    corner: Align2,
+    offset: [f32; 2],
+    add: &mut dyn FnMut(&mut egui::Ui),
+) {
+    let area = egui::Area::new(egui::Id::unique(name)).anchor(corner, offset);
+    area.interactable(false).fade_in(false).show(context, |ui| {
+        let frame = egui::Frame::new().fill(Color32::from_black_alpha(215)).inner_margin(8).corner_radius(6);
+        ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
+        frame.show(ui, |ui| add(ui));
+    });
+}

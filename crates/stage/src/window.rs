@@ -1,0 +1,231 @@
+//! A window and its loop.
+
+use std::collections::HashSet;
+use std::error::Error;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use wgpu::CurrentSurfaceTexture;
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::keyboard::{KeyCode, PhysicalKey};
+use winit::window::{Window, WindowId};
+
+use crate::canvas::Target;
+use crate::gpu::{DEPTH, Gpu};
+
+/// Nothing, or why the program ends.
+pub type Done = Result<(), Box<dyn Error>>;
+
+/// A program that draws to a window.
+pub trait Demo {
+    /// A key goes down. Escape is not reported: it closes the window.
+    ///
+    /// # Errors
+    /// The program ends.
+    fn press(&mut self, key: KeyCode, screen: &Screen) -> Done;
+
+    /// The mouse moves with its right button down, by pixels to the right and down.
+    fn turn(&mut self, x: f32, y: f32, screen: &Screen);
+
+    /// The window has another size.
+    fn resize(&mut self, screen: &Screen);
+
+    /// Time passes, in seconds since the last call.
+    fn step(&mut self, seconds: f64, screen: &Screen);
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// The program ends.
+    fn draw(&mut self, screen: &Screen, target: &Target) -> Done;
+}
+
+/// The window as a program sees it.
+pub struct Screen {
+    /// The device.
+    pub gpu: Gpu,
+    /// The keys that are held.
+    pub keys: HashSet<KeyCode>,
+    window: Arc<Window>,
+    surface: wgpu::Surface<'static>,
+    config: wgpu::SurfaceConfiguration,
+    depth: wgpu::Texture,
+    looking: bool,
+    last: Instant,
+}
+
+impl Screen {
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.config.width, self.config.height)
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f32 {
+        self.config.width as f32 / self.config.height as f32
+    }
+
+    /// The format of its pixels.
+    pub fn format(&self) -> wgpu::TextureFormat {
+        self.config.format
+    }
+
+    /// Pixels for each point of text.
+    pub fn scale(&self) -> f32 {
+        self.window.scale_factor() as f32
+    }
+
+    fn new(settings: &Settings, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
+        let size = PhysicalSize::new(settings.size.0, settings.size.1);
+        let attributes = Window::default_attributes().with_title(&settings.title).with_inner_size(size);
+        let window = Arc::new(event_loop.create_window(attributes)?);
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let surface = instance.create_surface(window.clone())?;
+        let gpu = Gpu::on(&instance, Some(&surface), settings.software)?;
+        let (width, height) = gpu.clamp(window.inner_size().into());
+        let mut config = surface
+            .get_default_config(&gpu.adapter, width, height)
+            .ok_or("the adapter cannot draw to this window")?;
+        // Colours are written as they are, without another encoding.
+        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        config.format = formats.into_iter().find(|f| !f.is_srgb()).unwrap_or(config.format);
+        surface.configure(&gpu.device, &config);
+        let depth = gpu.texture((width, height), DEPTH);
+        let (keys, last) = (HashSet::new(), Instant::now());
+        Ok(Self { gpu, keys, window, surface, config, depth, looking: false, last })
+    }
+
+    fn resize(&mut self, size: PhysicalSize<u32>) {
+        (self.config.width, self.config.height) = self.gpu.clamp(size.into());
+        self.surface.configure(&self.gpu.device, &self.config);
+        self.depth = self.gpu.texture(self.size(), DEPTH);
+    }
+
+    /// Has `demo` draw a frame, and shows it.
+    fn redraw(&mut self, demo: &mut impl Demo) -> Done {
+        let seconds = std::mem::replace(&mut self.last, Instant::now()).elapsed().as_secs_f64();
+        demo.step(seconds, self);
+        let texture = match self.surface.get_current_texture() {
+            CurrentSurfaceTexture::Success(texture) | CurrentSurfaceTexture::Suboptimal(texture) => texture,
+            CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Lost => {
+                self.surface.configure(&self.gpu.device, &self.config);
+                return Ok(());
+            }
+            _ => return Ok(()),
+        };
+        demo.draw(self, &Target::new(&texture.texture, &self.depth))?;
+        self.window.pre_present_notify();
+        self.gpu.queue.present(texture);
+        // Nothing waits for the screen where it is not drawn to.
+        if self.window.is_minimized() == Some(true) {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(())
+    }
+}
+
+/// The window to open.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Its title.
+    pub title: String,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Whether a software adapter draws.
+    pub software: bool,
+}
+
+/// Opens a window, starts a program in it and stays until it is closed.
+///
+/// # Errors
+/// There is no display or no adapter, and those of the program.
+pub fn open<D: Demo>(settings: &Settings, start: impl FnOnce(&Screen) -> Result<D, Box<dyn Error>>) -> Done {
+    let event_loop =
+        EventLoop::new().map_err(|e| format!("no window can be opened (try --headless): {e}"))?;
+    let mut program = Program { settings, start: Some(start), running: None, failed: None };
+    event_loop.run_app(&mut program)?;
+    program.failed.map_or(Ok(()), Err)
+}
+
+struct Program<'a, D, F> {
+    settings: &'a Settings,
+    start: Option<F>,
+    running: Option<(Screen, D)>,
+    failed: Option<Box<dyn Error>>,
+}
+
+impl<D, F> Program<'_, D, F> {
+    fn end_if_failed(&mut self, event_loop: &ActiveEventLoop, result: Done) {
+        if let Err(error) = result {
+            self.failed = Some(error);
+            event_loop.exit();
+        }
+    }
+}
+
+impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandler for Program<'_, D, F> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        // It is called again when a suspended program goes on.
+        let Some(start) = self.start.take() else { return };
+        let started = Screen::new(self.settings, event_loop).and_then(|screen| {
+            self.running = Some((start(&screen).map(|demo| (screen, demo)))?);
+            Ok(())
+        });
+        self.end_if_failed(event_loop, started);
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some((screen, demo)) = &mut self.running else { return };
+        let result = match event {
+            WindowEvent::CloseRequested => {
+                event_loop.exit();
+                Ok(())
+            }
+            WindowEvent::Resized(size) => {
+                screen.resize(size);
+                demo.resize(screen);
+                Ok(())
+            }
+            WindowEvent::Focused(false) => {
+                screen.keys.clear();
+                Ok(())
+            }
+            WindowEvent::MouseInput { state, button: MouseButton::Right, .. } => {
+                screen.looking = state == ElementState::Pressed;
+                Ok(())
+            }
+            WindowEvent::KeyboardInput { event, .. } => match event.physical_key {
+                PhysicalKey::Code(KeyCode::Escape) => {
+                    event_loop.exit();
+                    Ok(())
+                }
+                PhysicalKey::Code(key) if event.state == ElementState::Released => {
+                    screen.keys.remove(&key);
+                    Ok(())
+                }
+                PhysicalKey::Code(key) if screen.keys.insert(key) => demo.press(key, screen),
+                _ => Ok(()),
+            },
+            WindowEvent::RedrawRequested => screen.redraw(demo),
+            _ => Ok(()),
+        };
+        self.end_if_failed(event_loop, result);
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let (Some((screen, demo)), DeviceEvent::MouseMotion { delta: (x, y) }) = (&mut self.running, event)
+            && screen.looking
+        {
+            demo.turn(x as f32, y as f32, screen);
+        }
+    }
+
+    fn about_to_wait(&mut self, _: &ActiveEventLoop) {
+        if let Some((screen, _)) = &self.running {
+            screen.window.request_redraw();
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! The viewer: draws exactly the objects that casca finds visible, in a window or into pictures, and
+//! proves pixel by pixel that none is missing.
+//!
+//! How casca is wired into a render loop is in [`frame_loop`]. The library part is there for the tests.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+pub mod bench;
+pub mod draw;
+pub mod frame_loop;
+pub mod geometry;
+pub mod headless;
+pub mod overlays;
+pub mod panel;
+pub mod playback;
+pub mod proof;
+pub mod renderer;
+pub mod window;
