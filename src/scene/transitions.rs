@@ -418,8 +418,9 @@ mod tests {
 
     #[test]
     fn every_call_changes_states_as_the_table_says() {
-        type Act = fn(World) -> World;
-        let table: [(&str, fn() -> World, Kind, Act, Kind); 29] = [
+        /// Name, world before with the state of its ball, the call, and the state after it.
+        type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
+        let table: [Row; 29] = [
             ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
             ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
             ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
