@@ -162,7 +162,7 @@ mod tests {
 
     use super::*;
     use crate::grid::GridSpec;
-    use crate::mesh::tri_mesh::triangle_meets_box;
+    use crate::mesh::triangle::triangle_meets_box;
 
     fn random(state: &mut u64) -> f64 {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
