@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use smallvec::SmallVec;
 
+use crate::mesh::surface::patch::{NONE, Surface};
 use crate::mesh::surface::weld::key;
-use crate::mesh::surface::{NONE, Surface};
 
 /// The ends of an open edge in order, and what tells its chain from others.
 type Chain = ([[u32; 3]; 2], u64);
@@ -200,7 +200,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::mesh::surface::Rules;
+    use crate::mesh::surface::patch::Rules;
 
     /// A strip along x with a jagged upper side of `n` edges, `upper` or lower of it.
     fn strip(n: u32, upper: bool) -> Surface {
