@@ -29,6 +29,18 @@ impl Block {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
     }
 
+    /// The eight corners; bit 0 of the index is the greater x, bit 1 the greater y, bit 2 the greater z.
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
+        let Self { min, max } = *self;
+        std::array::from_fn(|i| {
+            DVec3::new(
+                if i & 1 == 0 { min.x } else { max.x },
+                if i & 2 == 0 { min.y } else { max.y },
+                if i & 4 == 0 { min.z } else { max.z },
+            )
+        })
+    }
+
     /// Whether the interiors meet.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()

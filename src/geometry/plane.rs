@@ -2,6 +2,8 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
+use crate::numeric::shape::DISTANCE;
+
 /// Half a space: the points `p` with `normal.dot(p) + offset >= 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
@@ -30,9 +32,8 @@ impl HalfSpace {
         self.normal.dot(p) + self.offset
     }
 
-    /// Margin for decisions about coordinates up to `reach`: the sums and
-    /// products of a distance err by less than 16 units in the last place.
+    /// Margin for decisions about points with coordinates up to `reach`.
     pub(crate) fn margin(&self, reach: f64) -> f64 {
-        16.0 * f64::EPSILON * (reach + self.offset.abs())
+        DISTANCE * (reach + self.offset.abs())
     }
 }

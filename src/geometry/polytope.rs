@@ -11,18 +11,10 @@ use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
 
 /// A plane, as the half-space `n . x + h >= 0`.
 pub(crate) type Half = (DVec3, f64);
-
-/// Planes of a cone are known to this angle: a face that looks edge-on may be
-/// taken to be turned either way, which moves a silhouette plane by its distance from
-/// the eye (a few units in the last place of coordinates) over that of the edge.
-pub(crate) const CONE_MARGIN: f64 = 2e-9;
-
-/// An edge closer to the eye than this share of the distance of its ends
-/// has no silhouette plane that is known to [`CONE_MARGIN`].
-const NEAREST_EDGE: f64 = 1e-5;
 
 /// A convex shape relative to the origin of the rays. Lives on the stack.
 #[allow(clippy::large_enum_variant)]
@@ -82,19 +74,12 @@ impl Polytope {
     }
 
     pub(crate) fn block(b: &Block) -> Self {
-        let corner = |i: usize| {
-            DVec3::new(
-                if i & 1 == 1 { b.max.x } else { b.min.x },
-                if i & 2 == 2 { b.max.y } else { b.min.y },
-                if i & 4 == 4 { b.max.z } else { b.min.z },
-            )
-        };
         let mut faces = SmallVec::new();
         for (axis, n) in DVec3::AXES.into_iter().enumerate() {
             faces.push((-n, -b.min[axis]));
             faces.push((n, b.max[axis]));
         }
-        Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
+        Self { vertices: SmallVec::from_buf(b.corners()), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
 
     pub(crate) fn bounds(&self) -> Block {
@@ -139,13 +124,13 @@ impl Polytope {
             let length = across.length();
             let reach = p.abs().max_element().max(q.abs().max_element());
             // Edges without length, as rays see them, bound nothing.
-            if edge.length() <= 1e-12 * reach || direction.is_some() && length <= 1e-12 * reach {
+            if edge.length() <= NO_EDGE * reach || direction.is_some() && length <= NO_EDGE * reach {
                 continue;
             }
             let known = match direction {
                 // Twice the triangle's area is the edge's length times its distance.
                 None => length > NEAREST_EDGE * reach * edge.length(),
-                Some(_) => length > 1e-9 * edge.length(),
+                Some(_) => length > STEEPEST_EDGE * edge.length(),
             };
             if !known {
                 return Outline::Everything;
@@ -154,7 +139,7 @@ impl Polytope {
             let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
             let side = n.dot(center) + h;
             // A shape without width: which side is inside is rounding.
-            if side.abs() < 1e-9 * reach {
+            if side.abs() < NO_WIDTH * reach {
                 return Outline::Everything;
             }
             planes.push(if side < 0.0 { (-n, -h) } else { (n, h) });

@@ -7,15 +7,12 @@ use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::mesh::tri_mesh::TriMesh;
+use crate::numeric::mesh::{ANGLES, FLATTENS, MOST_GROWTH, SINGLE};
 use crate::shape::Shape;
 use crate::shape::traits::Rows;
 use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, DMat3, DVec3, IVec3, Vec3, Vec3A};
-
-/// Renderers transform vertices in single precision: they may lie this share of the largest
-/// coordinate from where double precision puts them.
-const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
 
 /// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are those of
 /// its bounding box, and none of them is opaque.
@@ -82,11 +79,11 @@ impl Instance {
         let cofactors =
             DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
         let turned = m.determinant();
-        let normals = (turned.abs() > 1e-9 * growth.powi(3)).then(|| cofactors * turned.signum());
+        let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
         let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
         let square = x.length_squared();
-        let alike = |v: DVec3| (v.length_squared() - square).abs() <= 1e-5 * square;
-        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= 1e-5 * square;
+        let alike = |v: DVec3| (v.length_squared() - square).abs() <= ANGLES * square;
+        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= ANGLES * square;
         let keeps_angles = turned > 0.0 && alike(y) && alike(z) && right(x, y) && right(y, z) && right(z, x);
         let placement = Placement { affine, growth, error, normals, keeps_angles };
         let block = Block { min: min - error, max: max + error };
@@ -140,7 +137,7 @@ impl Instance {
             }
             // Room for what single precision leaves open: all faces move out by as much at least.
             let scale = 1.0 + 2.0 * error / least;
-            if !(1.0..1.1).contains(&scale) {
+            if !(1.0..MOST_GROWTH).contains(&scale) {
                 return boxed();
             }
             for v in &mut polytope.vertices {

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::numeric::mesh::{DIAGONAL, PART_CUT, PART_ROOM, PART_THICKNESS};
 use crate::shape::convex::Convex;
 
 /// How often a mesh is halved, at most.
@@ -16,9 +17,6 @@ const WORTH_CUTTING: f64 = 0.8;
 
 /// Planes are added where they cut off this share of the diagonal.
 const WORTH_A_PLANE: f64 = 0.02;
-
-/// Faces are moved out by this share of the coordinates, more than all roundings.
-const ROOM: f64 = 1e-7;
 
 /// A set of triangles with its box.
 struct Piece {
@@ -94,7 +92,7 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
     let mut axes = [DVec3::X, DVec3::Y, DVec3::Z];
     for _ in 0..12 {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            if m[i][j].abs() <= 1e-14 * (m[i][i].abs() + m[j][j].abs()) {
+            if m[i][j].abs() <= DIAGONAL * (m[i][i].abs() + m[j][j].abs()) {
                 continue;
             }
             let theta = (m[j][j] - m[i][i]) / (2.0 * m[i][j]);
@@ -145,8 +143,8 @@ fn around(points: &[DVec3]) -> Convex {
     };
     // Flat pieces get some thickness: solids have an inside.
     let size = half.length();
-    let room = ROOM * (largest + size) + f64::MIN_POSITIVE;
-    let thin = (1e-4 * size).max(room);
+    let room = PART_ROOM * (largest + size) + f64::MIN_POSITIVE;
+    let thin = (PART_THICKNESS * size).max(room);
     let half = half.max(DVec3::splat(thin)) + room;
     let mut solid = Solid::boxed(&axes, center, half);
     // Where a plane cuts off most, first.
@@ -161,7 +159,7 @@ fn around(points: &[DVec3]) -> Convex {
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (_, n, h) in planes {
         if solid.beyond(n, h) > WORTH_A_PLANE * size {
-            solid.cut(n, h, 1e-3 * room);
+            solid.cut(n, h, PART_CUT * room);
         }
     }
     solid.convex()

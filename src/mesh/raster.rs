@@ -8,18 +8,14 @@ use smallvec::SmallVec;
 
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
-
-/// A triangle is widened by this share of its greatest coordinate. A corner that cutting makes errs by fewer than
-/// 16 units in the last place of that coordinate; three cuts and one interpolation follow each
-/// other: 64 units, 1.5e-14. A separating-axis test errs by about as much.
-const WIDER: f64 = 1e-12;
+use crate::numeric::mesh::TRIANGLE;
 
 /// A triangle cut by three pairs of planes has at most nine corners.
 type Polygon = SmallVec<[DVec3; 9]>;
 
 /// By how much a triangle is widened.
 pub(crate) fn margin(t: &[DVec3; 3]) -> f64 {
-    t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) * WIDER
+    t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) * TRIANGLE
 }
 
 /// The least box that holds a triangle.

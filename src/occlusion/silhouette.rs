@@ -7,7 +7,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::polytope::{CONE_MARGIN, Half, Outline};
+use crate::geometry::polytope::{Half, Outline};
+use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};
 
 /// The conic is scaled so that its terms are at most about 3: sums of ten of them

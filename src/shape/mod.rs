@@ -4,10 +4,12 @@
 //! every point lies in at least one of them. *Opaque* cells are a subset of the
 //! cells wholly inside the solid. A new kind of shape joins by implementing [`Shape`].
 
-pub(crate) mod aabb;
+mod aabb;
 pub(crate) mod convex;
+mod filter;
+mod obb;
 pub(crate) mod pieces;
-pub(crate) mod sphere;
+mod sphere;
 pub(crate) mod traits;
 
 pub use convex::{Convex, MAX_CONVEX};

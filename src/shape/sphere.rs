@@ -1,21 +1,20 @@
 //! Spheres, row by row.
 //!
-//! Margin: the products and the root below err by a few units in the last place
-//! of the largest coordinate. The radius is widened or narrowed by 16 of them,
-//! which covers all roundings with room to spare.
+//! The radius is widened or narrowed by [`DISTANCE`] of the coordinates.
 
 use glam::{DVec3, IVec3};
 
 use crate::geometry::Sphere;
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
+use crate::numeric::shape::{DISTANCE, SPHERE_BOX};
 use crate::shape::Shape;
 use crate::shape::traits::Rows;
 
 impl Sphere {
     fn parts(&self) -> (DVec3, f64, f64) {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        (c, r, 16.0 * f64::EPSILON * (c.abs().max_element() + r))
+        (c, r, DISTANCE * (c.abs().max_element() + r))
     }
 }
 
@@ -41,8 +40,8 @@ impl Shape for Sphere {
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         let farthest = (c - min).abs().max((max - c).abs());
-        // A little less than the rows of `opaque` hold, so that every cell found here is one of theirs.
-        let r = r - 4.0 * margin;
+        // A little less than the rows of `opaque` contain, so that every cell found here is one of theirs.
+        let r = r - SPHERE_BOX * margin;
         r > 0.0 && farthest.length_squared() <= r * r
     }
 
@@ -104,8 +103,8 @@ impl Rows for Sphere {
 
     fn misses(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
-        // A little more than the rows of `touched` hold.
-        let r = r + 4.0 * margin;
+        // A little more than the rows of `touched` contain.
+        let r = r + SPHERE_BOX * margin;
         c.clamp(min, max).distance_squared(c) > r * r
     }
 }

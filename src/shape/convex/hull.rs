@@ -8,13 +8,11 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
-/// Offsets of faces are lowered by this share of the solid's greatest coordinate: the products and sums
-/// behind an offset, and behind one relative to an eye at such coordinates, err by less than 8 units of 2^-53 each.
-const FACE_MARGIN: f64 = 16.0 * f64::EPSILON;
+use crate::numeric::shape::DISTANCE;
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above that corner.
 pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
-    least - FACE_MARGIN * reach
+    least - DISTANCE * reach
 }
 
 /// A closed convex surface.

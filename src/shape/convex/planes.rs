@@ -8,21 +8,8 @@ use glam::{DMat3, DVec3};
 
 use crate::error::Error;
 use crate::geometry::Plane;
-use crate::shape::convex::{FLAT, hull};
-
-/// Sums of four products by error-free transformations err by less than this share of the sum of their
-/// magnitudes, beyond one rounding (Ogita, Rump and Oishi 2005: (4 * 2^-53)^2 = 2^-102).
-const TWICE: f64 = 1.0 / (1u128 << 100) as f64;
-
-/// The first pull, in units of the greatest coordinate over the solid's depth: corners are off by a
-/// rounding along each axis, and the pull itself rounds as often.
-const FIRST_PULL: f64 = 4.0 * f64::EPSILON;
-
-/// Pulls of more than this share of the solid are refused: hardly a solid is left between roundings.
-const MAX_PULL: f64 = 1e-3;
-
-/// Three planes less askew than this (the volume between their normals) do not help to find the middle.
-const ASKEW: f64 = 1e-7;
+use crate::numeric::shape::{ASKEW, CORNER, FLAT, MAX_PULL, TWICE};
+use crate::shape::convex::hull;
 
 /// How often the middle is looked for, from ever nearer. Twice suffices for planes that all bound the
 /// solid, once more helps where far planes mislead the first guess.
@@ -146,7 +133,7 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
         if inside.iter().all(|&x| planes.iter().all(|p| surely_holds(p, x))) {
             return Ok(Corners { inside, found: found.iter().map(|&x| center + x).collect() });
         }
-        pull = f64::max(2.0 * pull, FIRST_PULL * reach / depth);
+        pull = f64::max(2.0 * pull, CORNER * reach / depth);
         if pull.is_nan() || pull > MAX_PULL {
             return Err(TOO_THIN);
         }
