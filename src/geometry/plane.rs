@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4, Vec3};
 
 use crate::numeric::shape::DISTANCE;
 
-/// Half a space: the points `p` with `normal.dot(p) + offset >= 0`.
+/// Half of space: the points `p` with `normal.dot(p) + offset >= 0`, in world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     /// Points into the half-space; any length but zero.
@@ -13,7 +13,8 @@ pub struct Plane {
     pub offset: f32,
 }
 
-/// A half-space with a normal of length 1, in `f64`.
+/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are inside. The normal
+/// has length 1 and points inwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,
@@ -28,8 +29,14 @@ impl HalfSpace {
             .then(|| Self { normal: v.truncate() / length, offset: v.w / length })
     }
 
+    /// How far a point lies inside; negative outside.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
         self.normal.dot(p) + self.offset
+    }
+
+    /// How far a point lies outside; negative inside.
+    pub(crate) fn beyond(&self, p: DVec3) -> f64 {
+        -self.distance(p)
     }
 
     /// Margin for decisions about points with coordinates up to `reach`.

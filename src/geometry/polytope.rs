@@ -11,10 +11,8 @@ use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
-
-/// A plane, as the half-space `n . x + h >= 0`.
-pub(crate) type Half = (DVec3, f64);
 
 /// A convex shape relative to the origin of the rays. Lives on the stack.
 #[allow(clippy::large_enum_variant)]
@@ -25,17 +23,17 @@ pub(crate) enum Outline {
         radius: f64,
     },
     /// The directions inside all half-spaces; each plane runs along the rays.
-    Cone(SmallVec<[Half; 8]>),
+    Cone(SmallVec<[HalfSpace; 8]>),
     /// Every direction: a shape around the eye, or too close to tell.
     Everything,
 }
 
-/// A convex polytope: its corners, outward faces `m . x <= h`, and edges as two
+/// A convex polytope: its corners, the half-spaces of its faces, and edges as two
 /// corners and the two faces that meet there.
 #[derive(Debug, Clone)]
 pub(crate) struct Polytope {
     pub(crate) vertices: SmallVec<[DVec3; 8]>,
-    pub(crate) faces: SmallVec<[Half; 6]>,
+    pub(crate) faces: SmallVec<[HalfSpace; 6]>,
     pub(crate) edges: SmallVec<[[u16; 4]; 12]>,
 }
 
@@ -67,8 +65,8 @@ impl Polytope {
         for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
             let length = axis.length();
             let n = if length > 0.0 { axis / length } else { DVec3::ZERO };
-            faces.push((-n, -n.dot(center) + length));
-            faces.push((n, n.dot(center) + length));
+            faces.push(HalfSpace { normal: n, offset: -n.dot(center) + length });
+            faces.push(HalfSpace { normal: -n, offset: n.dot(center) + length });
         }
         Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
@@ -76,8 +74,8 @@ impl Polytope {
     pub(crate) fn block(b: &Block) -> Self {
         let mut faces = SmallVec::new();
         for (axis, n) in DVec3::AXES.into_iter().enumerate() {
-            faces.push((-n, -b.min[axis]));
-            faces.push((n, b.max[axis]));
+            faces.push(HalfSpace { normal: n, offset: -b.min[axis] });
+            faces.push(HalfSpace { normal: -n, offset: b.max[axis] });
         }
         Self { vertices: SmallVec::from_buf(b.corners()), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
@@ -92,15 +90,15 @@ impl Polytope {
 
     /// Whether a face is turned to the eye at the origin, or to rays along `direction`.
     fn is_front(&self, face: usize, direction: Option<DVec3>) -> bool {
-        let (m, h) = self.faces[face];
+        let HalfSpace { normal, offset } = self.faces[face];
         match direction {
-            Some(d) => m.dot(d) < 0.0,
-            None => h < 0.0,
+            Some(d) => normal.dot(d) > 0.0,
+            None => offset < 0.0,
         }
     }
 
     /// The faces turned to the eye.
-    pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[Half; 3]> {
+    pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[HalfSpace; 3]> {
         (0..self.faces.len()).filter(|&f| self.is_front(f, direction)).map(|f| self.faces[f]).collect()
     }
 
@@ -142,7 +140,11 @@ impl Polytope {
             if side.abs() < NO_WIDTH * reach {
                 return Outline::Everything;
             }
-            planes.push(if side < 0.0 { (-n, -h) } else { (n, h) });
+            planes.push(if side < 0.0 {
+                HalfSpace { normal: -n, offset: -h }
+            } else {
+                HalfSpace { normal: n, offset: h }
+            });
         }
         if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
     }

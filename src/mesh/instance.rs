@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
@@ -129,11 +130,11 @@ impl Instance {
             let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
             let mut least = f64::INFINITY;
             for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
-                let n = (normals * face.0).normalize_or_zero();
+                let n = (normals * face.normal).normalize_or_zero();
                 let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
-                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(polytope.vertices[usize::from(v)]));
-                *face = (n, ends.fold(f64::NEG_INFINITY, f64::max));
-                least = least.min(face.1 - n.dot(center));
+                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -n.dot(polytope.vertices[usize::from(v)]));
+                *face = HalfSpace { normal: n, offset: ends.fold(f64::NEG_INFINITY, f64::max) };
+                least = least.min(face.distance(center));
             }
             // Room for what single precision leaves open: all faces move out by as much at least.
             let scale = 1.0 + 2.0 * error / least;
@@ -143,9 +144,9 @@ impl Instance {
             for v in &mut polytope.vertices {
                 *v = center + (*v - center) * scale;
             }
-            for (n, h) in &mut polytope.faces {
-                let middle = n.dot(center);
-                *h = middle + (*h - middle) * scale;
+            for face in &mut polytope.faces {
+                let middle = -face.normal.dot(center);
+                face.offset = middle + (face.offset - middle) * scale;
             }
             polytope
         })

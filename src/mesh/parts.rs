@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::geometry::plane::HalfSpace;
 use crate::numeric::mesh::{DIAGONAL, PART_CUT, PART_ROOM, PART_THICKNESS};
 use crate::shape::convex::Convex;
 
@@ -148,18 +149,19 @@ fn around(points: &[DVec3]) -> Convex {
     let half = half.max(DVec3::splat(thin)) + room;
     let mut solid = Solid::boxed(&axes, center, half);
     // Where a plane cuts off most, first.
-    let mut planes: Vec<(f64, DVec3, f64)> = Vec::new();
+    let mut planes: Vec<(f64, HalfSpace)> = Vec::new();
     for (x, y, z) in DIAGONALS {
         let n = (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize();
         let (lo, hi) = reach(points, n);
-        for (n, h) in [(n, hi + room), (-n, room - lo)] {
-            planes.push((solid.beyond(n, h), n, h));
+        for plane in [HalfSpace { normal: -n, offset: hi + room }, HalfSpace { normal: n, offset: room - lo }]
+        {
+            planes.push((solid.beyond(&plane), plane));
         }
     }
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for (_, n, h) in planes {
-        if solid.beyond(n, h) > WORTH_A_PLANE * size {
-            solid.cut(n, h, PART_CUT * room);
+    for (_, plane) in planes {
+        if solid.beyond(&plane) > WORTH_A_PLANE * size {
+            solid.cut(plane, PART_CUT * room);
         }
     }
     solid.convex()
@@ -168,8 +170,8 @@ fn around(points: &[DVec3]) -> Convex {
 /// A convex solid as it is cut.
 struct Solid {
     vertices: Vec<DVec3>,
-    /// Outward plane, and corners in a ring.
-    faces: Vec<((DVec3, f64), Vec<usize>)>,
+    /// The half-space of each face, and its corners in a ring.
+    faces: Vec<(HalfSpace, Vec<usize>)>,
 }
 
 impl Solid {
@@ -182,27 +184,29 @@ impl Solid {
         for axis in 0..3 {
             let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
             let n = axes.col(axis);
-            faces.push(((-n, half[axis] - n.dot(center)), vec![0, v, u | v, u]));
+            let (lower, upper) = (half[axis] - n.dot(center), half[axis] + n.dot(center));
+            faces.push((HalfSpace { normal: n, offset: lower }, vec![0, v, u | v, u]));
             let high = 1 << axis;
-            faces.push(((n, half[axis] + n.dot(center)), vec![high, high | u, high | u | v, high | v]));
+            let ring = vec![high, high | u, high | u | v, high | v];
+            faces.push((HalfSpace { normal: -n, offset: upper }, ring));
         }
         Self { vertices: (0..8).map(corner).collect(), faces }
     }
 
     /// How far it reaches beyond a plane.
-    fn beyond(&self, n: DVec3, h: f64) -> f64 {
-        self.vertices.iter().map(|v| n.dot(*v) - h).fold(f64::NEG_INFINITY, f64::max)
+    fn beyond(&self, plane: &HalfSpace) -> f64 {
+        self.vertices.iter().map(|v| plane.beyond(*v)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Takes away what lies beyond a plane by more than `eps`.
-    fn cut(&mut self, n: DVec3, h: f64, eps: f64) {
-        let above: Vec<f64> = self.vertices.iter().map(|v| n.dot(*v) - h).collect();
+    /// Cuts off the part that lies beyond a plane by more than `eps`.
+    fn cut(&mut self, plane: HalfSpace, eps: f64) {
+        let above: Vec<f64> = self.vertices.iter().map(|v| plane.beyond(*v)).collect();
         let out = |v: usize| above[v] > eps;
         let mut crossings: Vec<((usize, usize), usize)> = Vec::new();
         // The new face's edges, from corner to corner.
         let mut rim: Vec<(usize, usize)> = Vec::new();
         let mut faces = Vec::new();
-        for (plane, ring) in std::mem::take(&mut self.faces) {
+        for (own, ring) in std::mem::take(&mut self.faces) {
             let mut kept = Vec::with_capacity(ring.len() + 1);
             let (mut leaves, mut enters) = (None, None);
             for (i, &a) in ring.iter().enumerate() {
@@ -228,7 +232,7 @@ impl Solid {
                 rim.push((enters, leaves));
             }
             if kept.len() >= 3 {
-                faces.push((plane, kept));
+                faces.push((own, kept));
             }
         }
         let mut ring: Vec<usize> = Vec::new();
@@ -240,7 +244,7 @@ impl Solid {
             }
         }
         if ring.len() >= 3 {
-            faces.push(((n, h), ring));
+            faces.push((plane, ring));
         }
         self.faces = faces;
     }
@@ -305,10 +309,11 @@ mod tests {
                 let solid = around(&points);
                 let (v, f, e) = (solid.vertices.len(), solid.faces.len(), solid.edges.len());
                 assert_eq!(v + f, e + 2, "{n} points, round {round}: {v} corners, {f} faces, {e} edges");
-                for &(m, h) in &solid.faces {
-                    assert!(points.iter().all(|p| m.dot(*p) <= h));
+                for face in &solid.faces {
+                    assert!(points.iter().all(|p| face.distance(*p) >= 0.0));
                     // Corners lie inside all faces, but for rounding.
-                    assert!(solid.vertices.iter().all(|p| m.dot(*p) <= h + 1e-9 * (1.0 + h.abs())));
+                    let room = 1e-9 * (1.0 + face.offset.abs());
+                    assert!(solid.vertices.iter().all(|p| face.beyond(*p) <= room));
                 }
             }
         }

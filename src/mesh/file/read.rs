@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::error::FileError;
 use crate::geometry::Aabb;
+use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
     CHECKSUM, CLUSTERS, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION,
@@ -218,7 +219,7 @@ impl Contents<'_> {
                 c.check(i, unit, "has a face whose normal is not of length 1")?;
                 let most = vertices.iter().map(|v| n.dot(*v)).fold(f64::NEG_INFINITY, f64::max);
                 c.check(i, (h - most).abs() <= room, "has a face that does not touch its corners")?;
-                Ok((n, h))
+                Ok(HalfSpace { normal: -n, offset: h })
             })?;
             let edges = c.list(counts[2].into(), 8, |c, _| {
                 let edge = [c.u16()?, c.u16()?, c.u16()?, c.u16()?];

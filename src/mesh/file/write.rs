@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::{HEADER, MAGIC, VERSION, checksum};
 use crate::mesh::surface::Surface;
 use crate::mesh::tri_mesh::TriMesh;
@@ -88,7 +89,9 @@ impl TriMesh {
             let counts = [vertices.len(), faces.len(), edges.len()];
             out.extend(counts.iter().flat_map(|&n| (n as u16).to_le_bytes()));
             out.extend(vertices.iter().flat_map(|v| v.to_array()).flat_map(f64::to_le_bytes));
-            let planes = faces.iter().flat_map(|&(n, h)| [n.x, n.y, n.z, h]);
+            // The file has outward normals.
+            let outward = |face: &HalfSpace| [-face.normal.x, -face.normal.y, -face.normal.z, face.offset];
+            let planes = faces.iter().flat_map(outward);
             out.extend(planes.flat_map(f64::to_le_bytes));
             out.extend(edges.iter().flatten().flat_map(|i| i.to_le_bytes()));
         }

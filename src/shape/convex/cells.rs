@@ -5,6 +5,7 @@
 
 use glam::{DVec3, IVec3};
 
+use crate::geometry::plane::HalfSpace;
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
 use crate::numeric::shape::DISTANCE;
@@ -16,24 +17,24 @@ use crate::shape::traits::Rows;
 impl Convex {
     /// Whether no face keeps a box out of what was asked for.
     fn near(&self, min: DVec3, max: DVec3) -> bool {
-        self.faces.iter().all(|&(n, h)| {
-            let nearest = DVec3::select(n.cmpge(DVec3::ZERO), min, max);
-            n.dot(nearest) <= h + self.margin(min.abs().max(max.abs()), h) + self.lost
+        self.faces.iter().all(|face| {
+            let nearest = DVec3::select(face.normal.cmple(DVec3::ZERO), min, max);
+            -face.normal.dot(nearest) <= face.offset + margin(face, min.abs().max(max.abs())) + self.lost
         })
     }
 
     /// Whether a box lies behind all faces.
     fn holds(&self, min: DVec3, max: DVec3) -> bool {
-        self.faces.iter().all(|&(n, h)| {
-            let farthest = DVec3::select(n.cmpge(DVec3::ZERO), max, min);
-            n.dot(farthest) <= h - self.margin(min.abs().max(max.abs()), h)
+        self.faces.iter().all(|face| {
+            let farthest = DVec3::select(face.normal.cmple(DVec3::ZERO), max, min);
+            -face.normal.dot(farthest) <= face.offset - margin(face, min.abs().max(max.abs()))
         })
     }
+}
 
-    /// What the distance of a point from a face may be off by.
-    fn margin(&self, p: DVec3, h: f64) -> f64 {
-        DISTANCE * (p.abs().max_element() + h.abs())
-    }
+/// How far the distance of a point from a face may be off.
+fn margin(face: &HalfSpace, p: DVec3) -> f64 {
+    DISTANCE * (p.abs().max_element() + face.offset.abs())
 }
 
 impl Shape for Convex {
@@ -55,7 +56,7 @@ impl Shape for Convex {
     }
 
     fn contains_point(&self, point: DVec3) -> bool {
-        self.faces.iter().all(|&(n, h)| n.dot(point) <= h + self.margin(point, h) + self.lost)
+        self.faces.iter().all(|face| -face.normal.dot(point) <= face.offset + margin(face, point) + self.lost)
     }
 }
 

@@ -8,6 +8,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
+use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::DISTANCE;
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above that corner.
@@ -18,9 +19,9 @@ pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
 /// A closed convex surface.
 pub(crate) struct Closed {
     pub(crate) vertices: Vec<DVec3>,
-    /// Outward normal and offset; no corner of the face lies below it, so that what is
-    /// inside all of these half-spaces is inside the hull.
-    pub(crate) faces: Vec<(DVec3, f64)>,
+    /// No corner of a face lies strictly inside of its half-space, so that points inside all of them are
+    /// inside the hull.
+    pub(crate) faces: Vec<HalfSpace>,
     /// Two vertices, and the two faces that meet there.
     pub(crate) edges: Vec<[u16; 4]>,
 }
@@ -233,7 +234,7 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Op
         if inwards.is_nan() || inwards <= 0.0 {
             return None;
         }
-        faces.push((n, h));
+        faces.push(HalfSpace { normal: -n, offset: h });
     }
     let whole = faces.len() >= 4 && vertices.len() + faces.len() == edges.len() + 2;
     whole.then_some(Closed { vertices, faces, edges })

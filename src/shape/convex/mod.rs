@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Plane;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::numeric::shape::{CORNER, FLAT, KEPT, MAX_PULL};
 use crate::shape::convex::hull::{Closed, closed};
@@ -36,8 +37,8 @@ pub const MAX_CONVEX: usize = 64;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convex {
     pub(crate) vertices: Vec<DVec3>,
-    /// Outward normal and offset: the solid is `m . x <= h`.
-    pub(crate) faces: Vec<(DVec3, f64)>,
+    /// The solid is inside all of them.
+    pub(crate) faces: Vec<HalfSpace>,
     /// Two vertices, and the two faces that meet there.
     pub(crate) edges: Vec<[u16; 4]>,
     /// The solid asked for reaches beyond faces and bounding box by this much at most, in world units.
@@ -108,7 +109,7 @@ impl Convex {
         let (min, max) = self.corner_bounds();
         let over = |&p: &DVec3| {
             let outside = (min - p).max(p - max).max_element();
-            self.faces.iter().map(|&(n, h)| n.dot(p) - h).fold(outside, f64::max)
+            self.faces.iter().map(|face| face.beyond(p)).fold(outside, f64::max)
         };
         points.iter().map(over).fold(0.0, f64::max)
     }
@@ -138,7 +139,7 @@ impl Convex {
             // A ball of the pull times the depth around each corner as pulled exactly lies in the solid: it
             // has room for what rounds.
             let middle = self.middle();
-            let depth = self.faces.iter().map(|&(n, h)| h - n.dot(middle)).fold(f64::INFINITY, f64::min);
+            let depth = self.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
             let room = 2.0 * CORNER * (reach + self.reach());
             pull = room / depth;
             if !(0.0..MAX_PULL).contains(&pull) {
@@ -150,10 +151,11 @@ impl Convex {
             }
         }
         moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (reach + self.reach());
-        for (f, (n, h)) in moved.faces.iter_mut().enumerate() {
+        for (f, face) in moved.faces.iter_mut().enumerate() {
             let own = moved.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
-            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(moved.vertices[usize::from(v)]));
-            *h = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
+            let ends =
+                own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(moved.vertices[usize::from(v)]));
+            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
         }
         Ok(moved)
     }
@@ -171,7 +173,7 @@ impl Convex {
     /// Bytes on the heap.
     pub(crate) fn memory_bytes(&self) -> usize {
         self.vertices.capacity() * size_of::<DVec3>()
-            + self.faces.capacity() * size_of::<(DVec3, f64)>()
+            + self.faces.capacity() * size_of::<HalfSpace>()
             + self.edges.capacity() * size_of::<[u16; 4]>()
     }
 
@@ -184,7 +186,11 @@ impl Convex {
     pub(crate) fn seen_from(&self, origin: DVec3) -> Polytope {
         Polytope {
             vertices: self.vertices.iter().map(|&v| v - origin).collect(),
-            faces: self.faces.iter().map(|&(n, h)| (n, h - n.dot(origin))).collect(),
+            faces: self
+                .faces
+                .iter()
+                .map(|face| HalfSpace { offset: face.distance(origin), ..*face })
+                .collect(),
             edges: self.edges.iter().copied().collect(),
         }
     }
