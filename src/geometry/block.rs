@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::extent::Extent;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
 
 /// A box in `f64`: what shapes are compared with.
@@ -44,6 +46,40 @@ impl Block {
     /// Whether the interiors meet.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()
+    }
+}
+
+impl Block {
+    /// Whether it may have points in each of the half-spaces; in doubt, yes.
+    pub(crate) fn may_reach(&self, planes: &[HalfSpace]) -> bool {
+        let reach = self.min.abs().max(self.max.abs()).max_element();
+        planes.iter().all(|p| {
+            let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), self.max, self.min);
+            p.distance(farthest) >= -p.margin(reach)
+        })
+    }
+
+    /// Its extent along axes at right angles.
+    pub(crate) fn extent(&self, axes: &[DVec3; 3]) -> Extent {
+        let half = (self.max - self.min) * 0.5;
+        let greatest = self.min.abs().max(self.max.abs()).max_element();
+        Extent::new(axes, (self.min + self.max) * 0.5, |axis| half.dot(axis.abs()), greatest)
+    }
+
+    /// How far its nearest point is from an eye; 0 inside.
+    pub(crate) fn distance_from(&self, eye: DVec3) -> f64 {
+        (self.min - eye).max(eye - self.max).max(DVec3::ZERO).length()
+    }
+
+    /// The least coordinate of its points along a direction.
+    pub(crate) fn distance_along(&self, direction: DVec3) -> f64 {
+        let half = (self.max - self.min) * 0.5;
+        ((self.min + self.max) * 0.5).dot(direction) - half.dot(direction.abs())
+    }
+
+    /// Centre and radius of the ball around it.
+    pub(crate) fn ball(&self) -> (DVec3, f64) {
+        ((self.min + self.max) * 0.5, ((self.max - self.min) * 0.5).length())
     }
 }
 

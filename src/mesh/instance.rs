@@ -10,6 +10,7 @@ use crate::grid::run::{CellRun, rows_of};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::{ANGLES, FLATTENS, MOST_GROWTH, SINGLE};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 use std::sync::Arc;
 
@@ -116,7 +117,7 @@ impl Instance {
     }
 
     /// The solids that it is tested by, relative to an origin.
-    pub(crate) fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
+    fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
         let Placement { affine, error, normals, .. } = self.inner.placement;
         self.inner.mesh.parts().iter().map(move |part| {
             let mut polytope = part.seen_from(DVec3::ZERO);
@@ -200,5 +201,39 @@ impl Rows for Instance {
 
     fn fills(&self, min: DVec3, max: DVec3) -> bool {
         Block::new(self.bounds()).contains(&Block { min, max })
+    }
+}
+
+impl Kind for Instance {
+    fn check_hides(&self) -> Result<(), Error> {
+        self.mesh().check_hides()
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        self.translated(offset).map(Some)
+    }
+
+    fn shared(&self) -> Option<(*const u8, usize)> {
+        self.mesh().shared()
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    fn middle_of_parts(&self) -> Option<DVec3> {
+        Some(self.placement().affine.transform_point3(self.mesh().middle()))
+    }
+
+    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
+        Some(self.parts_from(origin).all(test))
     }
 }

@@ -12,9 +12,12 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
+use crate::error::Error;
 use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
 use crate::mesh::cells::SurfaceCells;
@@ -22,6 +25,7 @@ use crate::mesh::raster::margin;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::mesh::triangle::{crossing, triangle_meets_box};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 
 impl TriMesh {
     /// The block of grid cells that holds the mesh, and its surface there.
@@ -105,5 +109,39 @@ impl Shape for TriMesh {
             let (count, winding) = self.crossings_before(axis, point);
             count % 2 == 1 || winding != 0 && self.surface.front.is_some()
         })
+    }
+}
+
+impl Kind for TriMesh {
+    fn check_hides(&self) -> Result<(), Error> {
+        if self.occludes() { Ok(()) } else { Err(Error::BoundsOnly) }
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+
+    fn moved(&self, _: Vec3) -> Result<Option<Self>, Error> {
+        Ok(None)
+    }
+
+    fn shared(&self) -> Option<(*const u8, usize)> {
+        Some((std::ptr::from_ref(self).cast(), self.memory_bytes()))
+    }
+
+    fn is_solid(&self) -> bool {
+        self.is_closed()
+    }
+
+    fn may_meet(&self, _: &[HalfSpace], around: &Block) -> bool {
+        self.surface_meets(around)
+    }
+
+    fn middle_of_parts(&self) -> Option<DVec3> {
+        Some(self.middle())
+    }
+
+    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
+        Some(self.parts().iter().all(|part| test(part.seen_from(origin))))
     }
 }

@@ -70,3 +70,7 @@ pub(crate) const OCCLUDER_SHARE: f64 = 1e-3;
 /// An occluder may leave the box of its bounds also by this share of the coordinates: applications compute both
 /// in single precision, whose steps are 6e-8.
 pub(crate) const OCCLUDER_ROUNDING: f64 = 1e-6;
+
+/// Boxes of regions in front of the near plane, and solids compared with them, count as larger by this share of
+/// the coordinates: far more than the rounding of the corners, far less than matters to a solid.
+pub(crate) const REGION: f64 = 1e-9;

@@ -48,7 +48,3 @@ pub(crate) const CLIP: f64 = 64.0 * f64::EPSILON;
 /// A plane faces parallel rays only if the cosine between its normal and their direction is greater: the sides
 /// of an orthographic view run along the rays but for the rounding of its matrix.
 pub(crate) const ALONG_RAYS: f64 = 1e-6;
-
-/// Boxes of regions in front of the near plane, and solids compared with them, count as larger by this share of
-/// the coordinates: far more than the rounding of the corners, far less than matters to a solid.
-pub(crate) const REGION: f64 = 1e-9;

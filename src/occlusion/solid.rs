@@ -4,6 +4,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Polytope};
 use crate::occlusion::face::{Face, Rect};
@@ -28,6 +29,16 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
+    /// A body to draw; `None` if the eye is in it or too close to tell.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Option<Self> {
+        match body {
+            Body::Sphere { center, radius } => Self::sphere(center, radius, direction),
+            Body::Block(block) => Self::polytope(Polytope::block(&block), direction),
+            Body::Oriented { center, axes } => Self::polytope(Polytope::boxed(center, &axes), direction),
+            Body::Polytope(polytope) => Self::polytope(polytope, direction),
+        }
+    }
+
     /// A sphere; `None` if the eye is in it.
     pub(crate) fn sphere(center: DVec3, radius: f64, direction: Option<DVec3>) -> Option<Self> {
         let distance = center.length();

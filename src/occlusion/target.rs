@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Polytope};
 use crate::occlusion::face::{Face, Linear, Rect};
@@ -48,6 +49,19 @@ impl FaceTarget {
 }
 
 impl Target {
+    /// A body to test.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Self {
+        match body {
+            Body::Sphere { center, radius } => Self::sphere(center, radius),
+            Body::Block(block) => Self::block(block, direction),
+            Body::Oriented { center, axes } => Self::oriented(center, &axes, direction),
+            Body::Polytope(polytope) => {
+                let block = polytope.bounds();
+                Self::polytope(polytope, block, direction)
+            }
+        }
+    }
+
     pub(crate) fn sphere(center: DVec3, radius: f64) -> Self {
         let block = Block { min: center - radius, max: center + radius };
         let outline = Outline::Sphere { center, radius };

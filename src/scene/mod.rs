@@ -5,13 +5,12 @@ pub(crate) mod solids;
 pub(crate) mod tbv;
 
 use std::collections::{BinaryHeap, HashSet};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::error::{Error, finite3};
-use crate::geometry::{Aabb, Block, Obb, Sphere};
+use crate::geometry::Block;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
@@ -21,8 +20,7 @@ use crate::matrix::fused::Fused;
 use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
-use crate::object::desc::check_pair;
-use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
+use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Reports, check_pair};
 use crate::pvs::Pvs;
 use crate::scene::tbv::{
     Border, Expiry, FIRST_VALIDITY, LONGER, SHORTER, Tbv, VALIDITY_RANGE, Volumes, lay, way,
@@ -582,24 +580,9 @@ impl Scene {
     pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
         let (_, object) = self.find(id)?;
-        let sphere = |s: &Sphere| Sphere::new(s.center + offset, s.radius);
-        let aabb = |b: &Aabb| Aabb::new(b.min + offset, b.max + offset);
-        let oriented = |b: &Obb| Obb { center: b.center + offset, ..*b };
-        let mesh = || Error::FixedMesh(id);
-        let bounds = match &object.bounds {
-            Bounds::Sphere(s) => Bounds::Sphere(sphere(s)),
-            Bounds::Box(b) => Bounds::Box(aabb(b)),
-            Bounds::Oriented(b) => Bounds::Oriented(oriented(b)),
-            Bounds::Instance(i) => Bounds::Instance(i.translated(offset)?),
-            Bounds::Mesh(_) => return Err(mesh()),
-        };
+        let bounds = object.bounds.moved(offset)?.ok_or(Error::FixedMesh(id))?;
         let occluder = match &object.occluder {
-            Some(Occluder::Sphere(s)) => Some(Occluder::Sphere(sphere(s))),
-            Some(Occluder::Box(b)) => Some(Occluder::Box(aabb(b))),
-            Some(Occluder::Oriented(b)) => Some(Occluder::Oriented(oriented(b))),
-            Some(Occluder::Convex(c)) => Some(Occluder::Convex(Arc::new(c.translated(offset)?))),
-            Some(Occluder::Instance(i)) => Some(Occluder::Instance(i.translated(offset)?)),
-            Some(Occluder::Mesh(_)) => return Err(mesh()),
+            Some(occluder) => Some(occluder.moved(offset)?.ok_or(Error::FixedMesh(id))?),
             None => None,
         };
         self.update(id, bounds, occluder)

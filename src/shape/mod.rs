@@ -7,6 +7,7 @@
 mod aabb;
 pub(crate) mod convex;
 mod filter;
+pub(crate) mod kind;
 mod obb;
 pub(crate) mod pieces;
 mod sphere;

@@ -2,13 +2,18 @@
 //!
 //! The radius is widened or narrowed by [`DISTANCE`] of the coordinates.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 
-use crate::geometry::Sphere;
+use crate::error::Error;
+use crate::geometry::body::Body;
+use crate::geometry::extent::Extent;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::{Block, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::numeric::shape::{DISTANCE, SPHERE_BOX};
+use crate::numeric::shape::{DISTANCE, REGION, SPHERE_BOX};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 
 impl Sphere {
@@ -109,11 +114,71 @@ impl Rows for Sphere {
     }
 }
 
+impl Kind for Sphere {
+    fn check(&self, what: &'static str) -> Result<(), Error> {
+        Sphere::check(self, what)
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        Ok(Some(Sphere::new(self.center + offset, self.radius)))
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    fn may_reach(&self, planes: &[HalfSpace]) -> bool {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        let reach = c.abs().max_element() + r;
+        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+    }
+
+    fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        let away = (around.min - c).max(c - around.max).max(DVec3::ZERO);
+        // Not written the other way round, so that NaN is doubt.
+        let apart = away.length() > r + REGION * (r + c.abs().max_element());
+        !apart && self.may_reach(planes)
+    }
+
+    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        Extent::new(axes, c, |_| r, c.abs().max_element() + r)
+    }
+
+    fn distance_from(&self, eye: DVec3) -> f64 {
+        (self.center.as_dvec3() - eye).length() - f64::from(self.radius)
+    }
+
+    fn distance_along(&self, direction: DVec3) -> f64 {
+        self.center.as_dvec3().dot(direction) - f64::from(self.radius)
+    }
+
+    fn ball(&self) -> (DVec3, f64) {
+        (self.center.as_dvec3(), f64::from(self.radius))
+    }
+
+    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+        Body::Sphere { center: self.center.as_dvec3() - origin, radius: f64::from(self.radius) + grow }
+    }
+
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+        Some(Body::Sphere {
+            center: self.center.as_dvec3() - origin,
+            radius: f64::from(self.radius) - shrink,
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
-    use glam::{UVec3, Vec3};
+    use glam::UVec3;
 
     use super::*;
     use crate::grid::GridSpec;

@@ -6,11 +6,11 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::{Block, Obb, Sphere};
-use crate::numeric::view::{ALONG_RAYS, REGION};
+use crate::numeric::shape::REGION;
+use crate::numeric::view::ALONG_RAYS;
 use crate::object::Occluder;
-use crate::shape::Shape;
 use crate::view::{Origin, View};
 
 impl View {
@@ -59,35 +59,7 @@ impl View {
 pub(crate) fn may_meet(occluder: &Occluder, region: &View, around: &Block) -> bool {
     let by = REGION * (1.0 + around.min.abs().max(around.max.abs()).max_element());
     let around = Block { min: around.min - by, max: around.max + by };
-    match occluder {
-        Occluder::Sphere(s) => ball_meets(s, &around) && region.may_see_sphere(s),
-        Occluder::Oriented(b) => turned_meets(b, &around) && region.may_see_oriented(b),
-        Occluder::Mesh(m) => m.surface_meets(&around),
-        other => {
-            let block = Block::new(other.bounds());
-            let meets = around.min.cmple(block.max).all() && block.min.cmple(around.max).all();
-            meets && region.may_see_block(&block)
-        }
-    }
-}
-
-fn ball_meets(s: &Sphere, around: &Block) -> bool {
-    let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-    let away = (around.min - c).max(c - around.max).max(DVec3::ZERO);
-    // Not written the other way round, so that NaN is doubt.
-    let apart = away.length() > r + REGION * (r + c.abs().max_element());
-    !apart
-}
-
-fn turned_meets(b: &Obb, around: &Block) -> bool {
-    let (center, axes, margin) = b.parts();
-    let turn = b.turn();
-    let (middle, half) = ((around.min + around.max) * 0.5, (around.max - around.min) * 0.5);
-    let apart = (0..3).any(|i| {
-        let (way, own) = (turn.col(i), axes.col(i).length() * (1.0 + REGION));
-        way.dot(middle - center).abs() > own + way.abs().dot(half) * (1.0 + REGION) + margin
-    });
-    !apart
+    occluder.kind().may_meet(&region.planes, &around)
 }
 
 #[cfg(test)]
@@ -95,6 +67,7 @@ mod tests {
     use glam::{Quat, Vec3};
 
     use super::*;
+    use crate::geometry::{Obb, Sphere};
 
     #[test]
     fn a_large_solid_beside_a_splinter_does_not_meet_it() {

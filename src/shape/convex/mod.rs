@@ -2,6 +2,7 @@
 
 mod cells;
 mod hull;
+mod kind;
 mod planes;
 #[cfg(test)]
 mod tests;
