@@ -6,7 +6,7 @@ use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
 
-/// A box in `f64`: what shapes are compared with.
+/// An axis-aligned box in `f64`, in world units unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block {
     pub(crate) min: DVec3,
@@ -43,7 +43,7 @@ impl Block {
         })
     }
 
-    /// Whether the interiors meet.
+    /// Whether the interiors intersect.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()
     }

@@ -1,5 +1,5 @@
-//! Outlines: what a convex shape covers as seen from the origin, before it is
-//! put on a face.
+//! Outlines: the directions that a convex shape covers as seen from the origin, before they are
+//! projected to a face.
 //!
 //! Seen from outside, a convex shape covers a convex cone of directions, bounded by
 //! planes through the eye and its silhouette edges, or by a circular cone for a sphere.
@@ -29,7 +29,7 @@ pub(crate) enum Outline {
 }
 
 /// A convex polytope: its corners, the half-spaces of its faces, and edges as two
-/// corners and the two faces that meet there.
+/// corners and the two faces on both sides.
 #[derive(Debug, Clone)]
 pub(crate) struct Polytope {
     pub(crate) vertices: SmallVec<[DVec3; 8]>,

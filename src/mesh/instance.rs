@@ -1,4 +1,4 @@
-//! Instances: a mesh put somewhere. It moves by its transform; what was prepared stays.
+//! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is shared.
 
 use crate::error::Error;
 use crate::geometry::Block;
@@ -97,12 +97,12 @@ impl Instance {
         &self.inner.mesh
     }
 
-    /// Where it is.
+    /// From the space of the mesh to world space.
     pub fn transform(&self) -> Affine3A {
         self.inner.transform
     }
 
-    /// The same, moved.
+    /// The same mesh, moved by an offset in world units, rounded to single precision.
     ///
     /// # Errors
     /// As [`Instance::new`].
@@ -137,7 +137,7 @@ impl Instance {
                 *face = HalfSpace { normal: n, offset: ends.fold(f64::NEG_INFINITY, f64::max) };
                 least = least.min(face.distance(center));
             }
-            // Room for what single precision leaves open: all faces move out by as much at least.
+            // Room for single precision: all faces move out by as much at least.
             let scale = 1.0 + 2.0 * error / least;
             if !(1.0..MOST_GROWTH).contains(&scale) {
                 return boxed();

@@ -13,7 +13,7 @@ use crate::shape::convex::Convex;
 /// How often a mesh is halved, at most.
 const DEPTH: u32 = 6;
 
-/// Halves are kept if together they have less than this share of the area of what they are halves of.
+/// Halves are kept if their cost together is less than this share of the cost of the whole.
 const WORTH_CUTTING: f64 = 0.8;
 
 /// Planes are added where they cut off this share of the diagonal.
@@ -26,7 +26,7 @@ struct Piece {
     max: DVec3,
 }
 
-/// What a box costs as a stand-in for its contents: rays that meet it, and eyes that it holds.
+/// The cost of a box as a stand-in for its contents: rays that enter it, and eyes inside of it.
 fn cost(min: DVec3, max: DVec3) -> f64 {
     let d = max - min;
     d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
@@ -59,7 +59,7 @@ impl Piece {
     }
 }
 
-/// Convex solids that together hold a mesh.
+/// Convex solids that together contain a mesh.
 pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
     let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize].as_dvec3());
     let whole = Piece::new((0..triangles.len() as u32).collect(), &corners);

@@ -3,7 +3,7 @@
 use crate::error::{Error, not_negative};
 use crate::mesh::surface::Rules;
 
-/// How the triangles of a [`TriMesh`] are prepared for hiding.
+/// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
 ///
 /// ```
 /// use casca::{Preparation, TriMesh};
@@ -22,15 +22,15 @@ use crate::mesh::surface::Rules;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Preparation {
-    /// How far the outlines of patches may leave the edges of triangles, in world units. What
-    /// they leave is added as a margin when they are drawn: larger is faster, and hides less near
-    /// outlines. Without a number, a 2000th of the mesh's diagonal.
+    /// How far the outlines of patches may leave the edges of triangles, in world units. The distance
+    /// is added as a margin when they are drawn: a larger one is faster, and hides less near
+    /// outlines. `None` is a 2000th of the mesh's diagonal.
     pub tolerance: Option<f32>,
-    /// Patches of a smaller radius hide nothing, in world units. Without a number, a 1000th of the
+    /// Patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
     /// mesh's diagonal.
     pub least_radius: Option<f32>,
-    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. Without a
-    /// number, 80, or 40 for triangles that hide from their front only: a patch of those hides only where
+    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. `None`
+    /// is 80, or 40 for triangles that hide from their front only: a patch of those hides only where
     /// all of it is seen from the front.
     pub max_angle: Option<f32>,
     /// From which side triangles hide.
@@ -40,7 +40,7 @@ pub struct Preparation {
     pub occludes: bool,
 }
 
-/// From which side triangles hide what is behind them: where the renderer draws them.
+/// The sides from which triangles hide objects behind them: those from which the renderer draws them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Facing {
     /// From both sides.

@@ -1,7 +1,7 @@
 //! Triangles as rows of cells.
 //!
 //! A triangle is cut into slices between planes along z, and the outline of each slice is followed from row to row:
-//! the cost is that of the rows met, however large the box around the triangle.
+//! the cost is that of the rows touched, however large the box around the triangle.
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
@@ -18,7 +18,7 @@ pub(crate) fn margin(t: &[DVec3; 3]) -> f64 {
     t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) * TRIANGLE
 }
 
-/// The least box that holds a triangle.
+/// The least box around a triangle.
 pub(crate) fn box_of(t: &[DVec3; 3]) -> (DVec3, DVec3) {
     (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]))
 }
@@ -66,7 +66,7 @@ impl<'a> Raster<'a> {
         Self { grid, lo, hi, spans: Vec::new() }
     }
 
-    /// Calls `out` with runs that hold all cells of the block that the triangle meets, and no others but for
+    /// Calls `out` with runs of all cells of the block that the triangle touches, and no others but for
     /// its margin: at most one in each row.
     pub(crate) fn triangle(&mut self, t: &[DVec3; 3], mut out: impl FnMut(CellRun)) {
         let (grid, room) = (self.grid, margin(t));
@@ -77,7 +77,7 @@ impl<'a> Raster<'a> {
             return;
         }
         if first.y == last.y && first.z == last.z {
-            // A connected set in one row meets all cells between its ends.
+            // A connected set in one row touches all cells between its ends.
             out(CellRun { x0: a.x, x1: b.x, y: a.y, z: a.z });
             return;
         }
@@ -85,7 +85,7 @@ impl<'a> Raster<'a> {
             (grid.plane(axis, from) - room, grid.plane(axis, to + 1) + room)
         };
         let mut whole = Polygon::from_slice(t);
-        // What lies beside the block has rows too, which are not to be visited.
+        // Parts beside the block have rows too, which are not to be visited.
         for axis in [0, 1] {
             let (lo, hi) = slab(axis, a[axis], b[axis]);
             whole = between(&whole, axis, lo, hi);

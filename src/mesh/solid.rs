@@ -28,7 +28,7 @@ use crate::shape::Shape;
 use crate::shape::kind::Kind;
 
 impl TriMesh {
-    /// The block of grid cells that holds the mesh, and its surface there.
+    /// The block of grid cells around the mesh, and its surface there.
     pub(crate) fn surface_cells(&self, grid: &Grid) -> Option<Arc<SurfaceCells>> {
         self.cells.get(grid, || SurfaceCells::new(self.all_corners(), grid, self.bounds()))
     }
@@ -65,7 +65,7 @@ impl TriMesh {
         (count, winding)
     }
 
-    /// Whether what lies beyond crossings of a line is behind the mesh's triangles as seen
+    /// Whether points beyond these crossings of a line are behind the mesh's triangles as seen
     /// from outside.
     fn is_behind(&self, (count, winding): (u32, i32)) -> bool {
         count % 2 == 1 && (winding > 0 || self.surface.front.is_none())

@@ -163,7 +163,7 @@ fn cells_in_a_hole_are_not_inside() {
 #[test]
 fn cells_are_held_for_one_grid_only() {
     let (mesh, g) = (ring(20), grid(20));
-    let held = mesh.hold_cells(&g);
+    let held = mesh.cache_cells(&g);
     let one = mesh.surface_cells(&g).unwrap();
     assert!(Arc::ptr_eq(&one, &mesh.surface_cells(&g).unwrap()));
     let other = mesh.surface_cells(&grid(30)).unwrap();

@@ -1,4 +1,4 @@
-//! How the triangles of a mesh hang together.
+//! Which triangles of a mesh share edges.
 
 use glam::Vec3;
 

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::error::{Error, finite3};
 use crate::geometry::Aabb;
 use crate::grid::Grid;
-use crate::mesh::cells::{Held, Holder};
+use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::index::Index;
 use crate::mesh::parts;
 use crate::mesh::preparation::Preparation;
@@ -31,7 +31,7 @@ pub struct TriMesh {
     pub(crate) middle: DVec3,
     /// Made when it is first asked.
     pub(crate) index: OnceLock<Index>,
-    pub(crate) cells: Holder,
+    pub(crate) cells: CellCache,
 }
 
 impl TriMesh {
@@ -71,7 +71,7 @@ impl TriMesh {
         Self::prepare(positions, triangles, &how, &mut |_| ())
     }
 
-    /// As [`TriMesh::new`], prepared as asked; `progress` is told what share of the work is done.
+    /// As [`TriMesh::new`], prepared as asked; `progress` is told the share of the work that is done, from 0 to 1.
     ///
     /// # Errors
     /// As [`TriMesh::new`]; also settings that are not finite or out of their range.
@@ -102,8 +102,8 @@ impl TriMesh {
         Ok(Self::from_prepared(positions, triangles, bounds, (closed, how.occludes), surface, parts))
     }
 
-    /// The mesh from what was prepared, and what follows from that. Says whether it is closed, and whether it
-    /// hides others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. The pair of flags: whether it is
+    /// closed, and whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -115,7 +115,7 @@ impl TriMesh {
         let front = surface.front.is_some();
         let solid = closed && occludes && (!front || is_wound_alike(&positions, &triangles));
         let middle = middle_of(&parts);
-        let (index, cells) = (OnceLock::new(), Holder::default());
+        let (index, cells) = (OnceLock::new(), CellCache::default());
         Self { positions, triangles, bounds, closed, solid, occludes, surface, parts, middle, index, cells }
     }
 
@@ -145,7 +145,7 @@ impl TriMesh {
         self.occludes
     }
 
-    /// Bytes that it holds on the heap. Some of them are taken only once they are
+    /// Bytes on the heap. Some of them are taken only once they are
     /// needed: an index of the triangles, when it is first asked whether something lies inside.
     pub fn memory_bytes(&self) -> usize {
         self.positions.capacity() * size_of::<Vec3>()
@@ -161,13 +161,13 @@ impl TriMesh {
         self.surface.patches.len()
     }
 
-    /// How many sides the outlines of all patches have: what drawing them costs, where triangles cost
-    /// others.
+    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs its sides, not its
+    /// triangles.
     pub fn sides(&self) -> usize {
         self.surface.sides.len()
     }
 
-    /// Convex solids that together hold the mesh.
+    /// Convex solids that together contain the mesh.
     pub(crate) fn parts(&self) -> &[Convex] {
         &self.parts
     }
@@ -195,8 +195,8 @@ impl TriMesh {
     }
 
     /// While the result lives, the mesh's cells in a grid are found once, and then known.
-    pub(crate) fn hold_cells(&self, grid: &Grid) -> Arc<Held> {
-        self.cells.hold(grid)
+    pub(crate) fn cache_cells(&self, grid: &Grid) -> Arc<CachedCells> {
+        self.cells.cache(grid)
     }
 }
 

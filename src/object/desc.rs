@@ -24,7 +24,7 @@ pub enum Motion {
     /// Stays where it is. It can still be updated, at the cost of taking it
     /// out of the static matrices and putting it back.
     Static,
-    /// Moves. While no view sees it, it is held by a temporal bounding volume.
+    /// Moves. While no view sees it, a temporal bounding volume stands for it.
     Dynamic {
         /// Greatest speed of any point in world units per second, if known.
         max_speed: Option<f32>,

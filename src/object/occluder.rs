@@ -9,7 +9,7 @@ use crate::geometry::placement::Placement;
 use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::mesh::cells::Held;
+use crate::mesh::cells::CachedCells;
 use crate::mesh::surface::Surface;
 use crate::mesh::{Instance, TriMesh};
 use crate::object::kinds::kinds;
@@ -60,9 +60,9 @@ impl Occluder {
 
     /// While the result lives, the cells of a mesh in a grid are found once, and then known: for the bounds too, if
     /// those are the same mesh.
-    pub(crate) fn hold_cells(&self, grid: &Grid) -> Option<Arc<Held>> {
+    pub(crate) fn cache_cells(&self, grid: &Grid) -> Option<Arc<CachedCells>> {
         match self {
-            Self::Mesh(m) => Some(m.hold_cells(grid)),
+            Self::Mesh(m) => Some(m.cache_cells(grid)),
             _ => None,
         }
     }

@@ -10,7 +10,7 @@ const BUDGET: u32 = 64;
 /// Whether the union of solids wholly contains a block; in doubt, no.
 ///
 /// Boxes are cut off exactly, so walls of abutting boxes are solid across their
-/// seams; what remains must lie inside one of the other solids.
+/// seams; the rest must lie inside one of the other solids.
 pub(crate) fn union_contains(block: &Block, solids: &[&Occluder]) -> bool {
     fn covered(block: &Block, solids: &[&Occluder], budget: &mut u32) -> bool {
         if solids.iter().any(|s| s.contains_box(block.min, block.max)) {
@@ -22,7 +22,7 @@ pub(crate) fn union_contains(block: &Block, solids: &[&Occluder]) -> bool {
         *budget -= 1;
         let cutter = solids.iter().find_map(|s| s.kind().as_block().filter(|b| b.overlaps(block)));
         let Some(cut) = cutter else { return false };
-        // Slabs of the block outside the box, axis by axis; what is left lies inside it.
+        // Slabs of the block outside the box, axis by axis; the rest lies inside it.
         let mut rest = *block;
         for axis in 0..3 {
             if rest.min[axis] < cut.min[axis] {

@@ -939,7 +939,7 @@ impl Scene {
         object.in_cells = small;
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
         let dynamic = !object.is_static();
-        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if small {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
@@ -965,7 +965,7 @@ impl Scene {
         let in_cells = std::mem::take(&mut object.in_cells);
         let dynamic = !object.is_static();
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
-        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }

@@ -120,3 +120,104 @@ pub(crate) trait Kind: Shape {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec4, Quat};
+
+    use super::*;
+    use crate::geometry::{Aabb, Obb, Sphere};
+    use crate::shape::Convex;
+
+    fn random(state: &mut u32) -> f64 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
+    }
+
+    fn any(state: &mut u32) -> DVec3 {
+        DVec3::new(random(state), random(state), random(state))
+    }
+
+    /// Whether a body contains a point, which is relative to its origin; by a margin for rounding.
+    fn contains(body: &Body, p: DVec3) -> bool {
+        match body {
+            Body::Sphere { center, radius } => p.distance(*center) <= radius + 1e-9,
+            Body::Block(b) => Block { min: b.min - 1e-9, max: b.max + 1e-9 }.contains_point(p),
+            Body::Oriented { center, axes } => {
+                (axes.inverse() * (p - *center)).abs().max_element() <= 1.0 + 1e-9
+            }
+            Body::Polytope(polytope) => polytope.faces.iter().all(|face| face.distance(p) >= -1e-9),
+        }
+    }
+
+    /// Points of the shape, to which all of its answers must do justice.
+    fn check_answers(kind: &dyn Kind, state: &mut u32) -> usize {
+        let block = kind.block();
+        let point =
+            |state: &mut u32| block.min + (block.max - block.min) * (any(state) * 0.5 + DVec3::splat(0.5));
+        let points: Vec<DVec3> = (0..200).map(|_| point(state)).filter(|p| kind.contains_point(*p)).collect();
+        let along = any(state).normalize();
+        let (right, up) = along.any_orthonormal_pair();
+        let frame = [right, up, along];
+        let extent = kind.extent(&frame);
+        let (center, radius) = kind.ball();
+        let (eye, origin) = (any(state) * 9.0, any(state) * 9.0);
+        let outer = kind.outer(origin, 0.0);
+        for &p in &points {
+            let at = DVec3::from_array(frame.map(|axis| axis.dot(p)));
+            assert!((at - extent.middle).abs().cmple(extent.half + 1e-9).all());
+            assert!(p.abs().max_element() <= extent.greatest + 1e-9);
+            assert!(p.distance(center) <= radius + 1e-9);
+            assert!(kind.distance_from(eye) <= p.distance(eye) + 1e-9);
+            assert!(kind.distance_along(along) <= p.dot(along) + 1e-9);
+            assert!(contains(&outer, p - origin));
+            let plane = HalfSpace::new(any(state).extend(0.0) + DVec4::W * 1e-3);
+            let plane = plane.map(|n| HalfSpace { offset: 1e-9 - n.normal.dot(p), ..n });
+            assert!(kind.may_reach(plane.as_slice()));
+            assert!(kind.may_meet(plane.as_slice(), &Block { min: p - 1e-3, max: p + 1e-3 }));
+        }
+        if let Some(inner) = kind.inner(origin, 0.0) {
+            let inside = (0..200).map(|_| point(state)).filter(|p| contains(&inner, *p - origin));
+            assert!(inside.fold(true, |all, p| all && kind.contains_point(p + (center - p) * 1e-6)));
+        }
+        let beyond = HalfSpace { normal: along, offset: -(center.dot(along) + 2.0 * radius + 1.0) };
+        assert!(!kind.may_reach(&[beyond]));
+        points.len()
+    }
+
+    #[test]
+    fn answers_do_justice_to_all_points_of_a_shape() {
+        let mut state = 7;
+        let mut points = 0;
+        for _ in 0..40 {
+            let (center, half) = (any(&mut state) * 5.0, any(&mut state).abs() + 0.1);
+            let axis = any(&mut state).normalize().as_vec3();
+            let turn = Quat::from_axis_angle(axis, random(&mut state) as f32 * 3.0);
+            let (center, half) = (center.as_vec3(), half.as_vec3());
+            let turned = Obb::new(center, half, turn);
+            let axes = DMat3::from_quat(turn.as_dquat().normalize());
+            let corner = |v: DVec3| (center.as_dvec3() + axes * v).as_vec3();
+            let corners = Block { min: -half.as_dvec3(), max: half.as_dvec3() }.corners().map(corner);
+            let hull = Convex::from_points(&corners).unwrap();
+            let kinds: [&dyn Kind; 4] =
+                [&Sphere::new(center, half.x), &Aabb::new(center - half, center + half), &turned, &hull];
+            points += kinds.into_iter().map(|kind| check_answers(kind, &mut state)).sum::<usize>();
+        }
+        assert!(points > 10_000, "{points}");
+    }
+
+    #[test]
+    fn moved_shapes_are_other_shapes_of_the_same_kind() {
+        let offset = Vec3::new(1.0, 2.0, 3.0);
+        let ball = Sphere::new(Vec3::ONE, 0.5);
+        let moved = Kind::moved(&ball, offset).unwrap().unwrap();
+        assert!(ball.same(&ball) && !ball.same(&moved));
+        assert_eq!(moved, Sphere::new(Vec3::new(2.0, 3.0, 4.0), 0.5));
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let hull = Convex::from_points(&points).unwrap();
+        let moved = Kind::moved(&hull, offset).unwrap().unwrap();
+        assert!(hull.same(&hull) && !hull.same(&hull.clone()));
+        assert!(moved.vertices().eq(hull.vertices().map(|v| v + offset.as_dvec3())));
+        assert!(hull.shared().is_some() && ball.shared().is_none());
+    }
+}

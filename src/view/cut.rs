@@ -1,6 +1,6 @@
 //! The near plane: which solids it cuts into, so that rays may start inside of them.
 //!
-//! A solid that lies outside of no half-space of a region need not meet the region: seen from a large solid, the
+//! A solid that lies outside of no half-space of a region need not intersect the region: seen from a large solid, the
 //! region between near plane and eye is a splinter. Its box is small, and is compared with the solid's own sides too.
 
 use glam::DVec3;
@@ -55,7 +55,7 @@ impl View {
     }
 }
 
-/// Whether an occluder may meet a convex region that lies in `around`; in doubt, yes.
+/// Whether an occluder may intersect a convex region that lies in `around`; in doubt, yes.
 pub(crate) fn may_meet(occluder: &Occluder, region: &View, around: &Block) -> bool {
     let by = REGION * (1.0 + around.min.abs().max(around.max.abs()).max_element());
     let around = Block { min: around.min - by, max: around.max + by };
@@ -75,7 +75,7 @@ mod tests {
         let around = Block { min: DVec3::splat(-0.01), max: DVec3::splat(0.01) };
         let meets = |o: Occluder| may_meet(&o, &region, &around);
         let turn = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
-        // Its corner box holds the splinter; its nearest side is this far off.
+        // Its corner box contains the splinter; its nearest side is this far off.
         let beside = |gap: f32| {
             let center = Vec3::new(1.0, 1.0, 0.0).normalize() * (5.0 + gap);
             [Occluder::from(Obb::new(center, Vec3::splat(5.0), turn)), Sphere::new(center, 5.0).into()]

@@ -61,7 +61,7 @@ impl Frustum {
             let length = plane.truncate().length();
             if length > CANCELLED * size {
                 planes.extend(HalfSpace::new(plane).map(|mut space| {
-                    // What cancels leaves the rounding of what it cancelled with: a far plane is known worse.
+                    // Rows that cancel leave their rounding behind: a far plane is known worse.
                     let worse = (size / length).max(1.0);
                     let mut unsure = ELEMENT * worse * space.offset.abs();
                     let mut cuts = false;
@@ -72,7 +72,7 @@ impl Frustum {
                             unsure += if beside.is_some() { (-space.distance(at)).max(0.0) } else { 0.0 };
                         } else {
                             unsure += beside.unwrap_or(0.0);
-                            // Of near and far plane, whichever may lie between the eye and the rest.
+                            // The near or far plane, whichever may lie between the eye and the rest.
                             cuts = space.distance(at) < unsure;
                         }
                     }

@@ -9,7 +9,7 @@ use crate::view::View;
 impl View {
     /// Whether all points that `other` sees inside the box from `min` to `max` lie in
     /// this view's half-spaces. Exact up to rounding; in doubt, no.
-    pub(crate) fn holds(&self, other: &Self, min: DVec3, max: DVec3) -> bool {
+    pub(crate) fn contains(&self, other: &Self, min: DVec3, max: DVec3) -> bool {
         self.planes.iter().all(|plane| {
             if other.planes.iter().any(|o| o == plane) {
                 return true;
@@ -19,8 +19,6 @@ impl View {
             corners.iter().all(|&c| plane.distance(c) >= plane.margin(reach))
         })
     }
-
-    /// The corners of the view's half-spaces cut with a box, and some points of its surface: the region lies in
 
     /// The corners of the view's half-spaces clipped to a box, and some points of its surface: the region lies in
     /// their hull. Rounded outwards.

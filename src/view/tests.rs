@@ -88,11 +88,11 @@ fn a_narrower_view_is_held_and_a_turned_one_is_not() {
     };
     let (wide, narrow) = (view(1.2, 0.1, Vec3::NEG_Z), view(0.8, 0.2, Vec3::new(0.1, 0.0, -1.0).normalize()));
     let (min, max) = (DVec3::splat(-50.0), DVec3::splat(50.0));
-    assert!(wide.holds(&wide, min, max) && wide.holds(&narrow, min, max));
-    assert!(!narrow.holds(&wide, min, max));
-    assert!(!wide.holds(&view(0.8, 0.2, Vec3::X), min, max));
+    assert!(wide.contains(&wide, min, max) && wide.contains(&narrow, min, max));
+    assert!(!narrow.contains(&wide, min, max));
+    assert!(!wide.contains(&view(0.8, 0.2, Vec3::X), min, max));
     let around = View::around(Vec3::ZERO).unwrap();
-    assert!(around.holds(&wide, min, max) && !wide.holds(&around, min, max));
+    assert!(around.contains(&wide, min, max) && !wide.contains(&around, min, max));
 }
 
 /// Three planes so nearly parallel that their normals span no volume worth the name still meet in a corner.
@@ -110,9 +110,9 @@ fn corners_of_nearly_parallel_planes_count() {
         };
         let top = DVec3::new(0.0, 0.99 * f64::from(tilt), 0.0);
         assert!(tent.planes.iter().all(|p| p.distance(top) > 0.0));
-        assert!(!below(0.9).holds(&tent, min, max), "{tilt}");
-        assert!(below(1.1).holds(&tent, min, max) || tilt < 1e-8, "{tilt}");
-        // As a near plane that cuts off the eye: what it cuts away reaches as far.
+        assert!(!below(0.9).contains(&tent, min, max), "{tilt}");
+        assert!(below(1.1).contains(&tent, min, max) || tilt < 1e-8, "{tilt}");
+        // As a near plane that cuts off the eye: the part that it cuts away reaches as far.
         let planes = tent.planes.iter().copied().chain([HalfSpace { normal: DVec3::NEG_Y, offset: -3.0 }]);
         let cut = View { planes: planes.collect(), cutting: 1 << 3, ..tent.clone() };
         let (region, block) = cut.cut_regions(min, max).next().unwrap();
@@ -121,7 +121,7 @@ fn corners_of_nearly_parallel_planes_count() {
     }
 }
 
-/// Of narrow and wide views, all points that they see lie in the block around the view, and in views that hold it.
+/// All points that narrow and wide views see lie in the block around the view, and in views that contain it.
 #[test]
 fn regions_hold_what_is_in_all_of_their_planes() {
     let mut state = 7u32;
@@ -141,7 +141,7 @@ fn regions_hold_what_is_in_all_of_their_planes() {
         let (own, wider) = (view(fov), view((fov * 1.02).min(3.1)));
         let (min, max) = (eye.as_dvec3() - 300.0, eye.as_dvec3() + 300.0);
         let corners = own.corners(min, max);
-        let holds = wider.holds(&own, min, max);
+        let holds = wider.contains(&own, min, max);
         held += usize::from(holds);
         let (lo, hi) =
             corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, c| (b.0.min(*c), b.1.max(*c)));

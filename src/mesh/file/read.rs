@@ -25,16 +25,16 @@ impl TriMesh {
     /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for bytes
     /// that are there.
     ///
-    /// Checked are the checksum, and that every number is one that a prepared mesh can hold: no file
-    /// makes the library panic. That the mesh is closed if the file says so is checked too.
+    /// It checks the checksum, and that a prepared mesh can have every number in the file: no file
+    /// makes the library panic. It also checks that the mesh is closed if the file says so.
     ///
-    /// Trusted is that the patches and parts are those of the triangles. The checksum finds
-    /// accidents, but not intent: who makes a file by hand can have it hide what its triangles do not
+    /// It trusts that the patches and parts are those of the triangles. The checksum finds
+    /// accidents, but not intent: a file that was made by hand can hide objects that its triangles do not
     /// hide, or be hidden where its triangles are seen. Prepare meshes of unknown origin yourself.
     ///
     /// # Errors
-    /// Says what is wrong with bytes that are no such mesh; the stream is then left somewhere in them. At
-    /// the end of the stream that is [`FileError::Truncated`] after 0 bytes.
+    /// Refuses bytes that are no such mesh; the stream is then left somewhere in them. At
+    /// the end of the stream the error is [`FileError::Truncated`] after 0 bytes.
     pub fn read(input: &mut (impl Read + ?Sized)) -> Result<Self, FileError> {
         let mut bytes = Vec::new();
         let mut fetch = |more: u64, bytes: &mut Vec<u8>| -> Result<(), FileError> {

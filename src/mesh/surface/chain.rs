@@ -110,7 +110,7 @@ pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Strai
             }
         }
     }
-    // What is left are rings.
+    // The rest are rings.
     for rim in 0..rims.len() as u32 {
         if !used[rim as usize] {
             follow(rims[rim as usize].ends[0], rim, &mut used);
@@ -127,7 +127,7 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points that costs n
-/// log n: what has been cut too often is halved.
+/// log n: a chain that was cut too often is halved.
 fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
     let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
     let deepest = SHORT + DEPTH * chain.len().ilog2();

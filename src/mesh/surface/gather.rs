@@ -112,7 +112,7 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
         number[old as usize] = new as u32;
     }
 
-    // What lies at each edge, of what is kept.
+    // The patches at each edge, of those that are kept.
     let beside: Vec<Beside> = straight.iter().map(|edge| Beside::new(edge, &number)).collect();
     let sine = (1.0 - rules.cosine * rules.cosine).max(0.0).sqrt();
     let mut surface = Surface { front: rules.front.then_some(sine), ..Surface::default() };

@@ -1,15 +1,15 @@
-//! Surfaces: triangles prepared to hide what is behind them.
+//! Surfaces: triangles prepared to hide objects behind them.
 //!
 //! A surface is a set of *patches*: neighbouring triangles of nearly one direction, of which only
-//! the outline is kept. What makes that safe is algebra: if the outline of any
+//! the outline is kept. That is safe by algebra: if the outline of any
 //! set of triangles winds around a direction, then rays in that direction meet at least one of the
 //! triangles. Open, closed, crossing, degenerate or inconsistently wound triangles need no care;
 //! they can only make winding numbers vanish. Edges inside a patch cancel, and so do the
 //! outlines of two neighbouring patches where both are drawn.
 //!
-//! Outlines are simplified between the points where three patches meet. The chain of edges that a
+//! Outlines are simplified between the points where three patches touch. The chain of edges that a
 //! straight edge stands for stays within a known distance of it, so that winding numbers
-//! farther away than that are the same (Douglas & Peucker 1973 for the chains; what to keep after Coorg &
+//! farther away than that are the same (Douglas & Peucker 1973 for the chains; the choice of patches after Coorg &
 //! Teller 1997 and the design of occluders in dPVS, Aila 2000).
 
 mod build;

@@ -46,7 +46,7 @@ pub(crate) struct Cluster {
     pub(crate) max: Vec3,
 }
 
-/// What is kept of triangles to hide with.
+/// The outlines of triangles, to hide other objects with.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Surface {
     pub(crate) sides: Vec<Side>,

@@ -15,7 +15,7 @@ use crate::shape::filter::filtered;
 use crate::shape::traits::Rows;
 
 impl Convex {
-    /// Whether no face keeps a box out of what was asked for.
+    /// Whether no face separates a box from the solid that was asked for.
     fn near(&self, min: DVec3, max: DVec3) -> bool {
         self.faces.iter().all(|face| {
             let nearest = DVec3::select(face.normal.cmple(DVec3::ZERO), min, max);

@@ -1,4 +1,4 @@
-//! Hulls of points, exact in how their corners hang together.
+//! Hulls of points. Which corners share a face is decided exactly.
 //!
 //! Points join one after another, farthest first. Exact predicates (Shewchuk 1997) decide which triangles a
 //! point sees, so the surface always closes. Points next to the hull are left out: that makes it smaller only.
@@ -22,7 +22,7 @@ pub(crate) struct Closed {
     /// No corner of a face lies strictly inside of its half-space, so that points inside all of them are
     /// inside the hull.
     pub(crate) faces: Vec<HalfSpace>,
-    /// Two vertices, and the two faces that meet there.
+    /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
 }
 

@@ -40,7 +40,7 @@ pub struct Convex {
     pub(crate) vertices: Vec<DVec3>,
     /// The solid is inside all of them.
     pub(crate) faces: Vec<HalfSpace>,
-    /// Two vertices, and the two faces that meet there.
+    /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
     /// The solid asked for reaches beyond faces and bounding box by this much at most, in world units.
     pub(crate) lost: f64,
@@ -49,8 +49,8 @@ pub struct Convex {
 impl Convex {
     /// The hull of points. Costs about n^2 for n points.
     ///
-    /// The solid lies inside the hull. Of points nearer than a millionth of the hull's size to the hull of
-    /// the others it may leave out any: corners may come several times, each a few roundings elsewhere.
+    /// The solid lies inside the hull. It may leave out points that are nearer than a millionth of the hull's size to
+    /// the hull of the others: corners may come several times, each a few roundings elsewhere.
     ///
     /// # Errors
     /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points that lie
@@ -66,7 +66,7 @@ impl Convex {
         Self::hull(&points, 0.0).ok_or(Error::Convex("its points lie in one plane, or too close together"))
     }
 
-    /// The intersection of half-spaces, all of which hold the solid. Costs n^4 for n of them.
+    /// The intersection of half-spaces. Costs about n^4 for n of them.
     ///
     /// The solid lies inside the intersection: each of its corners satisfies every half-space exactly, and
     /// so do all points behind its faces. Corners nearer than a millionth of the solid's size to the hull of
@@ -124,7 +124,7 @@ impl Convex {
         const TOO_FAR: Error = Error::Convex("it is too thin to be moved so far from the origin");
         finite3("the offset", offset)?;
         let by = offset.as_dvec3();
-        // What a sum of two numbers loses, exactly (Knuth's two-sum).
+        // The exact rounding error of a sum of two numbers (Knuth's two-sum).
         let lost = |a: f64, b: f64| {
             let (sum, back) = (a + b, a + b - a);
             (a - (sum - back)) + (b - back)
@@ -138,7 +138,7 @@ impl Convex {
         let mut pull = 0.0;
         if !self.vertices.iter().all(exact) {
             // A ball of the pull times the depth around each corner as pulled exactly lies in the solid: it
-            // has room for what rounds.
+            // leaves room for the roundings that follow.
             let middle = self.middle();
             let depth = self.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
             let room = 2.0 * CORNER * (reach + self.reach());

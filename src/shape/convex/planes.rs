@@ -61,7 +61,7 @@ fn around(planes: &[Plane], center: DVec3) -> Vec<HalfSpace> {
     planes.iter().map(scaled).collect()
 }
 
-/// Where three planes meet.
+/// The common point of three planes.
 fn meet(planes: [HalfSpace; 3], askew: f64) -> Option<DVec3> {
     let [a, b, c] = planes.map(|plane| plane.normal);
     let (u, v, w) = (b.cross(c), c.cross(a), a.cross(b));
@@ -72,7 +72,7 @@ fn meet(planes: [HalfSpace; 3], askew: f64) -> Option<DVec3> {
     let solve = |p: f64, q: f64, r: f64| (u * p + v * q + w * r) / volume;
     let [p, q, r] = planes.map(|plane| plane.offset);
     let x = solve(p, q, r);
-    // Once more with what is left over: then x is on all three planes but for rounding, however askew they are.
+    // Once more for the distances that remain: then x is on all three planes but for rounding, however askew they are.
     let [p, q, r] = planes.map(|plane| plane.distance(x));
     Some(x + solve(p, q, r)).filter(|x| x.is_finite())
 }
