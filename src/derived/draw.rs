@@ -5,9 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::error::{Error, not_negative};
-use crate::geometry::Block;
 use crate::id::ObjectId;
-use crate::object::Bounds;
 use crate::pvs::Pvs;
 use crate::scene::{Object, Scene};
 use crate::view::{Origin, View};
@@ -144,45 +142,19 @@ fn measure(object: &Object, view: &View) -> (f64, f64) {
         };
     }
     if let Some(volume) = object.unreported_volume() {
-        return measure_block(volume, view);
+        return finish(|at| volume.distance_from(at), |d| volume.distance_along(d), volume.ball(), view);
     }
-    match object.bounds() {
-        Bounds::Sphere(s) => {
-            let (center, radius) = (s.center.as_dvec3(), f64::from(s.radius));
-            let nearest = match view.origin {
-                Origin::Eye { at, .. } => (center - at).length() - radius,
-                Origin::Direction(d) => center.dot(d) - radius,
-            };
-            finish(nearest, center, radius, view)
-        }
-        Bounds::Oriented(b) => {
-            let (center, axes, margin) = b.parts();
-            let half = b.half.as_dvec3();
-            let nearest = match view.origin {
-                Origin::Eye { at, .. } => {
-                    // How far the eye lies beyond each pair of faces.
-                    let beyond = (b.turn().transpose() * (at - center)).abs() - half;
-                    beyond.max(DVec3::ZERO).length()
-                }
-                Origin::Direction(d) => center.dot(d) - (0..3).map(|i| axes.col(i).dot(d).abs()).sum::<f64>(),
-            };
-            finish(nearest - margin, center, half.length() + margin, view)
-        }
-        other => measure_block(&other.block(), view),
-    }
+    let bounds = object.bounds().kind();
+    finish(|at| bounds.distance_from(at), |d| bounds.distance_along(d), bounds.ball(), view)
 }
 
-fn measure_block(b: &Block, view: &View) -> (f64, f64) {
-    let (center, half) = ((b.min + b.max) * 0.5, (b.max - b.min) * 0.5);
-    let nearest = match view.origin {
-        Origin::Eye { at, .. } => (b.min - at).max(at - b.max).max(DVec3::ZERO).length(),
-        Origin::Direction(d) => center.dot(d) - half.dot(d.abs()),
-    };
-    finish(nearest, center, half.length(), view)
-}
-
-/// The distance of bounds whose nearest point is `nearest` away, and the size of the ball around them.
-fn finish(nearest: f64, center: DVec3, radius: f64, view: &View) -> (f64, f64) {
+/// The distance of a shape, from an eye or along a direction, and the size of the ball around it.
+fn finish(
+    from: impl Fn(DVec3) -> f64,
+    along: impl Fn(DVec3) -> f64,
+    (center, radius): (DVec3, f64),
+    view: &View,
+) -> (f64, f64) {
     match view.origin {
         Origin::Eye { at, error } => {
             // The eye may be anywhere within a cube: as near as that allows.
@@ -190,10 +162,10 @@ fn finish(nearest: f64, center: DVec3, radius: f64, view: &View) -> (f64, f64) {
             let way = (center - at).length() - unsure;
             // NaN is inside.
             let size = if way > radius { 2.0 * (radius / way).asin() } else { TAU };
-            ((nearest - unsure).max(0.0), size)
+            ((from(at) - unsure).max(0.0), size)
         }
         // Adding 0 makes -0 the same distance as 0.
-        Origin::Direction(_) => (nearest + 0.0, 2.0 * radius),
+        Origin::Direction(d) => (along(d) + 0.0, 2.0 * radius),
     }
 }
 

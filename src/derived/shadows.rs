@@ -27,15 +27,15 @@
 
 use std::collections::VecDeque;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use crate::error::{Error, finite3};
+use crate::geometry::Block;
+use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::{Block, Obb};
 use crate::id::ObjectId;
 use crate::numeric::scene::{LEAST_LIGHT_WIDTH, LIGHT_EXTENT};
-use crate::object::Bounds;
 use crate::pvs::Pvs;
 use crate::query::Query;
 use crate::query::receivers::ReceiverScratch;
@@ -62,43 +62,21 @@ impl Light {
         Self { axes: [right, up, along] }
     }
 
-    /// The extent of something that reaches `half` to both sides of `center`, computed from coordinates up to
-    /// `greatest`.
-    fn around(&self, center: DVec3, half: impl Fn(DVec3) -> f64, greatest: f64) -> Block {
-        let at = DVec3::from_array(self.axes.map(|a| center.dot(a)));
-        let reach = DVec3::from_array(self.axes.map(half)) + LIGHT_EXTENT * greatest;
-        Block { min: at - reach, max: at + reach }
+    /// An extent as a box in the light's frame, widened by [`LIGHT_EXTENT`].
+    fn widened(&self, extent: Extent) -> Block {
+        let reach = extent.half + LIGHT_EXTENT * extent.greatest;
+        Block { min: extent.middle - reach, max: extent.middle + reach }
     }
 
     fn block(&self, b: &Block) -> Block {
-        let half = (b.max - b.min) * 0.5;
-        let greatest = b.min.abs().max(b.max.abs()).max_element();
-        self.around((b.min + b.max) * 0.5, |axis| half.dot(axis.abs()), greatest)
-    }
-
-    fn oriented(&self, b: &Obb) -> Block {
-        let (center, axes, margin): (DVec3, DMat3, f64) = b.parts();
-        let greatest = center.abs().max_element() + b.half.as_dvec3().element_sum();
-        let half = |axis: DVec3| (0..3).map(|i| axes.col(i).dot(axis).abs()).sum::<f64>() + margin;
-        self.around(center, half, greatest)
-    }
-
-    fn bounds(&self, bounds: &Bounds) -> Block {
-        match bounds {
-            Bounds::Sphere(s) => {
-                let (center, radius) = (s.center.as_dvec3(), f64::from(s.radius));
-                self.around(center, |_| radius, center.abs().max_element() + radius)
-            }
-            Bounds::Oriented(b) => self.oriented(b),
-            other => self.block(&other.block()),
-        }
+        self.widened(b.extent(&self.axes))
     }
 
     /// Where an object is: `None` if it may be anywhere.
     fn object(&self, object: &Object) -> Option<Block> {
         match object.unreported_volume() {
             Some(volume) => Some(self.block(volume)),
-            None => (!object.is_unlocated()).then(|| self.bounds(object.bounds())),
+            None => (!object.is_unlocated()).then(|| self.widened(object.bounds().kind().extent(&self.axes))),
         }
     }
 

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
+use crate::geometry::extent::Extent;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
 
-/// A box in `f64`: what shapes are compared with.
+/// An axis-aligned box in `f64`, in world units unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block {
     pub(crate) min: DVec3,
@@ -29,9 +31,55 @@ impl Block {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
     }
 
-    /// Whether the interiors meet.
+    /// The eight corners; bit 0 of the index is the greater x, bit 1 the greater y, bit 2 the greater z.
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
+        let Self { min, max } = *self;
+        std::array::from_fn(|i| {
+            DVec3::new(
+                if i & 1 == 0 { min.x } else { max.x },
+                if i & 2 == 0 { min.y } else { max.y },
+                if i & 4 == 0 { min.z } else { max.z },
+            )
+        })
+    }
+
+    /// Whether the interiors intersect.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()
+    }
+}
+
+impl Block {
+    /// Whether it may have points in each of the half-spaces; in doubt, yes.
+    pub(crate) fn may_reach(&self, planes: &[HalfSpace]) -> bool {
+        let reach = self.min.abs().max(self.max.abs()).max_element();
+        planes.iter().all(|p| {
+            let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), self.max, self.min);
+            p.distance(farthest) >= -p.margin(reach)
+        })
+    }
+
+    /// Its extent along axes at right angles.
+    pub(crate) fn extent(&self, axes: &[DVec3; 3]) -> Extent {
+        let half = (self.max - self.min) * 0.5;
+        let greatest = self.min.abs().max(self.max.abs()).max_element();
+        Extent::new(axes, (self.min + self.max) * 0.5, |axis| half.dot(axis.abs()), greatest)
+    }
+
+    /// How far its nearest point is from an eye; 0 inside.
+    pub(crate) fn distance_from(&self, eye: DVec3) -> f64 {
+        (self.min - eye).max(eye - self.max).max(DVec3::ZERO).length()
+    }
+
+    /// The least coordinate of its points along a direction.
+    pub(crate) fn distance_along(&self, direction: DVec3) -> f64 {
+        let half = (self.max - self.min) * 0.5;
+        ((self.min + self.max) * 0.5).dot(direction) - half.dot(direction.abs())
+    }
+
+    /// Centre and radius of the ball around it.
+    pub(crate) fn ball(&self) -> (DVec3, f64) {
+        ((self.min + self.max) * 0.5, ((self.max - self.min) * 0.5).length())
     }
 }
 

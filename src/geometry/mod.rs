@@ -1,6 +1,9 @@
 //! Geometry that knows neither grid nor scene.
 
 pub(crate) mod block;
+pub(crate) mod body;
+pub(crate) mod clip;
+pub(crate) mod extent;
 pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;

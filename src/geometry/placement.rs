@@ -1,8 +1,8 @@
-//! Transforms, and what follows from them.
+//! Transforms of meshes, with the bounds and normals that follow from them.
 
 use glam::{DAffine3, DMat3};
 
-/// A transform, and what follows from it.
+/// A transform, with the numbers that follow from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     pub(crate) affine: DAffine3,

@@ -2,7 +2,9 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-/// Half a space: the points `p` with `normal.dot(p) + offset >= 0`.
+use crate::numeric::shape::DISTANCE;
+
+/// Half of space: the points `p` with `normal.dot(p) + offset >= 0`, in world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     /// Points into the half-space; any length but zero.
@@ -11,7 +13,8 @@ pub struct Plane {
     pub offset: f32,
 }
 
-/// A half-space with a normal of length 1, in `f64`.
+/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are inside. The normal
+/// has length 1 and points inwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,
@@ -26,13 +29,18 @@ impl HalfSpace {
             .then(|| Self { normal: v.truncate() / length, offset: v.w / length })
     }
 
+    /// How far a point lies inside; negative outside.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
         self.normal.dot(p) + self.offset
     }
 
-    /// Margin for decisions about coordinates up to `reach`: the sums and
-    /// products of a distance err by less than 16 units in the last place.
+    /// How far a point lies outside; negative inside.
+    pub(crate) fn beyond(&self, p: DVec3) -> f64 {
+        -self.distance(p)
+    }
+
+    /// Margin for decisions about points with coordinates up to `reach`.
     pub(crate) fn margin(&self, reach: f64) -> f64 {
-        16.0 * f64::EPSILON * (reach + self.offset.abs())
+        DISTANCE * (reach + self.offset.abs())
     }
 }

@@ -1,5 +1,5 @@
-//! Outlines: what a convex shape covers as seen from the origin, before it is
-//! put on a face.
+//! Outlines: the directions that a convex shape covers as seen from the origin, before they are
+//! projected to a face.
 //!
 //! Seen from outside, a convex shape covers a convex cone of directions, bounded by
 //! planes through the eye and its silhouette edges, or by a circular cone for a sphere.
@@ -11,18 +11,8 @@ use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-
-/// A plane, as the half-space `n . x + h >= 0`.
-pub(crate) type Half = (DVec3, f64);
-
-/// Planes of a cone are known to this angle: a face that looks edge-on may be
-/// taken to be turned either way, which moves a silhouette plane by its distance from
-/// the eye (a few units in the last place of coordinates) over that of the edge.
-pub(crate) const CONE_MARGIN: f64 = 2e-9;
-
-/// An edge closer to the eye than this share of the distance of its ends
-/// has no silhouette plane that is known to [`CONE_MARGIN`].
-const NEAREST_EDGE: f64 = 1e-5;
+use crate::geometry::plane::HalfSpace;
+use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
 
 /// A convex shape relative to the origin of the rays. Lives on the stack.
 #[allow(clippy::large_enum_variant)]
@@ -33,17 +23,17 @@ pub(crate) enum Outline {
         radius: f64,
     },
     /// The directions inside all half-spaces; each plane runs along the rays.
-    Cone(SmallVec<[Half; 8]>),
+    Cone(SmallVec<[HalfSpace; 8]>),
     /// Every direction: a shape around the eye, or too close to tell.
     Everything,
 }
 
-/// A convex polytope: its corners, outward faces `m . x <= h`, and edges as two
-/// corners and the two faces that meet there.
+/// A convex polytope: its corners, the half-spaces of its faces, and edges as two
+/// corners and the two faces on both sides.
 #[derive(Debug, Clone)]
 pub(crate) struct Polytope {
     pub(crate) vertices: SmallVec<[DVec3; 8]>,
-    pub(crate) faces: SmallVec<[Half; 6]>,
+    pub(crate) faces: SmallVec<[HalfSpace; 6]>,
     pub(crate) edges: SmallVec<[[u16; 4]; 12]>,
 }
 
@@ -75,26 +65,19 @@ impl Polytope {
         for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
             let length = axis.length();
             let n = if length > 0.0 { axis / length } else { DVec3::ZERO };
-            faces.push((-n, -n.dot(center) + length));
-            faces.push((n, n.dot(center) + length));
+            faces.push(HalfSpace { normal: n, offset: -n.dot(center) + length });
+            faces.push(HalfSpace { normal: -n, offset: n.dot(center) + length });
         }
         Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
 
     pub(crate) fn block(b: &Block) -> Self {
-        let corner = |i: usize| {
-            DVec3::new(
-                if i & 1 == 1 { b.max.x } else { b.min.x },
-                if i & 2 == 2 { b.max.y } else { b.min.y },
-                if i & 4 == 4 { b.max.z } else { b.min.z },
-            )
-        };
         let mut faces = SmallVec::new();
         for (axis, n) in DVec3::AXES.into_iter().enumerate() {
-            faces.push((-n, -b.min[axis]));
-            faces.push((n, b.max[axis]));
+            faces.push(HalfSpace { normal: n, offset: -b.min[axis] });
+            faces.push(HalfSpace { normal: -n, offset: b.max[axis] });
         }
-        Self { vertices: (0..8).map(corner).collect(), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
+        Self { vertices: SmallVec::from_buf(b.corners()), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
 
     pub(crate) fn bounds(&self) -> Block {
@@ -107,15 +90,15 @@ impl Polytope {
 
     /// Whether a face is turned to the eye at the origin, or to rays along `direction`.
     fn is_front(&self, face: usize, direction: Option<DVec3>) -> bool {
-        let (m, h) = self.faces[face];
+        let HalfSpace { normal, offset } = self.faces[face];
         match direction {
-            Some(d) => m.dot(d) < 0.0,
-            None => h < 0.0,
+            Some(d) => normal.dot(d) > 0.0,
+            None => offset < 0.0,
         }
     }
 
     /// The faces turned to the eye.
-    pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[Half; 3]> {
+    pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[HalfSpace; 3]> {
         (0..self.faces.len()).filter(|&f| self.is_front(f, direction)).map(|f| self.faces[f]).collect()
     }
 
@@ -139,13 +122,13 @@ impl Polytope {
             let length = across.length();
             let reach = p.abs().max_element().max(q.abs().max_element());
             // Edges without length, as rays see them, bound nothing.
-            if edge.length() <= 1e-12 * reach || direction.is_some() && length <= 1e-12 * reach {
+            if edge.length() <= NO_EDGE * reach || direction.is_some() && length <= NO_EDGE * reach {
                 continue;
             }
             let known = match direction {
                 // Twice the triangle's area is the edge's length times its distance.
                 None => length > NEAREST_EDGE * reach * edge.length(),
-                Some(_) => length > 1e-9 * edge.length(),
+                Some(_) => length > STEEPEST_EDGE * edge.length(),
             };
             if !known {
                 return Outline::Everything;
@@ -154,10 +137,14 @@ impl Polytope {
             let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
             let side = n.dot(center) + h;
             // A shape without width: which side is inside is rounding.
-            if side.abs() < 1e-9 * reach {
+            if side.abs() < NO_WIDTH * reach {
                 return Outline::Everything;
             }
-            planes.push(if side < 0.0 { (-n, -h) } else { (n, h) });
+            planes.push(if side < 0.0 {
+                HalfSpace { normal: -n, offset: -h }
+            } else {
+                HalfSpace { normal: n, offset: h }
+            });
         }
         if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
     }

@@ -7,9 +7,9 @@ use crate::error::{Error, finite3, not_negative};
 /// An axis-aligned box in world units; both corners belong to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
-    /// Least corner.
+    /// Least corner in world units.
     pub min: Vec3,
-    /// Greatest corner.
+    /// Greatest corner in world units.
     pub max: Vec3,
 }
 
@@ -24,12 +24,12 @@ impl Aabb {
         Self { min: center - half, max: center + half }
     }
 
-    /// The least box that holds all points; `None` without points.
+    /// The least box around all points; `None` without points. Costs the points.
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
         points.into_iter().map(|p| Self::new(p, p)).reduce(|a, b| a.union(&b))
     }
 
-    /// The least box that holds both.
+    /// The least box around both.
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
@@ -45,12 +45,12 @@ impl Aabb {
     }
 }
 
-/// A sphere in world units, with its surface.
+/// A sphere in world units; its surface belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Centre.
+    /// Centre in world units.
     pub center: Vec3,
-    /// Radius, not negative.
+    /// Radius in world units, not negative.
     pub radius: f32,
 }
 
@@ -66,14 +66,14 @@ impl Sphere {
     }
 }
 
-/// A box turned by a rotation, in world units, with its surface.
+/// A box turned by a rotation, in world units; its surface belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Obb {
-    /// Middle.
+    /// Middle in world units.
     pub center: Vec3,
-    /// Half the edge lengths along its own axes, not negative.
+    /// Half the edge lengths along the axes of the box in world units, not negative.
     pub half: Vec3,
-    /// From its own axes to those of the world. Its length does not matter.
+    /// From the axes of the box to those of the world. Its length does not matter, but must not be 0.
     pub rotation: Quat,
 }
 

@@ -59,7 +59,7 @@ impl Census {
     }
 }
 
-/// Which pages hold nothing: for walks that pass over them.
+/// Which pages are empty: for walks that pass over them.
 pub(crate) trait Pages {
     /// Whether a page at page coordinates inside the grid has no bricks.
     fn page_is_empty(&self, page: IVec3) -> bool;
@@ -168,7 +168,7 @@ impl<T: Default + Clone> Bricks<T> {
         }
     }
 
-    /// The page of a brick, made or made its own.
+    /// The page of a brick, which is created if it is absent and copied if it is shared.
     fn own_page(&mut self, brick: IVec3) -> u32 {
         let id = self.table[self.page_index(brick)];
         if id >= self.shared {
@@ -302,7 +302,7 @@ impl<T: Default + Clone> Bricks<T> {
         self.free.clear();
     }
 
-    /// Bytes held, without what bricks hold on the heap.
+    /// Bytes on the heap, without those that bricks themselves have there.
     pub(crate) fn bytes(&self) -> usize {
         (self.table.capacity() + self.census.counts.capacity()) * 4
             + self.pages.capacity() * size_of::<Page>()

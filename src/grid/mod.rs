@@ -1,4 +1,4 @@
-//! The regular grid: where its cells lie and which cell holds a point.
+//! The regular grid: where its cells lie and which cell contains a point.
 //!
 //! All grid planes are exact `f64` numbers (see [`Grid::new`]), and every
 //! decision about cells compares coordinates with those planes, so that
@@ -22,7 +22,7 @@ pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 /// enough to be outside, small enough for exact integer arithmetic.
 const FAR_CELLS: f64 = (1u64 << 30) as f64;
 
-/// What a grid should be: a corner, the edge length of its cubic cells and how
+/// The measures of a grid: a corner, the edge length of its cubic cells and how
 /// many of them lie along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridSpec {
@@ -35,7 +35,7 @@ pub struct GridSpec {
 }
 
 impl GridSpec {
-    /// The grid with cells of edge `cell` that holds `region`.
+    /// The grid with cells of edge `cell`, in world units, that covers `region`.
     ///
     /// # Errors
     /// Refuses a region that is not finite or inverted, a cell size that is not
@@ -62,7 +62,7 @@ impl GridSpec {
         Ok(spec)
     }
 
-    /// The grid that holds `region` with cells that suit a number of objects: 9 times its cube root of them
+    /// The grid that covers `region` with cells that suit a number of objects: 9 times its cube root of them
     /// along the longest axis, 32 to 512.
     ///
     /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones take longer to
@@ -87,7 +87,7 @@ impl GridSpec {
         Self::with_cells(region, cells as u32)
     }
 
-    /// The grid that holds `region` with `cells` cells along its longest axis.
+    /// The grid that covers `region` with `cells` cells along its longest axis.
     ///
     /// # Errors
     /// As [`GridSpec::covering`].
@@ -111,7 +111,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Checks `spec` and lays its planes.
+    /// Checks `spec` and computes its planes.
     ///
     /// The corner is snapped down to a multiple of the cell size's last
     /// binary digit (at most 2^-23 of a cell). Corner and planes are then
@@ -192,7 +192,7 @@ impl Grid {
         (self.origin + lo.as_dvec3() * self.cell, self.origin + (hi + 1).as_dvec3() * self.cell)
     }
 
-    /// The cell that holds `point`, inside the grid or not; a point on a face
+    /// The cell that contains `point`, inside the grid or not; a point on a face
     /// belongs to the upper cell. Coordinates saturate 2^30 cells away.
     pub fn cell_of(&self, point: DVec3) -> IVec3 {
         IVec3::from_array([0, 1, 2].map(|axis| self.cell_along(axis, point[axis])))

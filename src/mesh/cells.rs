@@ -1,7 +1,7 @@
-//! The cells of a mesh: those that its surface meets, and those inside.
+//! The cells of a mesh: those that its surface touches, and those inside.
 //!
-//! All of it costs the cells that triangles meet and the rows that come out, whatever the volume: rows without surface are
-//! taken together, slice by slice.
+//! The cost is that of the cells that triangles touch and of the rows that come out, whatever the volume: rows without
+//! surface are taken together, slice by slice.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -13,7 +13,7 @@ use crate::grid::bricks::{BRICK, Bricks};
 use crate::grid::run::CellRun;
 use crate::mesh::raster::{Raster, box_of, margin};
 
-/// The cells of a block that the surface of a mesh meets.
+/// The cells of a block that the surface of a mesh touches.
 #[derive(Debug)]
 pub(crate) struct SurfaceCells {
     /// The block: the mesh's box, as far as it lies in the grid.
@@ -23,26 +23,26 @@ pub(crate) struct SurfaceCells {
     pub(crate) runs: Vec<CellRun>,
 }
 
-/// Cells found once for several uses, while something holds this.
+/// Cells that are found once for several uses, while this lives.
 #[derive(Debug)]
-pub(crate) struct Held {
+pub(crate) struct CachedCells {
     grid: Grid,
     cells: OnceLock<Option<Arc<SurfaceCells>>>,
 }
 
-/// What somebody holds, if anybody does.
+/// The cached cells of a mesh, if anybody keeps them alive.
 #[derive(Debug, Default)]
-pub(crate) struct Holder(Mutex<Weak<Held>>);
+pub(crate) struct CellCache(Mutex<Weak<CachedCells>>);
 
-impl Holder {
-    /// Lets cells in a grid be found once until the result is dropped.
-    pub(crate) fn hold(&self, grid: &Grid) -> Arc<Held> {
-        let held = Arc::new(Held { grid: *grid, cells: OnceLock::new() });
+impl CellCache {
+    /// Caches the cells in a grid until the result is dropped.
+    pub(crate) fn cache(&self, grid: &Grid) -> Arc<CachedCells> {
+        let held = Arc::new(CachedCells { grid: *grid, cells: OnceLock::new() });
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::downgrade(&held);
         held
     }
 
-    /// The cells in a grid, found by `find` unless they are held.
+    /// The cells in a grid, found by `find` unless they are cached.
     pub(crate) fn get(
         &self,
         grid: &Grid,
@@ -56,7 +56,7 @@ impl Holder {
     }
 }
 
-impl Clone for Holder {
+impl Clone for CellCache {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -91,7 +91,7 @@ struct Rows {
 }
 
 impl SurfaceCells {
-    /// The cells that triangles meet, of the block that covers the box from `min` to `max`; `None` if that lies
+    /// The cells that triangles touch, of the block that covers the box from `min` to `max`; `None` if that lies
     /// beside the grid.
     pub(crate) fn new(
         triangles: impl Iterator<Item = [DVec3; 3]>,
@@ -280,7 +280,7 @@ fn count<'a>(crossings: impl Iterator<Item = &'a Crossing>) -> (u32, i32) {
     crossings.fold((0, 0), |(n, sum), c| (n + 1, sum + c.winding))
 }
 
-/// Adds the runs of set bits from a cell on, in order; what continues the last run lengthens it.
+/// Adds the runs of set bits from a cell on, in order. Bits that continue the last run lengthen it.
 fn add_runs(runs: &mut Vec<CellRun>, mut bits: u64, at: IVec3) {
     while bits != 0 {
         let first = bits.trailing_zeros() as i32;

@@ -1,21 +1,20 @@
-//! Instances: a mesh put somewhere. It moves by its transform; what was prepared stays.
+//! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is shared.
 
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::mesh::tri_mesh::TriMesh;
+use crate::numeric::mesh::{ANGLES, FLATTENS, MOST_GROWTH, SINGLE};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, DMat3, DVec3, IVec3, Vec3, Vec3A};
-
-/// Renderers transform vertices in single precision: they may lie this share of the largest
-/// coordinate from where double precision puts them.
-const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
 
 /// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are those of
 /// its bounding box, and none of them is opaque.
@@ -82,11 +81,11 @@ impl Instance {
         let cofactors =
             DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
         let turned = m.determinant();
-        let normals = (turned.abs() > 1e-9 * growth.powi(3)).then(|| cofactors * turned.signum());
+        let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
         let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
         let square = x.length_squared();
-        let alike = |v: DVec3| (v.length_squared() - square).abs() <= 1e-5 * square;
-        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= 1e-5 * square;
+        let alike = |v: DVec3| (v.length_squared() - square).abs() <= ANGLES * square;
+        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= ANGLES * square;
         let keeps_angles = turned > 0.0 && alike(y) && alike(z) && right(x, y) && right(y, z) && right(z, x);
         let placement = Placement { affine, growth, error, normals, keeps_angles };
         let block = Block { min: min - error, max: max + error };
@@ -98,12 +97,12 @@ impl Instance {
         &self.inner.mesh
     }
 
-    /// Where it is.
+    /// From the space of the mesh to world space.
     pub fn transform(&self) -> Affine3A {
         self.inner.transform
     }
 
-    /// The same, moved.
+    /// The same mesh, moved by an offset in world units, rounded to single precision.
     ///
     /// # Errors
     /// As [`Instance::new`].
@@ -118,7 +117,7 @@ impl Instance {
     }
 
     /// The solids that it is tested by, relative to an origin.
-    pub(crate) fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
+    fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
         let Placement { affine, error, normals, .. } = self.inner.placement;
         self.inner.mesh.parts().iter().map(move |part| {
             let mut polytope = part.seen_from(DVec3::ZERO);
@@ -132,23 +131,23 @@ impl Instance {
             let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
             let mut least = f64::INFINITY;
             for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
-                let n = (normals * face.0).normalize_or_zero();
+                let n = (normals * face.normal).normalize_or_zero();
                 let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
-                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| n.dot(polytope.vertices[usize::from(v)]));
-                *face = (n, ends.fold(f64::NEG_INFINITY, f64::max));
-                least = least.min(face.1 - n.dot(center));
+                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -n.dot(polytope.vertices[usize::from(v)]));
+                *face = HalfSpace { normal: n, offset: ends.fold(f64::NEG_INFINITY, f64::max) };
+                least = least.min(face.distance(center));
             }
-            // Room for what single precision leaves open: all faces move out by as much at least.
+            // Room for single precision: all faces move out by as much at least.
             let scale = 1.0 + 2.0 * error / least;
-            if !(1.0..1.1).contains(&scale) {
+            if !(1.0..MOST_GROWTH).contains(&scale) {
                 return boxed();
             }
             for v in &mut polytope.vertices {
                 *v = center + (*v - center) * scale;
             }
-            for (n, h) in &mut polytope.faces {
-                let middle = n.dot(center);
-                *h = middle + (*h - middle) * scale;
+            for face in &mut polytope.faces {
+                let middle = -face.normal.dot(center);
+                face.offset = middle + (face.offset - middle) * scale;
             }
             polytope
         })
@@ -202,5 +201,39 @@ impl Rows for Instance {
 
     fn fills(&self, min: DVec3, max: DVec3) -> bool {
         Block::new(self.bounds()).contains(&Block { min, max })
+    }
+}
+
+impl Kind for Instance {
+    fn check_hides(&self) -> Result<(), Error> {
+        self.mesh().check_hides()
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        self.translated(offset).map(Some)
+    }
+
+    fn shared(&self) -> Option<(*const u8, usize)> {
+        self.mesh().shared()
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    fn middle_of_parts(&self) -> Option<DVec3> {
+        Some(self.placement().affine.transform_point3(self.mesh().middle()))
+    }
+
+    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
+        Some(self.parts_from(origin).all(test))
     }
 }

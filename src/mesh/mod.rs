@@ -1,13 +1,20 @@
 //! Triangle meshes, prepared to be tested and to hide others.
 
 pub(crate) mod cells;
-pub(crate) mod file;
-pub(crate) mod index;
-pub(crate) mod instance;
-pub(crate) mod parts;
-pub(crate) mod raster;
+mod file;
+mod index;
+mod instance;
+mod parts;
+mod preparation;
+mod raster;
+mod solid;
 pub(crate) mod surface;
-pub(crate) mod tri_mesh;
+#[cfg(test)]
+mod tests;
+mod topology;
+mod tri_mesh;
+mod triangle;
 
 pub use instance::Instance;
-pub use tri_mesh::{Facing, Preparation, TriMesh};
+pub use preparation::{Facing, Preparation};
+pub use tri_mesh::TriMesh;

@@ -6,19 +6,18 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::geometry::plane::HalfSpace;
+use crate::numeric::mesh::{DIAGONAL, PART_CUT, PART_ROOM, PART_THICKNESS};
 use crate::shape::convex::Convex;
 
 /// How often a mesh is halved, at most.
 const DEPTH: u32 = 6;
 
-/// Halves are kept if together they have less than this share of the area of what they are halves of.
+/// Halves are kept if their cost together is less than this share of the cost of the whole.
 const WORTH_CUTTING: f64 = 0.8;
 
 /// Planes are added where they cut off this share of the diagonal.
 const WORTH_A_PLANE: f64 = 0.02;
-
-/// Faces are moved out by this share of the coordinates, more than all roundings.
-const ROOM: f64 = 1e-7;
 
 /// A set of triangles with its box.
 struct Piece {
@@ -27,7 +26,7 @@ struct Piece {
     max: DVec3,
 }
 
-/// What a box costs as a stand-in for its contents: rays that meet it, and eyes that it holds.
+/// The cost of a box as a stand-in for its contents: rays that enter it, and eyes inside of it.
 fn cost(min: DVec3, max: DVec3) -> f64 {
     let d = max - min;
     d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
@@ -60,7 +59,7 @@ impl Piece {
     }
 }
 
-/// Convex solids that together hold a mesh.
+/// Convex solids that together contain a mesh.
 pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
     let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize].as_dvec3());
     let whole = Piece::new((0..triangles.len() as u32).collect(), &corners);
@@ -94,7 +93,7 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
     let mut axes = [DVec3::X, DVec3::Y, DVec3::Z];
     for _ in 0..12 {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            if m[i][j].abs() <= 1e-14 * (m[i][i].abs() + m[j][j].abs()) {
+            if m[i][j].abs() <= DIAGONAL * (m[i][i].abs() + m[j][j].abs()) {
                 continue;
             }
             let theta = (m[j][j] - m[i][i]) / (2.0 * m[i][j]);
@@ -145,23 +144,24 @@ fn around(points: &[DVec3]) -> Convex {
     };
     // Flat pieces get some thickness: solids have an inside.
     let size = half.length();
-    let room = ROOM * (largest + size) + f64::MIN_POSITIVE;
-    let thin = (1e-4 * size).max(room);
+    let room = PART_ROOM * (largest + size) + f64::MIN_POSITIVE;
+    let thin = (PART_THICKNESS * size).max(room);
     let half = half.max(DVec3::splat(thin)) + room;
     let mut solid = Solid::boxed(&axes, center, half);
     // Where a plane cuts off most, first.
-    let mut planes: Vec<(f64, DVec3, f64)> = Vec::new();
+    let mut planes: Vec<(f64, HalfSpace)> = Vec::new();
     for (x, y, z) in DIAGONALS {
         let n = (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize();
         let (lo, hi) = reach(points, n);
-        for (n, h) in [(n, hi + room), (-n, room - lo)] {
-            planes.push((solid.beyond(n, h), n, h));
+        for plane in [HalfSpace { normal: -n, offset: hi + room }, HalfSpace { normal: n, offset: room - lo }]
+        {
+            planes.push((solid.beyond(&plane), plane));
         }
     }
     planes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for (_, n, h) in planes {
-        if solid.beyond(n, h) > WORTH_A_PLANE * size {
-            solid.cut(n, h, 1e-3 * room);
+    for (_, plane) in planes {
+        if solid.beyond(&plane) > WORTH_A_PLANE * size {
+            solid.cut(plane, PART_CUT * room);
         }
     }
     solid.convex()
@@ -170,8 +170,8 @@ fn around(points: &[DVec3]) -> Convex {
 /// A convex solid as it is cut.
 struct Solid {
     vertices: Vec<DVec3>,
-    /// Outward plane, and corners in a ring.
-    faces: Vec<((DVec3, f64), Vec<usize>)>,
+    /// The half-space of each face, and its corners in a ring.
+    faces: Vec<(HalfSpace, Vec<usize>)>,
 }
 
 impl Solid {
@@ -184,27 +184,29 @@ impl Solid {
         for axis in 0..3 {
             let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
             let n = axes.col(axis);
-            faces.push(((-n, half[axis] - n.dot(center)), vec![0, v, u | v, u]));
+            let (lower, upper) = (half[axis] - n.dot(center), half[axis] + n.dot(center));
+            faces.push((HalfSpace { normal: n, offset: lower }, vec![0, v, u | v, u]));
             let high = 1 << axis;
-            faces.push(((n, half[axis] + n.dot(center)), vec![high, high | u, high | u | v, high | v]));
+            let ring = vec![high, high | u, high | u | v, high | v];
+            faces.push((HalfSpace { normal: -n, offset: upper }, ring));
         }
         Self { vertices: (0..8).map(corner).collect(), faces }
     }
 
     /// How far it reaches beyond a plane.
-    fn beyond(&self, n: DVec3, h: f64) -> f64 {
-        self.vertices.iter().map(|v| n.dot(*v) - h).fold(f64::NEG_INFINITY, f64::max)
+    fn beyond(&self, plane: &HalfSpace) -> f64 {
+        self.vertices.iter().map(|v| plane.beyond(*v)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Takes away what lies beyond a plane by more than `eps`.
-    fn cut(&mut self, n: DVec3, h: f64, eps: f64) {
-        let above: Vec<f64> = self.vertices.iter().map(|v| n.dot(*v) - h).collect();
+    /// Cuts off the part that lies beyond a plane by more than `eps`.
+    fn cut(&mut self, plane: HalfSpace, eps: f64) {
+        let above: Vec<f64> = self.vertices.iter().map(|v| plane.beyond(*v)).collect();
         let out = |v: usize| above[v] > eps;
         let mut crossings: Vec<((usize, usize), usize)> = Vec::new();
         // The new face's edges, from corner to corner.
         let mut rim: Vec<(usize, usize)> = Vec::new();
         let mut faces = Vec::new();
-        for (plane, ring) in std::mem::take(&mut self.faces) {
+        for (own, ring) in std::mem::take(&mut self.faces) {
             let mut kept = Vec::with_capacity(ring.len() + 1);
             let (mut leaves, mut enters) = (None, None);
             for (i, &a) in ring.iter().enumerate() {
@@ -230,7 +232,7 @@ impl Solid {
                 rim.push((enters, leaves));
             }
             if kept.len() >= 3 {
-                faces.push((plane, kept));
+                faces.push((own, kept));
             }
         }
         let mut ring: Vec<usize> = Vec::new();
@@ -242,7 +244,7 @@ impl Solid {
             }
         }
         if ring.len() >= 3 {
-            faces.push(((n, h), ring));
+            faces.push((plane, ring));
         }
         self.faces = faces;
     }
@@ -307,10 +309,11 @@ mod tests {
                 let solid = around(&points);
                 let (v, f, e) = (solid.vertices.len(), solid.faces.len(), solid.edges.len());
                 assert_eq!(v + f, e + 2, "{n} points, round {round}: {v} corners, {f} faces, {e} edges");
-                for &(m, h) in &solid.faces {
-                    assert!(points.iter().all(|p| m.dot(*p) <= h));
+                for face in &solid.faces {
+                    assert!(points.iter().all(|p| face.distance(*p) >= 0.0));
                     // Corners lie inside all faces, but for rounding.
-                    assert!(solid.vertices.iter().all(|p| m.dot(*p) <= h + 1e-9 * (1.0 + h.abs())));
+                    let room = 1e-9 * (1.0 + face.offset.abs());
+                    assert!(solid.vertices.iter().all(|p| face.beyond(*p) <= room));
                 }
             }
         }

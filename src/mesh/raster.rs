@@ -1,28 +1,24 @@
 //! Triangles as rows of cells.
 //!
 //! A triangle is cut into slices between planes along z, and the outline of each slice is followed from row to row:
-//! the cost is that of the rows met, however large the box around the triangle.
+//! the cost is that of the rows touched, however large the box around the triangle.
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
 
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
-
-/// A triangle is widened by this share of its greatest coordinate. A corner that cutting makes errs by fewer than
-/// 16 units in the last place of that coordinate; three cuts and one interpolation follow each
-/// other: 64 units, 1.5e-14. A separating-axis test errs by about as much.
-const WIDER: f64 = 1e-12;
+use crate::numeric::mesh::TRIANGLE;
 
 /// A triangle cut by three pairs of planes has at most nine corners.
 type Polygon = SmallVec<[DVec3; 9]>;
 
 /// By how much a triangle is widened.
 pub(crate) fn margin(t: &[DVec3; 3]) -> f64 {
-    t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) * WIDER
+    t.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max) * TRIANGLE
 }
 
-/// The least box that holds a triangle.
+/// The least box around a triangle.
 pub(crate) fn box_of(t: &[DVec3; 3]) -> (DVec3, DVec3) {
     (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]))
 }
@@ -70,7 +66,7 @@ impl<'a> Raster<'a> {
         Self { grid, lo, hi, spans: Vec::new() }
     }
 
-    /// Calls `out` with runs that hold all cells of the block that the triangle meets, and no others but for
+    /// Calls `out` with runs of all cells of the block that the triangle touches, and no others but for
     /// its margin: at most one in each row.
     pub(crate) fn triangle(&mut self, t: &[DVec3; 3], mut out: impl FnMut(CellRun)) {
         let (grid, room) = (self.grid, margin(t));
@@ -81,7 +77,7 @@ impl<'a> Raster<'a> {
             return;
         }
         if first.y == last.y && first.z == last.z {
-            // A connected set in one row meets all cells between its ends.
+            // A connected set in one row touches all cells between its ends.
             out(CellRun { x0: a.x, x1: b.x, y: a.y, z: a.z });
             return;
         }
@@ -89,7 +85,7 @@ impl<'a> Raster<'a> {
             (grid.plane(axis, from) - room, grid.plane(axis, to + 1) + room)
         };
         let mut whole = Polygon::from_slice(t);
-        // What lies beside the block has rows too, which are not to be visited.
+        // Parts beside the block have rows too, which are not to be visited.
         for axis in [0, 1] {
             let (lo, hi) = slab(axis, a[axis], b[axis]);
             whole = between(&whole, axis, lo, hi);
@@ -162,7 +158,7 @@ mod tests {
 
     use super::*;
     use crate::grid::GridSpec;
-    use crate::mesh::tri_mesh::triangle_meets_box;
+    use crate::mesh::triangle::triangle_meets_box;
 
     fn random(state: &mut u64) -> f64 {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,1 +1,50 @@
-//! Margins of meshes: preparing, outlines, cells of triangles.
+//! Margins of meshes: preparation, outlines, cells of triangles, instances, files.
+
+/// Triangles are widened by this share of their greatest coordinate before cells are compared with them.
+///
+/// A corner that comes from a cut errs by fewer than 16 units in the last place of that coordinate. Three cuts
+/// and one interpolation follow each other: 64 units, 1.5e-14. A separating-axis test errs by about as much.
+pub(crate) const TRIANGLE: f64 = 1e-12;
+
+/// The slab of a patch is widened by this share of its greatest coordinate: a dot product with a unit
+/// normal errs by fewer than 4 units in the last place, 1e-15.
+pub(crate) const SLAB: f64 = 1e-12;
+
+/// The slack of a simplified side is raised by this share of itself, which covers the roundings of the distance
+/// that it was computed from (below 1e-14) and of the comparison with it.
+pub(crate) const SLACK: f64 = 1e-6;
+
+/// Faces of the convex parts of a mesh are moved outwards by this share of the coordinates and of the size: more
+/// than all roundings of dot products and cuts in double precision (below 1e-13).
+pub(crate) const PART_ROOM: f64 = 1e-7;
+
+/// Corners of a part this share of its room ([`PART_ROOM`]) beyond a plane are not cut off: cutting there
+/// would make edges that are too short to have a direction.
+pub(crate) const PART_CUT: f64 = 1e-3;
+
+/// Parts are at least this share of their size thick, so that flat pieces of a mesh get an inside.
+pub(crate) const PART_THICKNESS: f64 = 1e-4;
+
+/// An element off the diagonal of a scatter matrix counts as zero from this share of the diagonal on: the rotations
+/// that remain are rounding.
+pub(crate) const DIAGONAL: f64 = 1e-14;
+
+/// Renderers transform vertices in single precision: vertices may lie this share of the greatest
+/// coordinate from the place that double precision gives. Four products and sums, twice.
+pub(crate) const SINGLE: f64 = 8.0 * f32::EPSILON as f64;
+
+/// A transform flattens space if its determinant is below this share of the cube of its growth:
+/// normals under it are not known.
+pub(crate) const FLATTENS: f64 = 1e-9;
+
+/// A transform keeps angles if squared lengths and products of its axes are equal to this share: sixteen
+/// steps of a matrix in single precision, with a factor of ten to spare.
+pub(crate) const ANGLES: f64 = 1e-5;
+
+/// A part of an instance is replaced by its box if room for [`SINGLE`] makes it larger by this factor: it is
+/// thinner than twenty times the room.
+pub(crate) const MOST_GROWTH: f64 = 1.1;
+
+/// Share of the coordinates by which numbers in a file may disagree with each other, where one follows from
+/// others: far above all roundings of the preparation.
+pub(crate) const FILE_ROUNDING: f64 = 1e-6;

@@ -1,1 +1,50 @@
 //! Margins of views: matrices, eyes, planes.
+//!
+//! Matrices come in single precision; one rounding to it is 2^-24 of the number.
+
+/// An element of a matrix is off by this share of itself: up to two roundings to single precision, with a
+/// factor of two to spare.
+pub(crate) const ELEMENT: f64 = 1.0 / (1u64 << 22) as f64;
+
+/// A plane through the eye is off by this share of the eye's distance from the origin.
+///
+/// Covers 16 roundings of 2^-24. A product of three matrices in single precision, or an inverse, makes up to 14.
+pub(crate) const EYE_ROUNDING: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// A given eye is refused if it is farther than this from a plane that contains the matrix's eye, as a share of
+/// its distance from the origin plus the distance that it sees.
+///
+/// Four times [`EYE_ROUNDING`]: in between, where longer chains of products lead, and targets far from the
+/// origin, the eye is taken to be known roughly.
+pub(crate) const EYE_REFUSED: f64 = 4.0 * EYE_ROUNDING;
+
+/// The target of a camera (of an orbit, say) lies no farther from it than this many times its near distance, or
+/// than its far plane: with the usual near distance of 0.1, a thousand units.
+pub(crate) const SIGHT: f64 = 1e4;
+
+/// The difference of two rows that cancel is rounding up to this share of them: 8 roundings of 2^-24 of
+/// each. Then it is the far plane of an infinite projection, or so far away that leaving it out makes little
+/// difference.
+pub(crate) const CANCELLED: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Rays are parallel if w changes across the view by this share of the change of x or y.
+///
+/// For a perspective that ratio is about half the field of view in radians; for products with an orthographic
+/// matrix it is exactly zero.
+pub(crate) const PARALLEL: f64 = 1e-9;
+
+/// Three unit normals that span a smaller volume are taken to lie in one plane. Nothing rests on the exact value:
+/// the error of an eye grows with the inverse of the volume.
+pub(crate) const FLAT_VOLUME: f64 = 1e-9;
+
+/// Half-spaces given by the application go through the eye if they miss it by this share of the products
+/// that make its distance: one step of single precision.
+pub(crate) const THROUGH_EYE: f64 = 1.0 / (1u64 << 23) as f64;
+
+/// Regions are clipped at planes moved outwards by this share of the coordinates. Distances from planes err by a
+/// quarter of it, and so do the points where edges cross the plane, along its normal.
+pub(crate) const CLIP: f64 = 64.0 * f64::EPSILON;
+
+/// A plane faces parallel rays only if the cosine between its normal and their direction is greater: the sides
+/// of an orthographic view run along the rays but for the rounding of its matrix.
+pub(crate) const ALONG_RAYS: f64 = 1e-6;

@@ -1,6 +1,7 @@
 //! Objects as the application describes them, and their ids.
 
 use crate::error::{Error, not_negative};
+use crate::numeric::shape::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 use crate::object::{Bounds, Occluder};
 
 /// When the application tells of the motion of a dynamic object.
@@ -23,7 +24,7 @@ pub enum Motion {
     /// Stays where it is. It can still be updated, at the cost of taking it
     /// out of the static matrices and putting it back.
     Static,
-    /// Moves. While no view sees it, it is held by a temporal bounding volume.
+    /// Moves. While no view sees it, a temporal bounding volume stands for it.
     Dynamic {
         /// Greatest speed of any point in world units per second, if known.
         max_speed: Option<f32>,
@@ -127,13 +128,6 @@ impl ObjectDesc {
         }
     }
 }
-
-/// An occluder may leave the box of its bounds by this share of the box's diagonal. It ought not to leave it at all:
-/// this is room for models and hand-made occluders that are a little inexact.
-const OCCLUDER_SHARE: f64 = 1e-3;
-
-/// And by this share of the coordinates: applications compute both in single precision, whose steps are 6e-8.
-const OCCLUDER_ROUNDING: f64 = 1e-6;
 
 /// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their bounds.
 pub(crate) fn check_pair(bounds: &Bounds, occluder: Option<&Occluder>) -> Result<(), Error> {

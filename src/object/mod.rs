@@ -1,8 +1,13 @@
 //! Objects as the application describes them.
 
-pub(crate) mod cells;
-pub(crate) mod desc;
-pub(crate) mod kinds;
+mod bounds;
+mod desc;
+mod kinds;
+mod occluder;
+mod union;
 
+pub use bounds::Bounds;
+pub(crate) use desc::check_pair;
 pub use desc::{Motion, ObjectDesc, Reports};
-pub use kinds::{Bounds, Occluder};
+pub use occluder::Occluder;
+pub(crate) use union::union_contains;

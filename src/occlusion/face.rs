@@ -5,6 +5,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
 use crate::grid::side::Side;
 
 /// A plane of directions. Points are given relative to the origin (the eye, or
@@ -113,9 +114,10 @@ impl Face {
         }
     }
 
-    /// Nearness of the plane `m . x = h` as a function of the direction. From the eye's side
-    /// (`h < 0`, or rays that run against `m`) it is where rays pass the plane.
-    pub(crate) fn nearness(&self, m: DVec3, h: f64) -> Option<Linear> {
+    /// Nearness of the plane of a half-space as a function of the direction. From outside
+    /// (an eye that is not in it, or rays that run into it) it is where rays pass the plane.
+    pub(crate) fn nearness(&self, plane: &HalfSpace) -> Option<Linear> {
+        let (m, h) = (-plane.normal, plane.offset);
         if self.parallel {
             let slope = m.dot(self.forward);
             if slope.abs() < 1e-9 {

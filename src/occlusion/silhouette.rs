@@ -7,7 +7,9 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::polytope::{CONE_MARGIN, Half, Outline};
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::Outline;
+use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};
 
 /// The conic is scaled so that its terms are at most about 3: sums of ten of them
@@ -53,7 +55,9 @@ impl Silhouette {
                     Kind::Everything
                 }
             }
-            Outline::Cone(planes) => Kind::Polygon(planes.iter().map(|&(n, h)| face.half(n, h)).collect()),
+            Outline::Cone(planes) => {
+                Kind::Polygon(planes.iter().map(|p| face.half(p.normal, p.offset)).collect())
+            }
         };
         Self { kind }
     }
@@ -258,12 +262,18 @@ impl Ball {
 }
 
 impl Front {
-    /// `planes` are the planes turned to the eye, as `m . x <= h`; `farthest` is the greatest depth
+    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest depth
     /// of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
-    pub(crate) fn new(face: &Face, outline: &Outline, planes: &[Half], farthest: f64, reach: f64) -> Self {
+    pub(crate) fn new(
+        face: &Face,
+        outline: &Outline,
+        planes: &[HalfSpace],
+        farthest: f64,
+        reach: f64,
+    ) -> Self {
         // Planes too close to the eye, or seen edge-on, are not known well enough.
-        let known = |h: f64| face.parallel || h.abs() > 1e-7 * reach;
-        let found = planes.iter().filter(|&&(_, h)| known(h)).filter_map(|&(m, h)| face.nearness(m, h));
+        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > 1e-7 * reach;
+        let found = planes.iter().filter(known).filter_map(|plane| face.nearness(plane));
         let found: SmallVec<[Linear; 3]> = found.collect();
         let ball = match outline {
             Outline::Sphere { center, radius } => Some(Ball::new(face, *center, *radius)),

@@ -4,15 +4,17 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-use crate::geometry::polytope::{Half, Outline, Polytope};
+use crate::geometry::body::Body;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::{Outline, Polytope};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::silhouette::{Front, Silhouette, contour_depth};
 
 /// Where a solid hides what its silhouette covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Shadow {
-    /// Behind all of these planes, as `m . x <= h`;
-    pub(crate) planes: SmallVec<[Half; 3]>,
+    /// Inside all of these half-spaces;
+    pub(crate) planes: SmallVec<[HalfSpace; 3]>,
     /// inside this ball.
     pub(crate) ball: Option<(DVec3, f64)>,
 }
@@ -27,18 +29,28 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
+    /// A body to draw; `None` if the eye is in it or too close to tell.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Option<Self> {
+        match body {
+            Body::Sphere { center, radius } => Self::sphere(center, radius, direction),
+            Body::Block(block) => Self::polytope(Polytope::block(&block), direction),
+            Body::Oriented { center, axes } => Self::polytope(Polytope::boxed(center, &axes), direction),
+            Body::Polytope(polytope) => Self::polytope(polytope, direction),
+        }
+    }
+
     /// A sphere; `None` if the eye is in it.
     pub(crate) fn sphere(center: DVec3, radius: f64, direction: Option<DVec3>) -> Option<Self> {
         let distance = center.length();
         let front = match direction {
-            Some(d) => (-d, -center.dot(d)),
+            Some(d) => HalfSpace { normal: d, offset: -center.dot(d) },
             None => {
-                let axis = -center / distance;
-                (axis, -(distance - radius) * (distance + radius) / distance)
+                let offset = -(distance - radius) * (distance + radius) / distance;
+                HalfSpace { normal: center / distance, offset }
             }
         };
         let outside = direction.is_some() || distance > radius * (1.0 + 1e-6);
-        (radius > 0.0 && outside && front.0.is_finite()).then(|| Self {
+        (radius > 0.0 && outside && front.normal.is_finite()).then(|| Self {
             outline: Outline::Sphere { center, radius },
             shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
             vertices: SmallVec::new(),

@@ -15,6 +15,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
+use crate::geometry::plane::HalfSpace;
 use crate::mesh::surface::{NONE, Side, Surface};
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::target::{above, below};
@@ -912,23 +913,27 @@ impl Back {
             let half = (d.block.max - d.block.min) * 0.5;
             let depth = face.local((d.block.min + d.block.max) * 0.5).z + half.dot(face.forward.abs());
             let along = d.normal.dot(face.forward);
-            let (m, h) = if along < 0.0 { (d.normal, lo) } else { (-d.normal, -hi) };
-            planes.extend(face.nearness(m, h).filter(|_| along.abs() > 1e-3));
+            let plane = if along < 0.0 {
+                HalfSpace { normal: d.normal, offset: -lo }
+            } else {
+                HalfSpace { normal: -d.normal, offset: hi }
+            };
+            planes.extend(face.nearness(&plane).filter(|_| along.abs() > 1e-3));
             return Self { planes, floor: -depth };
         }
         // Planes too close to the origin are not known well enough.
         let reach = d.block.min.abs().max(d.block.max.abs()).max_element();
-        let mut add = |m: DVec3, h: f64| {
-            if h < -1e-7 * reach {
-                planes.extend(face.nearness(m, h));
+        let mut add = |normal: DVec3, offset: f64| {
+            if offset > 1e-7 * reach {
+                planes.extend(face.nearness(&HalfSpace { normal, offset }));
             }
         };
-        add(d.normal, lo);
-        add(-d.normal, -hi);
+        add(d.normal, -lo);
+        add(-d.normal, hi);
         for axis in [face.right, face.up] {
             let (p, q) = (axis.dot(d.block.min), axis.dot(d.block.max));
-            add(axis, p.min(q));
-            add(-axis, -p.max(q));
+            add(axis, -p.min(q));
+            add(-axis, p.max(q));
         }
         let (p, q) = (face.local(d.block.min), face.local(d.block.max));
         let floor = p.z.max(q.z);

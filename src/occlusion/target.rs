@@ -4,7 +4,9 @@ use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-use crate::geometry::polytope::{Half, Outline, Polytope};
+use crate::geometry::body::Body;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::{Outline, Polytope};
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::silhouette::{Front, Silhouette};
 use crate::occlusion::solid::Shadow;
@@ -14,7 +16,7 @@ use crate::occlusion::solid::Shadow;
 pub(crate) struct Target {
     outline: Outline,
     vertices: SmallVec<[DVec3; 8]>,
-    fronts: SmallVec<[Half; 3]>,
+    fronts: SmallVec<[HalfSpace; 3]>,
     block: Block,
 }
 
@@ -47,6 +49,19 @@ impl FaceTarget {
 }
 
 impl Target {
+    /// A body to test.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Self {
+        match body {
+            Body::Sphere { center, radius } => Self::sphere(center, radius),
+            Body::Block(block) => Self::block(block, direction),
+            Body::Oriented { center, axes } => Self::oriented(center, &axes, direction),
+            Body::Polytope(polytope) => {
+                let block = polytope.bounds();
+                Self::polytope(polytope, block, direction)
+            }
+        }
+    }
+
     pub(crate) fn sphere(center: DVec3, radius: f64) -> Self {
         let block = Block { min: center - radius, max: center + radius };
         let outline = Outline::Sphere { center, radius };
@@ -116,13 +131,13 @@ impl Target {
             farthest <= radius - 1e-9 * (radius + center.abs().max_element())
         });
         inside
-            || shadow.planes.iter().all(|&(m, h)| {
+            || shadow.planes.iter().all(|&HalfSpace { normal: n, offset: h }| {
                 let most = match &self.outline {
-                    Outline::Sphere { center, radius } => m.dot(*center) + radius,
+                    Outline::Sphere { center, radius } => -n.dot(*center) + radius,
                     _ if !self.vertices.is_empty() => {
-                        self.vertices.iter().map(|v| m.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
+                        self.vertices.iter().map(|v| -n.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
                     }
-                    _ => m.dot(DVec3::select(m.cmpge(DVec3::ZERO), self.block.max, self.block.min)),
+                    _ => -n.dot(DVec3::select(n.cmple(DVec3::ZERO), self.block.max, self.block.min)),
                 };
                 most <= h - 1e-9 * (self.reach() + h.abs())
             })

@@ -6,9 +6,10 @@
 //! tested once more when all occluders are drawn, so that the order matters
 //! only for speed; what then hangs on undecided pixels is refined.
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
+use crate::geometry::body::Body;
 use crate::geometry::placement::Placement;
 use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
@@ -781,35 +782,24 @@ impl Walk<'_> {
                     )
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
-        let meshes = matches!(bounds, Bounds::Mesh(_) | Bounds::Instance(_));
-        if meshes && self.hides(&bounds.block()) {
-            return true;
-        }
-        // The quick way to see what is plainly in sight.
-        let shown = match bounds {
-            Bounds::Mesh(mesh) => buffers.shows(mesh.middle() - origin),
-            Bounds::Instance(i) => {
-                buffers.shows(i.placement().affine.transform_point3(i.mesh().middle()) - origin)
+        if let Some(middle) = bounds.kind().middle_of_parts() {
+            if self.hides(&bounds.block()) {
+                return true;
             }
-            _ => false,
+            // The quick way to see what is plainly in sight.
+            if buffers.shows(middle - origin) {
+                return false;
+            }
+        }
+        // Only eyes known exactly see more than the box.
+        let parts = if buffers.uncertainty() == 0.0 {
+            bounds.kind().all_parts(origin, &mut |part| hidden(&Target::new(Body::Polytope(part), direction)))
+        } else {
+            None
         };
-        if shown {
-            return false;
-        }
-        let mut part_is_hidden = |polytope: Polytope| {
-            let block = polytope.bounds();
-            hidden(&Target::polytope(polytope, block, direction))
-        };
-        match bounds {
-            // Only eyes known exactly see more than the box.
-            Bounds::Mesh(mesh) if buffers.uncertainty() == 0.0 => {
-                mesh.parts().iter().all(|part| part_is_hidden(part.seen_from(origin)))
-            }
-            Bounds::Instance(instance) if buffers.uncertainty() == 0.0 => {
-                instance.parts_from(origin).all(part_is_hidden)
-            }
-            _ => hidden(&target(bounds, buffers)),
-        }
+        parts.unwrap_or_else(|| {
+            hidden(&Target::new(bounds.kind().outer(origin, buffers.uncertainty()), direction))
+        })
     }
 }
 
@@ -830,49 +820,7 @@ fn page_at(axis: usize, brick: i32) -> IVec3 {
     page
 }
 
-/// What is tested, with room for what is not known of the eye.
-fn target(bounds: &Bounds, buffers: &OcclusionBuffers) -> Target {
-    let (origin, grow) = (buffers.origin(), buffers.uncertainty());
-    match bounds {
-        Bounds::Sphere(s) => Target::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) + grow),
-        Bounds::Oriented(b) => {
-            let (center, _, margin) = b.parts();
-            let (turn, half) = (b.turn(), b.half.as_dvec3() + grow + margin);
-            let axes = DMat3::from_cols(turn.x_axis * half.x, turn.y_axis * half.y, turn.z_axis * half.z);
-            Target::oriented(center - origin, &axes, buffers.direction())
-        }
-        other => {
-            let b = other.block();
-            Target::block(
-                Block { min: b.min - origin - grow, max: b.max - origin + grow },
-                buffers.direction(),
-            )
-        }
-    }
-}
-
-/// What is drawn, less what is not known of the eye; `None` if nothing is left.
+/// An occluder as it is drawn, less what is not known of the eye; `None` if nothing is left.
 fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
-    let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
-    match occluder {
-        Occluder::Sphere(s) => {
-            Solid::sphere(s.center.as_dvec3() - origin, f64::from(s.radius) - shrink, buffers.direction())
-        }
-        Occluder::Box(b) => {
-            let b = Block::from(*b);
-            let b = Block { min: b.min - origin + shrink, max: b.max - origin - shrink };
-            let solid = b.min.cmplt(b.max).all();
-            solid.then(|| Solid::polytope(Polytope::block(&b), buffers.direction()))?
-        }
-        Occluder::Oriented(b) => {
-            let (center, axes, margin) = b.parts();
-            let shorter = |a: DVec3| a - a.normalize_or_zero() * (shrink + margin);
-            let axes = DMat3::from_cols(shorter(axes.x_axis), shorter(axes.y_axis), shorter(axes.z_axis));
-            let solid = f64::from(b.half.min_element()) > shrink + margin;
-            solid.then(|| Solid::polytope(Polytope::boxed(center - origin, &axes), buffers.direction()))?
-        }
-        // Only eyes known exactly see it whole.
-        Occluder::Convex(c) if shrink == 0.0 => Solid::polytope(c.seen_from(origin), buffers.direction()),
-        Occluder::Convex(_) | Occluder::Mesh(_) | Occluder::Instance(_) => None,
-    }
+    Solid::new(occluder.kind().inner(buffers.origin(), buffers.uncertainty())?, buffers.direction())
 }

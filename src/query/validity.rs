@@ -31,7 +31,7 @@ impl Pvs {
             return true;
         }
         let (min, max) = scene.extent();
-        if !own.holds(view, min, max) {
+        if !own.contains(view, min, max) {
             return false;
         }
         match self.method {

@@ -47,7 +47,7 @@ impl Scene {
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
         // A mesh finds its cells once for the bounds and the occluder.
-        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if span.few {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
@@ -72,7 +72,7 @@ impl Scene {
         let in_cells = std::mem::take(&mut object.in_cells);
         let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
-        let _cells = occluder.as_ref().and_then(|o| o.hold_cells(&grid));
+        let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }

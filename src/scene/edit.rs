@@ -1,14 +1,10 @@
 //! Changing the objects of a scene.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use crate::error::{Error, finite3};
-use crate::geometry::{Aabb, Obb, Sphere};
 use crate::id::ObjectId;
-use crate::object::desc::check_pair;
-use crate::object::{Bounds, ObjectDesc, Occluder};
+use crate::object::{Bounds, ObjectDesc, Occluder, check_pair};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 
@@ -88,9 +84,9 @@ impl Scene {
         finite3("the offset", offset)?;
         let object = self.find(id)?;
         let refused = || Error::FixedMesh(id);
-        let bounds = moved_bounds(object.bounds(), offset)?.ok_or_else(refused)?;
+        let bounds = object.bounds().moved(offset)?.ok_or_else(refused)?;
         let occluder = match object.occluder() {
-            Some(occluder) => Some(moved_occluder(occluder, offset)?.ok_or_else(refused)?),
+            Some(occluder) => Some(occluder.moved(offset)?.ok_or_else(refused)?),
             None => None,
         };
         self.update(id, bounds, occluder)
@@ -152,39 +148,4 @@ impl Scene {
             }
         }
     }
-}
-
-fn moved_sphere(s: &Sphere, by: Vec3) -> Sphere {
-    Sphere::new(s.center + by, s.radius)
-}
-
-fn moved_box(b: &Aabb, by: Vec3) -> Aabb {
-    Aabb::new(b.min + by, b.max + by)
-}
-
-fn moved_oriented(b: &Obb, by: Vec3) -> Obb {
-    Obb { center: b.center + by, ..*b }
-}
-
-/// Bounds moved by an offset; `None` for a mesh in world space.
-fn moved_bounds(bounds: &Bounds, by: Vec3) -> Result<Option<Bounds>, Error> {
-    Ok(Some(match bounds {
-        Bounds::Sphere(s) => moved_sphere(s, by).into(),
-        Bounds::Box(b) => moved_box(b, by).into(),
-        Bounds::Oriented(b) => moved_oriented(b, by).into(),
-        Bounds::Instance(i) => i.translated(by)?.into(),
-        Bounds::Mesh(_) => return Ok(None),
-    }))
-}
-
-/// An occluder moved by an offset; `None` for a mesh in world space.
-fn moved_occluder(occluder: &Occluder, by: Vec3) -> Result<Option<Occluder>, Error> {
-    Ok(Some(match occluder {
-        Occluder::Sphere(s) => moved_sphere(s, by).into(),
-        Occluder::Box(b) => moved_box(b, by).into(),
-        Occluder::Oriented(b) => moved_oriented(b, by).into(),
-        Occluder::Convex(c) => Arc::new(c.translated(by)?).into(),
-        Occluder::Instance(i) => i.translated(by)?.into(),
-        Occluder::Mesh(_) => return Ok(None),
-    }))
 }

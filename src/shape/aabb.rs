@@ -1,11 +1,14 @@
 //! Axis-aligned boxes: exact, since cell planes are exact.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 
+use crate::error::Error;
+use crate::geometry::body::Body;
 use crate::geometry::{Aabb, Block};
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 
 impl Shape for Aabb {
@@ -44,5 +47,33 @@ impl Rows for Aabb {
 
     fn misses(&self, min: DVec3, max: DVec3) -> bool {
         !Block::from(*self).meets(&Block { min, max })
+    }
+}
+
+impl Kind for Aabb {
+    fn check(&self, what: &'static str) -> Result<(), Error> {
+        Aabb::check(self, what)
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        Ok(Some(Aabb::new(self.min + offset, self.max + offset)))
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    fn as_block(&self) -> Option<Block> {
+        Some(Block::from(*self))
+    }
+
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+        let b = Block::from(*self);
+        let b = Block { min: b.min - origin + shrink, max: b.max - origin - shrink };
+        b.min.cmplt(b.max).all().then_some(Body::Block(b))
     }
 }

@@ -1,4 +1,4 @@
-//! The cells of a shape brick by brick: what is wholly inside or outside is told by the page or the brick, so
+//! The cells of a shape brick by brick. Pages and bricks that lie wholly inside or outside are reported as a whole, so
 //! that large shapes cost their surface.
 
 use crate::geometry::Block;
@@ -13,7 +13,7 @@ use glam::{DVec3, IVec3};
 
 use smallvec::SmallVec;
 
-/// Shapes that touch no more bricks are written row by row, without looking for what is full.
+/// Shapes that touch no more bricks are written row by row, without looking for full bricks.
 const FEW_BRICKS: u64 = 216;
 
 /// Edge length of a page in cells.
@@ -90,7 +90,7 @@ pub(crate) fn opaque(shape: &impl Parts, grid: &Grid, out: &mut dyn FnMut(Piece)
     pieces(shape, grid, Which::Opaque, out);
 }
 
-/// Whether a box surely holds no point of a shape; in doubt, no.
+/// Whether a box contains no point of a shape; in doubt, no.
 pub(crate) fn misses(shape: &impl Parts, min: DVec3, max: DVec3) -> bool {
     match shape.rows() {
         Some(rows) => rows.misses(min, max),
@@ -233,7 +233,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Whether a block of cells holds none of the cells, or all.
+    /// Whether a block of cells contains none of the shape's cells (`false`), or only those (`true`).
     fn verdict(&self, lo: IVec3, hi: IVec3) -> Option<bool> {
         let (min, max) = self.grid.range_bounds(lo, hi);
         let all = match self.which {

@@ -1,21 +1,25 @@
 //! Spheres, row by row.
 //!
-//! Margin: the products and the root below err by a few units in the last place
-//! of the largest coordinate. The radius is widened or narrowed by 16 of them,
-//! which covers all roundings with room to spare.
+//! The radius is widened or narrowed by [`DISTANCE`] of the coordinates.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 
-use crate::geometry::Sphere;
+use crate::error::Error;
+use crate::geometry::body::Body;
+use crate::geometry::extent::Extent;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::{Block, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
+use crate::numeric::shape::{DISTANCE, REGION, SPHERE_BOX};
 use crate::shape::Shape;
+use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 
 impl Sphere {
     fn parts(&self) -> (DVec3, f64, f64) {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        (c, r, 16.0 * f64::EPSILON * (c.abs().max_element() + r))
+        (c, r, DISTANCE * (c.abs().max_element() + r))
     }
 }
 
@@ -41,8 +45,8 @@ impl Shape for Sphere {
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         let farthest = (c - min).abs().max((max - c).abs());
-        // A little less than the rows of `opaque` hold, so that every cell found here is one of theirs.
-        let r = r - 4.0 * margin;
+        // A little less than the rows of `opaque` contain, so that every cell found here is one of theirs.
+        let r = r - SPHERE_BOX * margin;
         r > 0.0 && farthest.length_squared() <= r * r
     }
 
@@ -104,9 +108,69 @@ impl Rows for Sphere {
 
     fn misses(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
-        // A little more than the rows of `touched` hold.
-        let r = r + 4.0 * margin;
+        // A little more than the rows of `touched` contain.
+        let r = r + SPHERE_BOX * margin;
         c.clamp(min, max).distance_squared(c) > r * r
+    }
+}
+
+impl Kind for Sphere {
+    fn check(&self, what: &'static str) -> Result<(), Error> {
+        Sphere::check(self, what)
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        Ok(Some(Sphere::new(self.center + offset, self.radius)))
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    fn may_reach(&self, planes: &[HalfSpace]) -> bool {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        let reach = c.abs().max_element() + r;
+        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+    }
+
+    fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        let away = (around.min - c).max(c - around.max).max(DVec3::ZERO);
+        // Not written the other way round, so that NaN is doubt.
+        let apart = away.length() > r + REGION * (r + c.abs().max_element());
+        !apart && self.may_reach(planes)
+    }
+
+    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        Extent::new(axes, c, |_| r, c.abs().max_element() + r)
+    }
+
+    fn distance_from(&self, eye: DVec3) -> f64 {
+        (self.center.as_dvec3() - eye).length() - f64::from(self.radius)
+    }
+
+    fn distance_along(&self, direction: DVec3) -> f64 {
+        self.center.as_dvec3().dot(direction) - f64::from(self.radius)
+    }
+
+    fn ball(&self) -> (DVec3, f64) {
+        (self.center.as_dvec3(), f64::from(self.radius))
+    }
+
+    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+        Body::Sphere { center: self.center.as_dvec3() - origin, radius: f64::from(self.radius) + grow }
+    }
+
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+        Some(Body::Sphere {
+            center: self.center.as_dvec3() - origin,
+            radius: f64::from(self.radius) - shrink,
+        })
     }
 }
 
@@ -114,7 +178,7 @@ impl Rows for Sphere {
 mod tests {
     use std::collections::BTreeSet;
 
-    use glam::{UVec3, Vec3};
+    use glam::UVec3;
 
     use super::*;
     use crate::grid::GridSpec;

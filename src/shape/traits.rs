@@ -1,4 +1,4 @@
-//! What every kind of shape answers about cells and boxes.
+//! Shapes against cells and boxes.
 
 use glam::{DVec3, IVec3};
 
@@ -7,7 +7,7 @@ use crate::grid::run::CellRun;
 
 /// A shape that can be written into the matrices of a grid.
 pub trait Shape {
-    /// Corners of a box that holds the shape, in world units.
+    /// Least and greatest corner of a box around the shape, in world units.
     fn bounds(&self) -> (DVec3, DVec3);
 
     /// Calls `out` with runs of cells that cover the shape's part of the grid.
@@ -24,8 +24,8 @@ pub trait Shape {
     fn contains_point(&self, point: DVec3) -> bool;
 }
 
-/// A shape whose cells can be asked for in any part of the grid. All cells that hold a point of it are
-/// touched, and those are all cells of its inside.
+/// A shape whose cells can be asked for in any part of the grid. All cells that contain a point of it are
+/// touched, among them all cells of its inside.
 pub(crate) trait Rows: Shape {
     /// Calls `out` with the touched cells between `lo` and `hi`, which lie inside the grid.
     fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
@@ -33,7 +33,7 @@ pub(crate) trait Rows: Shape {
     /// Calls `out` with the opaque cells between `lo` and `hi`, which lie inside the grid.
     fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
 
-    /// Whether the box from `min` to `max` holds no point of the shape; in doubt, no.
+    /// Whether the box from `min` to `max` contains no point of the shape; in doubt, no.
     fn misses(&self, min: DVec3, max: DVec3) -> bool;
 
     /// Whether all cells in the box from `min` to `max` are touched; in doubt, no.

@@ -1,52 +1,65 @@
-//! What the near plane cuts into: solids against the convex region between it and the eye.
+//! The near plane: which solids it cuts into, so that rays may start inside of them.
 //!
-//! That a solid lies outside of no half-space of the region does not say that they meet: seen from a large solid,
-//! the region is a splinter. Its box is small, and is tested against the solid's own sides too.
+//! A solid that lies outside of no half-space of a region need not intersect the region: seen from a large solid, the
+//! region between near plane and eye is a splinter. Its box is small, and is compared with the solid's own sides too.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
-use crate::geometry::{Block, Obb, Sphere};
+use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
+use crate::numeric::shape::REGION;
+use crate::numeric::view::ALONG_RAYS;
 use crate::object::Occluder;
-use crate::shape::Shape;
-use crate::view::View;
+use crate::view::{Origin, View};
 
-/// Boxes of regions count as larger by this share of the coordinates: far more than the rounding of their corners,
-/// far less than matters to a solid.
-const MARGIN: f64 = 1e-9;
+impl View {
+    /// The half-spaces outside of which the eye lies, such as that of a near plane.
+    fn cutting_planes(&self) -> impl Iterator<Item = &HalfSpace> {
+        self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 != 0).map(|(p, _)| p)
+    }
 
-/// Whether an occluder may meet a convex region that lies in `around`; in doubt, yes.
-pub(crate) fn may_meet(occluder: &Occluder, region: &View, around: &Block) -> bool {
-    let by = MARGIN * (1.0 + around.min.abs().max(around.max.abs()).max_element());
-    let around = Block { min: around.min - by, max: around.max + by };
-    match occluder {
-        Occluder::Sphere(s) => ball_meets(s, &around) && region.may_see_sphere(s),
-        Occluder::Oriented(b) => turned_meets(b, &around) && region.may_see_oriented(b),
-        Occluder::Mesh(m) => m.surface_meets(&around),
-        other => {
-            let block = Block::new(other.bounds());
-            let meets = around.min.cmple(block.max).all() && block.min.cmple(around.max).all();
-            meets && region.may_see_block(&block)
-        }
+    /// Whether some plane may cut off the part of a box that parallel rays along
+    /// `direction` meet first.
+    pub(crate) fn cuts_front(&self, direction: DVec3, b: &Block) -> bool {
+        let reach = b.min.abs().max(b.max.abs()).max_element();
+        self.planes.iter().filter(|p| p.normal.dot(direction) > ALONG_RAYS).any(|p| {
+            let nearest = DVec3::select(p.normal.cmpge(DVec3::ZERO), b.min, b.max);
+            p.distance(nearest) < 2.0 * self.widened + p.margin(reach)
+        })
+    }
+
+    /// The parts of the view that each cutting plane cuts away: convex regions with their
+    /// bounding box, as far as they lie in the box from `min` to `max`.
+    pub(crate) fn cut_regions(&self, min: DVec3, max: DVec3) -> impl Iterator<Item = (Self, Block)> {
+        self.cutting_planes().filter_map(move |cut| {
+            let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
+            let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
+            planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
+            let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+            let corners = region.corners(min, max);
+            let block = corners.iter().fold(None, |b: Option<Block>, &c| {
+                Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
+            })?;
+            Some((region, block))
+        })
+    }
+
+    /// Where an eye that is not known exactly may lie, as a region with its box.
+    pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
+        let Origin::Eye { at, error } = self.origin else { return None };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
+        let planes = axes.map(|n| HalfSpace { normal: n, offset: error - n.dot(at) }).collect();
+        let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+        (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
     }
 }
 
-fn ball_meets(s: &Sphere, around: &Block) -> bool {
-    let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-    let away = (around.min - c).max(c - around.max).max(DVec3::ZERO);
-    // Not written the other way round, so that NaN is doubt.
-    let apart = away.length() > r + MARGIN * (r + c.abs().max_element());
-    !apart
-}
-
-fn turned_meets(b: &Obb, around: &Block) -> bool {
-    let (center, axes, margin) = b.parts();
-    let turn = b.turn();
-    let (middle, half) = ((around.min + around.max) * 0.5, (around.max - around.min) * 0.5);
-    let apart = (0..3).any(|i| {
-        let (way, own) = (turn.col(i), axes.col(i).length() * (1.0 + MARGIN));
-        way.dot(middle - center).abs() > own + way.abs().dot(half) * (1.0 + MARGIN) + margin
-    });
-    !apart
+/// Whether an occluder may intersect a convex region that lies in `around`; in doubt, yes.
+pub(crate) fn may_meet(occluder: &Occluder, region: &View, around: &Block) -> bool {
+    let by = REGION * (1.0 + around.min.abs().max(around.max.abs()).max_element());
+    let around = Block { min: around.min - by, max: around.max + by };
+    occluder.kind().may_meet(&region.planes, &around)
 }
 
 #[cfg(test)]
@@ -54,6 +67,7 @@ mod tests {
     use glam::{Quat, Vec3};
 
     use super::*;
+    use crate::geometry::{Obb, Sphere};
 
     #[test]
     fn a_large_solid_beside_a_splinter_does_not_meet_it() {
@@ -61,7 +75,7 @@ mod tests {
         let around = Block { min: DVec3::splat(-0.01), max: DVec3::splat(0.01) };
         let meets = |o: Occluder| may_meet(&o, &region, &around);
         let turn = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
-        // Its corner box holds the splinter; its nearest side is this far off.
+        // Its corner box contains the splinter; its nearest side is this far off.
         let beside = |gap: f32| {
             let center = Vec3::new(1.0, 1.0, 0.0).normalize() * (5.0 + gap);
             [Occluder::from(Obb::new(center, Vec3::splat(5.0), turn)), Sphere::new(center, 5.0).into()]

@@ -1,13 +1,13 @@
-//! Seams: where the surfaces of different static objects meet.
+//! Seams: where the surfaces of different static objects share an edge.
 
 use std::collections::BTreeMap;
 
 use smallvec::SmallVec;
 
+use crate::mesh::surface::patch::{NONE, Surface};
 use crate::mesh::surface::weld::key;
-use crate::mesh::surface::{NONE, Surface};
 
-/// The ends of an open edge in order, and what tells its chain from others.
+/// The ends of an open edge in order, and a number that tells its chain from others.
 type Chain = ([[u32; 3]; 2], u64);
 
 /// An open side of a surface.
@@ -28,7 +28,7 @@ type Change = (u32, u32, Option<(u32, bool)>);
 /// Up to this many changes of an object's links are made one by one; more are merged into the list.
 const FEW: usize = 4;
 
-/// What is known of the surface of one object.
+/// The numbers and links of the surface of one object.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
     /// Number of its first patch, if it has any.
@@ -200,7 +200,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::mesh::surface::Rules;
+    use crate::mesh::surface::patch::Rules;
 
     /// A strip along x with a jagged upper side of `n` edges, `upper` or lower of it.
     fn strip(n: u32, upper: bool) -> Surface {

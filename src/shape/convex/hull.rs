@@ -1,4 +1,4 @@
-//! Hulls of points, exact in how their corners hang together.
+//! Hulls of points. Which corners share a face is decided exactly.
 //!
 //! Points join one after another, farthest first. Exact predicates (Shewchuk 1997) decide which triangles a
 //! point sees, so the surface always closes. Points next to the hull are left out: that makes it smaller only.
@@ -8,22 +8,21 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
-/// Offsets of faces are lowered by this share of the solid's greatest coordinate: the products and sums
-/// behind an offset, and behind one relative to an eye at such coordinates, err by less than 8 units of 2^-53 each.
-const FACE_MARGIN: f64 = 16.0 * f64::EPSILON;
+use crate::geometry::plane::HalfSpace;
+use crate::numeric::shape::DISTANCE;
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above that corner.
 pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
-    least - FACE_MARGIN * reach
+    least - DISTANCE * reach
 }
 
 /// A closed convex surface.
 pub(crate) struct Closed {
     pub(crate) vertices: Vec<DVec3>,
-    /// Outward normal and offset; no corner of the face lies below it, so that what is
-    /// inside all of these half-spaces is inside the hull.
-    pub(crate) faces: Vec<(DVec3, f64)>,
-    /// Two vertices, and the two faces that meet there.
+    /// No corner of a face lies strictly inside of its half-space, so that points inside all of them are
+    /// inside the hull.
+    pub(crate) faces: Vec<HalfSpace>,
+    /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
 }
 
@@ -235,7 +234,7 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Op
         if inwards.is_nan() || inwards <= 0.0 {
             return None;
         }
-        faces.push((n, h));
+        faces.push(HalfSpace { normal: -n, offset: h });
     }
     let whole = faces.len() >= 4 && vertices.len() + faces.len() == edges.len() + 2;
     whole.then_some(Closed { vertices, faces, edges })

@@ -8,21 +8,9 @@ use glam::{DMat3, DVec3};
 
 use crate::error::Error;
 use crate::geometry::Plane;
-use crate::shape::convex::{FLAT, hull};
-
-/// Sums of four products by error-free transformations err by less than this share of the sum of their
-/// magnitudes, beyond one rounding (Ogita, Rump and Oishi 2005: (4 * 2^-53)^2 = 2^-102).
-const TWICE: f64 = 1.0 / (1u128 << 100) as f64;
-
-/// The first pull, in units of the greatest coordinate over the solid's depth: corners are off by a
-/// rounding along each axis, and the pull itself rounds as often.
-const FIRST_PULL: f64 = 4.0 * f64::EPSILON;
-
-/// Pulls of more than this share of the solid are refused: hardly a solid is left between roundings.
-const MAX_PULL: f64 = 1e-3;
-
-/// Three planes less askew than this (the volume between their normals) do not help to find the middle.
-const ASKEW: f64 = 1e-7;
+use crate::geometry::plane::HalfSpace;
+use crate::numeric::shape::{ASKEW, CORNER, FLAT, MAX_PULL, TWICE};
+use crate::shape::convex::hull;
 
 /// How often the middle is looked for, from ever nearer. Twice suffices for planes that all bound the
 /// solid, once more helps where far planes mislead the first guess.
@@ -64,37 +52,40 @@ fn surely_holds(plane: &Plane, x: DVec3) -> bool {
     value >= error
 }
 
-/// Outward normals of length 1, and distances from a point.
-fn around(planes: &[Plane], center: DVec3) -> Vec<(DVec3, f64)> {
+/// The half-spaces with normals of length 1, relative to a point.
+fn around(planes: &[Plane], center: DVec3) -> Vec<HalfSpace> {
     let scaled = |p: &Plane| {
         let n = p.normal.as_dvec3();
-        (-n / n.length(), value(p, center).0 / n.length())
+        HalfSpace { normal: n / n.length(), offset: value(p, center).0 / n.length() }
     };
     planes.iter().map(scaled).collect()
 }
 
-/// Where three planes meet.
-fn meet([(a, p), (b, q), (c, r)]: [(DVec3, f64); 3], askew: f64) -> Option<DVec3> {
+/// The common point of three planes.
+fn meet(planes: [HalfSpace; 3], askew: f64) -> Option<DVec3> {
+    let [a, b, c] = planes.map(|plane| plane.normal);
     let (u, v, w) = (b.cross(c), c.cross(a), a.cross(b));
-    let volume = a.dot(u);
+    let volume = -a.dot(u);
     if volume.abs() <= askew {
         return None;
     }
     let solve = |p: f64, q: f64, r: f64| (u * p + v * q + w * r) / volume;
+    let [p, q, r] = planes.map(|plane| plane.offset);
     let x = solve(p, q, r);
-    // Once more with what is left over: then x is on all three planes but for rounding, however askew they are.
-    Some(x + solve(p - a.dot(x), q - b.dot(x), r - c.dot(x))).filter(|x| x.is_finite())
+    // Once more for the distances that remain: then x is on all three planes but for rounding, however askew they are.
+    let [p, q, r] = planes.map(|plane| plane.distance(x));
+    Some(x + solve(p, q, r)).filter(|x| x.is_finite())
 }
 
 /// The middle of the corners, counted as often as three planes meet there; `None` if there are none.
-fn middle(near: &[(DVec3, f64)]) -> Option<DVec3> {
+fn middle(near: &[HalfSpace]) -> Option<DVec3> {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for k in 2..near.len() {
         for j in 1..k {
             for i in 0..j {
                 let Some(x) = meet([near[i], near[j], near[k]], ASKEW) else { continue };
                 let reach = x.abs().max_element();
-                if near.iter().all(|&(n, h)| n.dot(x) - h <= FLAT * (reach + h.abs())) {
+                if near.iter().all(|plane| plane.beyond(x) <= FLAT * (reach + plane.offset.abs())) {
                     (sum, count) = (sum + x, count + 1.0);
                 }
             }
@@ -107,9 +98,9 @@ fn middle(near: &[(DVec3, f64)]) -> Option<DVec3> {
 /// are far from it.
 fn first_guess(planes: &[Plane]) -> DVec3 {
     let (mut m, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for (n, h) in around(planes, DVec3::ZERO) {
+    for HalfSpace { normal: n, offset } in around(planes, DVec3::ZERO) {
         m += DMat3::from_cols(n * n.x, n * n.y, n * n.z);
-        right += n * h;
+        right -= n * offset;
     }
     let guess = m.inverse() * right;
     if guess.is_finite() { guess } else { DVec3::ZERO }
@@ -122,12 +113,12 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
         center += middle(&around(planes, center)).ok_or(NO_SOLID)?;
     }
     let near = around(planes, center);
-    let depth = near.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let depth = near.iter().map(|p| p.offset).fold(f64::INFINITY, f64::min);
     if depth.is_nan() || depth <= 0.0 || !center.is_finite() {
         return Err(NO_SOLID);
     }
     // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
-    let dual: Vec<DVec3> = near.iter().map(|&(n, h)| n * (depth / h)).collect();
+    let dual: Vec<DVec3> = near.iter().map(|p| -p.normal * (depth / p.offset)).collect();
     let triangles = hull::triangles(&dual, 0.0).ok_or(NO_SOLID)?;
     if !hull::surrounds(&dual, &triangles, DVec3::ZERO) {
         return Err(NO_SOLID);
@@ -135,7 +126,11 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
     let found: Vec<DVec3> = triangles.iter().filter_map(|t| meet(t.map(|i| near[i]), 0.0)).collect();
     // Whatever rounding made of a corner, on its way to the middle it enters the solid.
     let entered = |&x: &DVec3| {
-        let shares = near.iter().map(|&(n, h)| if n.dot(x) > h { h / n.dot(x) } else { 1.0 });
+        let share = |p: &HalfSpace| {
+            let along = -p.normal.dot(x);
+            if along > p.offset { p.offset / along } else { 1.0 }
+        };
+        let shares = near.iter().map(share);
         x * shares.fold(1.0, f64::min)
     };
     let drawn_in: Vec<DVec3> = found.iter().map(entered).collect();
@@ -146,7 +141,7 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
         if inside.iter().all(|&x| planes.iter().all(|p| surely_holds(p, x))) {
             return Ok(Corners { inside, found: found.iter().map(|&x| center + x).collect() });
         }
-        pull = f64::max(2.0 * pull, FIRST_PULL * reach / depth);
+        pull = f64::max(2.0 * pull, CORNER * reach / depth);
         if pull.is_nan() || pull > MAX_PULL {
             return Err(TOO_THIN);
         }

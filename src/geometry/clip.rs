@@ -1,0 +1,47 @@
+//! Convex solids as lists of faces, clipped by half-spaces.
+
+use glam::{BVec3, DVec3};
+
+use crate::geometry::plane::HalfSpace;
+
+/// The sides of a box, each with its corners in a ring.
+pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Vec<Vec<DVec3>> {
+    let corner = |i: usize| DVec3::select(BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
+    let side = |axis: usize, high: usize| {
+        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+        [0, u, u | v, v].map(|i| corner(i | high << axis)).to_vec()
+    };
+    (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).collect()
+}
+
+/// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by more than `slack`.
+pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
+    let mut rim: Vec<DVec3> = Vec::new();
+    for face in faces.iter_mut() {
+        let mut kept = Vec::with_capacity(face.len() + 1);
+        for (i, &a) in face.iter().enumerate() {
+            let b = face[(i + 1) % face.len()];
+            let (da, db) = (plane.distance(a) + slack, plane.distance(b) + slack);
+            if da >= 0.0 {
+                kept.push(a);
+            }
+            if da == 0.0 {
+                rim.push(a);
+            } else if (da < 0.0) != (db < 0.0) {
+                let crossing = a.lerp(b, (da / (da - db)).clamp(0.0, 1.0));
+                kept.push(crossing);
+                rim.push(crossing);
+            }
+        }
+        *face = kept;
+    }
+    faces.retain(|face| !face.is_empty());
+    // The new face: the points where edges were cut, in a ring around their middle.
+    let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
+    let (u, v) = plane.normal.any_orthonormal_pair();
+    let turn = |p: &DVec3| v.dot(*p - middle).atan2(u.dot(*p - middle));
+    rim.sort_by(|p, q| turn(p).total_cmp(&turn(q)));
+    if !rim.is_empty() {
+        faces.push(rim);
+    }
+}

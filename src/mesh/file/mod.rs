@@ -1,0 +1,57 @@
+//! Prepared meshes as bytes.
+//!
+//! Numbers are little endian; floats are IEEE 754. A mesh is:
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 8 | `cascamsh` |
+//! | 4 | version, 2 |
+//! | 8 | length of the contents |
+//! | | contents: the sections below, in this order |
+//! | 8 | checksum of all bytes before: FNV-1a of 64 bits |
+//!
+//! Each section is a count of 8 bytes and as many entries:
+//!
+//! | section | bytes of an entry | entry |
+//! |---|---|---|
+//! | positions | 12 | x, y, z (f32) |
+//! | triangles | 12 | three positions (u32) |
+//! | flags | 10 | one entry: closed (u8, 0 or 1); occludes (u8, 0 or 1); sine of the greatest angle in a patch if triangles hide from their front, else -1 (f64) |
+//! | sides | 33 | from, to (f32 x 3), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
+//! | patches | 68 | number of its sides (u32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
+//! | clusters | 4 | number of its patches (u32) |
+//! | open sides | 12 | side (u32), chain (u64) |
+//! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces as outward normal and offset (f64 x 4), edges (u16 x 4) |
+//!
+//! Sides come in the order of their patches, patches in that of their clusters. Bounds, slacks and boxes that follow
+//! from the rest are computed when a file is read. A mesh that occludes nothing has no sides, patches, clusters and
+//! open sides. A mesh that is read and written again gives the same bytes.
+
+mod contents;
+mod read;
+#[cfg(test)]
+mod tests;
+mod write;
+
+const MAGIC: [u8; 8] = *b"cascamsh";
+const VERSION: u32 = 2;
+
+/// Bytes before the contents.
+const HEADER: usize = 20;
+
+/// Bytes after the contents.
+const CHECKSUM: usize = 8;
+
+const POSITIONS: &str = "positions";
+const TRIANGLES: &str = "triangles";
+const FLAGS: &str = "flags";
+const SIDES: &str = "sides";
+const PATCHES: &str = "patches";
+const CLUSTERS: &str = "clusters";
+const OPEN: &str = "open sides";
+const PARTS: &str = "parts";
+
+/// FNV-1a of 64 bits (Fowler, Noll and Vo 1991). No two inputs that differ in one byte have the same.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
+}

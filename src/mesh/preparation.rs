@@ -1,0 +1,82 @@
+//! How meshes are prepared.
+
+use crate::error::{Error, not_negative};
+use crate::mesh::surface::Rules;
+
+/// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
+///
+/// ```
+/// use casca::{Preparation, TriMesh};
+/// use glam::Vec3;
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut how = Preparation::default();
+/// how.tolerance = Some(0.002);
+/// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let mesh = TriMesh::prepare(corners, faces, &how, &mut |_| ())?;
+/// assert!(mesh.is_closed());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Preparation {
+    /// How far the outlines of patches may leave the edges of triangles, in world units. The distance
+    /// is added as a margin when they are drawn: a larger one is faster, and hides less near
+    /// outlines. `None` is a 2000th of the mesh's diagonal.
+    pub tolerance: Option<f32>,
+    /// Patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
+    /// mesh's diagonal.
+    pub least_radius: Option<f32>,
+    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. `None`
+    /// is 80, or 40 for triangles that hide from their front only: a patch of those hides only where
+    /// all of it is seen from the front.
+    pub max_angle: Option<f32>,
+    /// From which side triangles hide.
+    pub facing: Facing,
+    /// Whether the mesh will hide others. One that will not is prepared faster and takes less memory, but
+    /// serves as bounds only: as an occluder it is refused.
+    pub occludes: bool,
+}
+
+/// The sides from which triangles hide objects behind them: those from which the renderer draws them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Facing {
+    /// From both sides.
+    #[default]
+    Both,
+    /// From the side where their corners run counter-clockwise: for renderers that leave out
+    /// triangles seen from behind.
+    Front,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Self { tolerance: None, least_radius: None, max_angle: None, facing: Facing::Both, occludes: true }
+    }
+}
+
+impl Preparation {
+    /// The rules for a mesh with a diagonal of this length.
+    pub(crate) fn rules(&self, diagonal: f64) -> Result<Rules, Error> {
+        let length = |what, given: Option<f32>, share: f64| match given {
+            Some(v) => not_negative(what, f64::from(v)).map(|()| f64::from(v)),
+            None => Ok(diagonal * share),
+        };
+        let degrees = f64::from(self.max_angle.unwrap_or(match self.facing {
+            Facing::Both => 80.0,
+            Facing::Front => 40.0,
+        }));
+        if !(0.0..=80.0).contains(&degrees) {
+            let what = "the greatest angle of a patch in degrees";
+            return Err(Error::Setting { what, value: degrees, min: 0.0, max: 80.0 });
+        }
+        Ok(Rules {
+            tolerance: length("the tolerance of outlines", self.tolerance, 1.0 / 2000.0)?,
+            least: length("the least radius of a patch", self.least_radius, 1.0 / 1000.0)?,
+            cosine: degrees.to_radians().cos(),
+            front: self.facing == Facing::Front,
+        })
+    }
+}

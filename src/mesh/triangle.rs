@@ -1,0 +1,55 @@
+//! Single triangles against boxes and lines.
+
+use glam::DVec3;
+
+/// Separating-axis test of a triangle against a closed box widened by `margin`.
+pub(crate) fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -> bool {
+    let center = (min + max) * 0.5;
+    let half = (max - min) * 0.5 + margin;
+    let [a, b, c] = t.map(|p| p - center);
+    let apart = |axis: DVec3| {
+        let (pa, pb, pc) = (axis.dot(a), axis.dot(b), axis.dot(c));
+        let reach = axis.abs().dot(half);
+        pa.min(pb).min(pc) > reach || pa.max(pb).max(pc) < -reach
+    };
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    if [DVec3::X, DVec3::Y, DVec3::Z].into_iter().any(apart) || apart(ab.cross(bc)) {
+        return false;
+    }
+    ![ab, bc, ca].into_iter().any(|e| {
+        apart(DVec3::new(0.0, -e.z, e.y))
+            || apart(DVec3::new(e.z, 0.0, -e.x))
+            || apart(DVec3::new(-e.y, e.x, 0.0))
+    })
+}
+
+/// Where the line along `axis` through `point` crosses the triangle, and by how much that
+/// changes the winding number. Each edge
+/// is judged from its two ends in a fixed order, so that triangles which share
+/// it agree, and crossings of a closed mesh come in pairs whatever is rounded.
+pub(crate) fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<(f64, i32)> {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (pu, pv) = (point[u], point[v]);
+    let above = t.map(|p| p[v] > pv);
+    if above[0] == above[1] && above[1] == above[2] {
+        return None;
+    }
+    let mut winding = 0;
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        if above[i] != above[j] {
+            let (a, b) = if above[i] { (t[j], t[i]) } else { (t[i], t[j]) };
+            let at = a[u] + (pv - a[v]) / (b[v] - a[v]) * (b[u] - a[u]);
+            if at > pu {
+                winding += if above[i] { 1 } else { -1 };
+            }
+        }
+    }
+    if winding == 0 {
+        return None;
+    }
+    let normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    let along = (normal[u] * (t[0][u] - pu) + normal[v] * (t[0][v] - pv)) / normal[axis] + t[0][axis];
+    let (lo, hi) = (t[0].min(t[1]).min(t[2])[axis], t[0].max(t[1]).max(t[2])[axis]);
+    Some((if along.is_nan() { lo } else { along.clamp(lo, hi) }, winding))
+}

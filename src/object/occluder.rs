@@ -1,0 +1,86 @@
+//! Occluders: the shapes that hide others.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use crate::error::Error;
+use crate::geometry::placement::Placement;
+use crate::geometry::{Aabb, Block, Obb, Sphere};
+use crate::grid::Grid;
+use crate::grid::run::CellRun;
+use crate::mesh::cells::CachedCells;
+use crate::mesh::surface::Surface;
+use crate::mesh::{Instance, TriMesh};
+use crate::object::kinds::kinds;
+use crate::shape::kind::Kind;
+use crate::shape::pieces::Parts;
+use crate::shape::traits::Rows;
+use crate::shape::{Convex, Shape};
+
+/// The part of an object that hides others: it must lie inside the object's
+/// solid geometry.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Occluder {
+    /// A solid sphere.
+    Sphere(Sphere),
+    /// A solid axis-aligned box.
+    Box(Aabb),
+    /// A solid box turned by a rotation.
+    Oriented(Obb),
+    /// A solid convex polytope in world space.
+    Convex(Arc<Convex>),
+    /// The triangles of a mesh in world space, and the inside of a closed one.
+    Mesh(Arc<TriMesh>),
+    /// The triangles of a mesh under a transform.
+    Instance(Instance),
+}
+
+kinds!(
+    Occluder:
+    Sphere(Sphere),
+    Box(Aabb),
+    Oriented(Obb),
+    Convex(Arc<Convex>),
+    Mesh(Arc<TriMesh>),
+    Instance(Instance),
+);
+
+impl Occluder {
+    /// Whether it has an inside that points can lie in.
+    pub(crate) fn is_solid(&self) -> bool {
+        self.kind().is_solid()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.kind().check("the occluder")?;
+        self.kind().check_hides()
+    }
+
+    /// While the result lives, the cells of a mesh in a grid are found once, and then known: for the bounds too, if
+    /// those are the same mesh.
+    pub(crate) fn cache_cells(&self, grid: &Grid) -> Option<Arc<CachedCells>> {
+        match self {
+            Self::Mesh(m) => Some(m.cache_cells(grid)),
+            _ => None,
+        }
+    }
+
+    /// The surface that is drawn of it, if it is made of triangles.
+    pub(crate) fn surface(&self) -> Option<&Surface> {
+        match self {
+            Self::Mesh(m) => Some(m.surface()),
+            Self::Instance(i) => Some(i.mesh().surface()),
+            _ => None,
+        }
+    }
+
+    /// The transform of its triangles, if they are not in world space.
+    pub(crate) fn placement(&self) -> Option<&Placement> {
+        match self {
+            Self::Instance(i) => Some(i.placement()),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! All that the library asks of a kind of shape besides cells.
+
+use glam::{DVec3, Vec3};
+
+use crate::error::Error;
+use crate::geometry::Block;
+use crate::geometry::body::Body;
+use crate::geometry::extent::Extent;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::Polytope;
+use crate::shape::Shape;
+use crate::shape::traits::Rows;
+
+/// A kind of bounds or occluders. Answers that a kind does not give are those of its bounding box.
+pub(crate) trait Kind: Shape {
+    /// The shape behind a reference or an `Arc`.
+    fn as_kind(&self) -> &dyn Kind
+    where
+        Self: Sized,
+    {
+        self
+    }
+
+    /// Refuses values that are no shape; `what` names the shape in the error.
+    fn check(&self, _what: &'static str) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Refuses shapes that can hide nothing.
+    fn check_hides(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Whether both are the same shape at the same place.
+    fn same(&self, other: &Self) -> bool
+    where
+        Self: Sized;
+
+    /// The shape moved by an offset in world units; `None` if it stays where it is.
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error>
+    where
+        Self: Sized;
+
+    /// The part of it that several objects may share: its place in memory, and its bytes.
+    fn shared(&self) -> Option<(*const u8, usize)> {
+        None
+    }
+
+    /// The shape, if it can be asked for single rows of cells.
+    fn rows(&self) -> Option<&dyn Rows> {
+        None
+    }
+
+    /// A box around the shape.
+    fn block(&self) -> Block {
+        Block::new(self.bounds())
+    }
+
+    /// The box, if the shape is exactly a box along the axes.
+    fn as_block(&self) -> Option<Block> {
+        None
+    }
+
+    /// Whether it has an inside that points can lie in.
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    /// Whether it may have points in each of the half-spaces; in doubt, yes.
+    fn may_reach(&self, planes: &[HalfSpace]) -> bool {
+        self.block().may_reach(planes)
+    }
+
+    /// Whether it may meet the common part of half-spaces, which lies in the box `around`; in doubt, yes.
+    fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {
+        let block = self.block();
+        around.meets(&block) && block.may_reach(planes)
+    }
+
+    /// Its extent along axes at right angles.
+    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
+        self.block().extent(axes)
+    }
+
+    /// How far its nearest point is from an eye; not positive for an eye inside.
+    fn distance_from(&self, eye: DVec3) -> f64 {
+        self.block().distance_from(eye)
+    }
+
+    /// The least coordinate of its points along a direction.
+    fn distance_along(&self, direction: DVec3) -> f64 {
+        self.block().distance_along(direction)
+    }
+
+    /// Centre and radius of a ball around it.
+    fn ball(&self) -> (DVec3, f64) {
+        self.block().ball()
+    }
+
+    /// A solid around it, relative to an origin of which each coordinate is known to within `grow`.
+    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+        let b = self.block();
+        Body::Block(Block { min: b.min - origin - grow, max: b.max - origin + grow })
+    }
+
+    /// A solid inside of it, relative to an origin of which each coordinate is known to within `shrink`; `None` if
+    /// no such solid is left, and for shapes that are drawn by their triangles.
+    fn inner(&self, _origin: DVec3, _shrink: f64) -> Option<Body> {
+        None
+    }
+
+    /// A point of its largest part, if it has parts (see [`Kind::all_parts`]).
+    fn middle_of_parts(&self) -> Option<DVec3> {
+        None
+    }
+
+    /// Whether all convex parts that together contain it pass a test, relative to an origin that is known exactly;
+    /// `None` if it has no parts.
+    fn all_parts(&self, _origin: DVec3, _test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec4, Quat};
+
+    use super::*;
+    use crate::geometry::{Aabb, Obb, Sphere};
+    use crate::shape::Convex;
+
+    fn random(state: &mut u32) -> f64 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
+    }
+
+    fn any(state: &mut u32) -> DVec3 {
+        DVec3::new(random(state), random(state), random(state))
+    }
+
+    /// Whether a body contains a point, which is relative to its origin; by a margin for rounding.
+    fn contains(body: &Body, p: DVec3) -> bool {
+        match body {
+            Body::Sphere { center, radius } => p.distance(*center) <= radius + 1e-9,
+            Body::Block(b) => Block { min: b.min - 1e-9, max: b.max + 1e-9 }.contains_point(p),
+            Body::Oriented { center, axes } => {
+                (axes.inverse() * (p - *center)).abs().max_element() <= 1.0 + 1e-9
+            }
+            Body::Polytope(polytope) => polytope.faces.iter().all(|face| face.distance(p) >= -1e-9),
+        }
+    }
+
+    /// Points of the shape, to which all of its answers must do justice.
+    fn check_answers(kind: &dyn Kind, state: &mut u32) -> usize {
+        let block = kind.block();
+        let point =
+            |state: &mut u32| block.min + (block.max - block.min) * (any(state) * 0.5 + DVec3::splat(0.5));
+        let points: Vec<DVec3> = (0..200).map(|_| point(state)).filter(|p| kind.contains_point(*p)).collect();
+        let along = any(state).normalize();
+        let (right, up) = along.any_orthonormal_pair();
+        let frame = [right, up, along];
+        let extent = kind.extent(&frame);
+        let (center, radius) = kind.ball();
+        let (eye, origin) = (any(state) * 9.0, any(state) * 9.0);
+        let outer = kind.outer(origin, 0.0);
+        for &p in &points {
+            let at = DVec3::from_array(frame.map(|axis| axis.dot(p)));
+            assert!((at - extent.middle).abs().cmple(extent.half + 1e-9).all());
+            assert!(p.abs().max_element() <= extent.greatest + 1e-9);
+            assert!(p.distance(center) <= radius + 1e-9);
+            assert!(kind.distance_from(eye) <= p.distance(eye) + 1e-9);
+            assert!(kind.distance_along(along) <= p.dot(along) + 1e-9);
+            assert!(contains(&outer, p - origin));
+            let plane = HalfSpace::new(any(state).extend(0.0) + DVec4::W * 1e-3);
+            let plane = plane.map(|n| HalfSpace { offset: 1e-9 - n.normal.dot(p), ..n });
+            assert!(kind.may_reach(plane.as_slice()));
+            assert!(kind.may_meet(plane.as_slice(), &Block { min: p - 1e-3, max: p + 1e-3 }));
+        }
+        if let Some(inner) = kind.inner(origin, 0.0) {
+            let inside = (0..200).map(|_| point(state)).filter(|p| contains(&inner, *p - origin));
+            assert!(inside.fold(true, |all, p| all && kind.contains_point(p + (center - p) * 1e-6)));
+        }
+        let beyond = HalfSpace { normal: along, offset: -(center.dot(along) + 2.0 * radius + 1.0) };
+        assert!(!kind.may_reach(&[beyond]));
+        points.len()
+    }
+
+    #[test]
+    fn answers_do_justice_to_all_points_of_a_shape() {
+        let mut state = 7;
+        let mut points = 0;
+        for _ in 0..40 {
+            let (center, half) = (any(&mut state) * 5.0, any(&mut state).abs() + 0.1);
+            let axis = any(&mut state).normalize().as_vec3();
+            let turn = Quat::from_axis_angle(axis, random(&mut state) as f32 * 3.0);
+            let (center, half) = (center.as_vec3(), half.as_vec3());
+            let turned = Obb::new(center, half, turn);
+            let axes = DMat3::from_quat(turn.as_dquat().normalize());
+            let corner = |v: DVec3| (center.as_dvec3() + axes * v).as_vec3();
+            let corners = Block { min: -half.as_dvec3(), max: half.as_dvec3() }.corners().map(corner);
+            let hull = Convex::from_points(&corners).unwrap();
+            let kinds: [&dyn Kind; 4] =
+                [&Sphere::new(center, half.x), &Aabb::new(center - half, center + half), &turned, &hull];
+            points += kinds.into_iter().map(|kind| check_answers(kind, &mut state)).sum::<usize>();
+        }
+        assert!(points > 10_000, "{points}");
+    }
+
+    #[test]
+    fn moved_shapes_are_other_shapes_of_the_same_kind() {
+        let offset = Vec3::new(1.0, 2.0, 3.0);
+        let ball = Sphere::new(Vec3::ONE, 0.5);
+        let moved = Kind::moved(&ball, offset).unwrap().unwrap();
+        assert!(ball.same(&ball) && !ball.same(&moved));
+        assert_eq!(moved, Sphere::new(Vec3::new(2.0, 3.0, 4.0), 0.5));
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let hull = Convex::from_points(&points).unwrap();
+        let moved = Kind::moved(&hull, offset).unwrap().unwrap();
+        assert!(hull.same(&hull) && !hull.same(&hull.clone()));
+        assert!(moved.vertices().eq(hull.vertices().map(|v| v + offset.as_dvec3())));
+        assert!(hull.shared().is_some() && ball.shared().is_none());
+    }
+}
