@@ -5,15 +5,17 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::polytope::{Half, Outline, Polytope};
+use crate::numeric::occlusion::SPHERE_AROUND_EYE;
 use crate::occlusion::face::{Face, Rect};
-use crate::occlusion::silhouette::{Front, Silhouette, contour_depth};
+use crate::occlusion::front::{Front, contour_depth};
+use crate::occlusion::silhouette::Silhouette;
 
-/// Where a solid hides what its silhouette covers.
+/// The space behind the front of a solid. The solid hides all of it that its silhouette covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Shadow {
-    /// Behind all of these planes, as `m . x <= h`;
+    /// It is behind all of these planes, as `m . x <= h`;
     pub(crate) planes: SmallVec<[Half; 3]>,
-    /// inside this ball.
+    /// or inside this ball.
     pub(crate) ball: Option<(DVec3, f64)>,
 }
 
@@ -37,7 +39,7 @@ impl Solid {
                 (axis, -(distance - radius) * (distance + radius) / distance)
             }
         };
-        let outside = direction.is_some() || distance > radius * (1.0 + 1e-6);
+        let outside = direction.is_some() || distance > radius * (1.0 + SPHERE_AROUND_EYE);
         (radius > 0.0 && outside && front.0.is_finite()).then(|| Self {
             outline: Outline::Sphere { center, radius },
             shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
@@ -79,7 +81,7 @@ impl Solid {
             Outline::Sphere { .. } => silhouette.conic_rect(),
             _ => face.points(&self.vertices).map(|(r, _)| r),
         };
-        let rect = tighter.map_or(Some(rect), |t| rect.meet(&t))?;
-        Some((rect.meet(&Rect::FACE)?, depth, silhouette))
+        let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
+        Some((rect.intersect(&Rect::FACE)?, depth, silhouette))
     }
 }

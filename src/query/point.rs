@@ -17,12 +17,13 @@ use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::method::Settings;
 use crate::object::{Bounds, Occluder};
+use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
+use crate::occlusion::pitch::Pitch;
 use crate::occlusion::refine::Effort;
 use crate::occlusion::solid::Solid;
-use crate::occlusion::surface::Drawable;
+use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
-use crate::occlusion::{OcclusionBuffers, Pitch, Verdict};
 use crate::pvs::{Pvs, Stats};
 use crate::query::{FAR_VIEWER, Scratch};
 use crate::scene::{Object, Scene};
@@ -776,7 +777,7 @@ impl Walk<'_> {
                         target,
                         self.scene.seams.patches(),
                         &mut left.patches,
-                        &drawable,
+                        drawable,
                     )
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());

@@ -1,0 +1,73 @@
+//! The rasteriser of outlines: for each pixel its winding number, and whether an edge touches it.
+//!
+//! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area, [`Raster::edge`] for each
+//! edge of an outline, [`Raster::finish`], then [`Raster::marks`] tile by tile. This is the scalar
+//! implementation; another one has to keep three rules:
+//!
+//! - every pixel that comes within the edge's width of it is marked as touched;
+//! - a pixel that no edge touches has the winding number of the outline around its middle;
+//! - an edge gives the same winding numbers in both directions, with opposite signs, in all rasters that hold
+//!   it: the seams between two patches rely on it.
+
+mod edge;
+mod tiles;
+mod winding;
+
+use crate::occlusion::surface::raster::tiles::TileMarks;
+use crate::occlusion::surface::raster::winding::Steps;
+
+pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
+
+/// An edge of an outline, in pixels of the face.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Edge {
+    pub(crate) from: (f64, f64),
+    pub(crate) to: (f64, f64),
+    /// By how much it changes the winding number of the pixels to its right: 1 or -1.
+    pub(crate) by: i16,
+    /// The edge may be this far from where its ends say, in pixels.
+    pub(crate) wide: f64,
+    /// Whether it is the seam between two patches that are drawn together.
+    pub(crate) seam: bool,
+}
+
+/// The pixels around one patch.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Raster {
+    area: Area,
+    tiles: TileMarks,
+    steps: Steps,
+}
+
+impl Raster {
+    /// Clears the raster, for an area of pixels.
+    pub(crate) fn begin(&mut self, area: Area) {
+        self.area = area;
+        self.tiles.clear(&area);
+        self.steps.clear(area.height());
+    }
+
+    /// Its area.
+    pub(crate) fn area(&self) -> Area {
+        self.area
+    }
+
+    /// Turns the steps of all edges into winding numbers.
+    pub(crate) fn finish(&mut self) {
+        let tiles = &mut self.tiles;
+        self.steps.for_spans(self.area.height(), self.area.width(), |row, from, to, winding| {
+            if winding != 0 && from < to {
+                tiles.mark(row, from, to - 1, if winding > 0 { Marks::PLUS } else { Marks::MINUS });
+            }
+        });
+    }
+
+    /// The pixels of a tile, counted from the first tile of the area, row by row.
+    #[inline]
+    pub(crate) fn marks(&self, tile: usize) -> Marks {
+        self.tiles.get(tile)
+    }
+}
+
+#[cfg(test)]
+mod tests;
