@@ -281,6 +281,12 @@ pub(crate) fn tile_of(brick: &Mask, axes: &SideAxes, at: i32) -> u64 {
     }
 }
 
+impl std::fmt::Debug for BitMatrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "BitMatrix({} of {} cells)", self.count(), self.dims())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,8 +19,9 @@ impl FaceBuffer {
         let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
         let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
         for ty in ty0..=ty1 {
+            let row = self.window.tile_index(tx0, ty);
             for tx in tx0..=tx1 {
-                let t = self.window.tile_index(tx, ty);
+                let t = row + (tx - tx0) as usize;
                 if self.coverage.closed(t) >= target.near {
                     continue;
                 }
@@ -35,7 +36,7 @@ impl FaceBuffer {
 
     /// Calls `found` with those of the pixels `open` of a tile that a target may touch and that are not hidden.
     /// Returns whether it was told to stop.
-    #[inline]
+    #[inline(always)]
     fn uncovered_in_tile(
         &self,
         target: &FaceTarget,
@@ -97,8 +98,8 @@ mod tests {
         let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
         let mut buffer = FaceBuffer::new(face);
         buffer.clear(Some(Rect::FACE), 64);
-        // Covers u < 0.
-        let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(0.0, 9.0, 5.0) };
+        // Covers u < 0 but for a little.
+        let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
         buffer.draw(&Solid::polytope(Polytope::block(&wall), None).unwrap(), 0, 0);
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));

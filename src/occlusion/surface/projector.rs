@@ -3,12 +3,13 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
+use crate::geometry::placement::Placement;
 use crate::numeric::occlusion::{EDGE, EDGE_ROUNDING};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::raster::{Edge, Raster};
+use crate::occlusion::surface::raster::Raster;
 use crate::occlusion::surface::scratch::{DeepSide, SeenSide, SeenSides, SideKind};
 
 /// Projects points of a face to its pixels.
@@ -76,17 +77,16 @@ impl<'a> Projector<'a> {
         sides: &mut SeenSides,
     ) -> Option<PixelRect> {
         let growth = d.placement.map_or(1.0, |p| p.growth);
-        let world = |v: DVec3| d.placement.map_or(v, |p| p.affine.transform_point3(v));
-        let project = |v: Vec3| {
-            let at = self.face.local(world(v.as_dvec3()) - origin);
-            Projected { at, pixel: self.pixel(at) }
-        };
         // A side often starts where the last one ended.
         let mut known = (Vec3::NAN, Projected::default());
         let mut extent = Extent::EMPTY;
         for side in d.outline() {
-            let from = if known.0 == side.from { known.1 } else { project(side.from) };
-            let to = project(side.to);
+            let from = if known.0 == side.from {
+                known.1
+            } else {
+                self.project_point(side.from, d.placement, origin)
+            };
+            let to = self.project_point(side.to, d.placement, origin);
             known = (side.to, to);
             extent.add(&from);
             extent.add(&to);
@@ -118,6 +118,14 @@ impl<'a> Projector<'a> {
         };
         let pixels = PixelRect { x: narrow(within.x, least.0, most.0), y: narrow(within.y, least.1, most.1) };
         (!pixels.is_empty()).then_some(pixels)
+    }
+
+    /// A point of a surface that stands at a placement.
+    #[inline(always)]
+    fn project_point(&self, v: Vec3, placement: Option<&Placement>, origin: DVec3) -> Projected {
+        let v = v.as_dvec3();
+        let at = self.face.local(placement.map_or(v, |p| p.affine.transform_point3(v)) - origin);
+        Projected { at, pixel: self.pixel(at) }
     }
 
     /// The pixel of a point of the face.
@@ -167,7 +175,7 @@ impl<'a> Projector<'a> {
         for side in sides {
             let deep = match side.kind {
                 SideKind::Plain(wide) => {
-                    raster.edge(&Edge { from: side.from, to: side.to, by, wide, seam: side.seam });
+                    raster.edge(side.from, side.to, by, wide, side.seam);
                     continue;
                 }
                 SideKind::Deep(place) => &deep[place as usize],
@@ -179,7 +187,7 @@ impl<'a> Projector<'a> {
                 // From where the outline leaves to where it comes back.
                 let (a, b) = if leaves { (at, base) } else { (base, at) };
                 let (from, to) = (self.pixel(a), self.pixel(b));
-                raster.edge(&Edge { from, to, by, wide: EDGE, seam: false });
+                raster.edge(from, to, by, EDGE, false);
             }
         }
     }
@@ -189,7 +197,7 @@ impl<'a> Projector<'a> {
         let ([mut p, mut q], slack) = (side.ends, side.slack);
         if self.face.parallel {
             let (from, to, wide) = (self.pixel(p), self.pixel(q), self.parallel_width(slack));
-            return raster.edge(&Edge { from, to, by, wide, seam });
+            return raster.edge(from, to, by, wide, seam);
         }
         if p.z < self.limit && q.z < self.limit {
             return;
@@ -206,7 +214,7 @@ impl<'a> Projector<'a> {
             let slack = if stop.z <= 2.0 * slack { 0.0 } else { slack };
             let wide = self.width(p, q, start.z, slack);
             let (from, to) = (self.pixel(start), self.pixel(stop));
-            raster.edge(&Edge { from, to, by, wide, seam });
+            raster.edge(from, to, by, wide, seam);
             if end >= far.z {
                 break;
             }

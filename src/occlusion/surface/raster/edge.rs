@@ -1,7 +1,7 @@
 //! Edges: the pixels that they touch, and the rows whose middles they pass.
 
 use crate::numeric::occlusion::{EDGE, EDGE_FLAT, EDGE_ROUNDING, RASTER_BORDER};
-use crate::occlusion::surface::raster::{Edge, Marks, Raster};
+use crate::occlusion::surface::raster::{Marks, Raster};
 
 /// An edge from its lower to its upper row, in pixels from the corner of the area.
 struct Line {
@@ -25,15 +25,18 @@ impl Line {
 }
 
 impl Raster {
-    /// Draws an edge of the outline.
+    /// Draws an edge of the outline between two points, in pixels of the face.
+    ///
+    /// `by`, 1 or -1, is the change of the winding number from its left to its right, if it goes up; `wide` is how far
+    /// it may be from where its ends say, in pixels; `seam` tells whether it is shared by two patches that are drawn
+    /// together.
     #[inline]
-    pub(crate) fn edge(&mut self, edge: &Edge) {
+    pub(crate) fn edge(&mut self, from: (f64, f64), to: (f64, f64), by: i16, wide: f64, seam: bool) {
         let corner = (self.area.x as f64, self.area.y as f64);
-        let (a, b) =
-            ((edge.from.0 - corner.0, edge.from.1 - corner.1), (edge.to.0 - corner.0, edge.to.1 - corner.1));
-        let wide = edge.wide + EDGE_ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
+        let (a, b) = ((from.0 - corner.0, from.1 - corner.1), (to.0 - corner.0, to.1 - corner.1));
+        let wide = wide + EDGE_ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
         // From the lower to the upper row.
-        let (a, b, by) = if a.1 <= b.1 { (a, b, edge.by) } else { (b, a, -edge.by) };
+        let (a, b, by) = if a.1 <= b.1 { (a, b, by) } else { (b, a, -by) };
         let (x0, x1) = if a.0 <= b.0 { (a.0, b.0) } else { (b.0, a.0) };
         let (left, x1) = (x0 - wide, x1 + wide);
         let (right, bottom) = (f64::from(self.area.width()), f64::from(self.area.height()));
@@ -41,7 +44,7 @@ impl Raster {
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
-        let line = Line { a, b, slope, columns: (left, x1), by, wide, seam: edge.seam };
+        let line = Line { a, b, slope, columns: (left, x1), by, wide, seam };
         // Edges well inside the area need no clipping.
         let inside = left >= 0.0
             && x1 < right - RASTER_BORDER
@@ -51,6 +54,7 @@ impl Raster {
     }
 
     /// Draws an edge that may leave the area or be flat.
+    #[inline(always)]
     fn edge_clipped(&mut self, line: &Line) {
         let &Line { a, b, slope, columns: (left, x1), by, wide, seam } = line;
         let (width, height) = (self.area.width(), self.area.height());
@@ -110,7 +114,7 @@ impl Raster {
     }
 
     /// Draws an edge that lies inside the area with its width, and is not flat.
-    #[inline]
+    #[inline(always)]
     fn edge_inside(&mut self, line: &Line) {
         let &Line { a, b, slope, columns: (left, right), by, wide, seam } = line;
         let layer = line.layer();

@@ -18,19 +18,6 @@ use crate::occlusion::surface::raster::winding::Steps;
 
 pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
 
-/// An edge of an outline, in pixels of the face.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Edge {
-    pub(crate) from: (f64, f64),
-    pub(crate) to: (f64, f64),
-    /// By how much it changes the winding number of the pixels to its right: 1 or -1.
-    pub(crate) by: i16,
-    /// The edge may be this far from where its ends say, in pixels.
-    pub(crate) wide: f64,
-    /// Whether it is the seam between two patches that are drawn together.
-    pub(crate) seam: bool,
-}
-
 /// The pixels around one patch.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Raster {

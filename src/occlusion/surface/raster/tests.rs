@@ -17,7 +17,7 @@ fn edges(ring: &[Point]) -> impl Iterator<Item = (Point, Point)> {
 }
 
 fn draw(raster: &mut Raster, ring: &[Point], wide: f64) {
-    edges(ring).for_each(|(from, to)| raster.edge(&Edge { from, to, by: 1, wide, seam: false }));
+    edges(ring).for_each(|(from, to)| raster.edge(from, to, 1, wide, false));
 }
 
 /// The sum over all edges that pass the line to the left of a point.
@@ -128,7 +128,7 @@ fn seams_of_two_patches_cancel() {
             raster.begin(area);
             for (from, to) in edges(&ring) {
                 let seam = [from, to].iter().all(|p| [a, b].contains(p));
-                raster.edge(&Edge { from, to, by: 1, wide: 1e-5, seam });
+                raster.edge(from, to, 1, 1e-5, seam);
             }
             raster.finish();
         }

@@ -78,6 +78,7 @@ impl Steps {
     }
 
     /// Puts the steps of a row in order of columns.
+    #[inline(always)]
     fn sort(&mut self, row: i32, own: &Row) {
         let count = own.count as usize;
         self.sorted.clear();
