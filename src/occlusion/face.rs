@@ -106,7 +106,7 @@ impl Face {
         Self { right: right / radius, up: up / radius, forward: direction, parallel: true }
     }
 
-    /// A half-space `n . x + h >= 0` whose plane holds the eye, or runs along
+    /// A half-space `n . x + h >= 0` whose plane passes through the eye, or runs along
     /// the parallel rays, as a function that is not negative on the directions inside.
     pub(crate) fn half(&self, n: DVec3, h: f64) -> Linear {
         if self.parallel {
@@ -186,7 +186,7 @@ impl Face {
         Some((rect, near))
     }
 
-    /// A rectangle around points that all lie in front of the eye; `None` if one does not.
+    /// A rectangle around points, and their least depth; `None` if one is not in front of the eye.
     pub(crate) fn points(&self, points: &[DVec3]) -> Option<(Rect, f64)> {
         let mut r =
             Rect { u0: f64::INFINITY, v0: f64::INFINITY, u1: f64::NEG_INFINITY, v1: f64::NEG_INFINITY };

@@ -162,7 +162,7 @@ impl Window {
         }
     }
 
-    /// The pixel of the window that holds a point; `None` beside the window.
+    /// The pixel of the window with a point in it; `None` beside the window.
     pub(crate) fn pixel_at(&self, u: f64, v: f64) -> Option<(i64, i64)> {
         let at = |c: f64, (lo, hi): (i64, i64)| {
             let pixel = floor(((c + 1.0) * self.per_unit).clamp(-1.0, hi as f64));
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(window.corner_of(&inside), (8, 8));
         let square = window.square(8, 8, 8);
         assert_eq!((square.u0, square.v0, square.u1, square.v1), (0.0, 0.0, 1.0, 1.0));
-        // What is not a number touches everything.
+        // A bound that is not a number touches everything.
         assert_eq!(window.touched_by(&Rect { u0: f64::NAN, ..inside }).x, (3, 12));
     }
 

@@ -124,7 +124,7 @@ impl Query {
         pvs
     }
 
-    /// Finds nothing, as from a view without rays. The result holds for no view.
+    /// Finds nothing, as from a view without rays. The result is valid for no view.
     pub(crate) fn run_nothing(&mut self, scene: &Scene) {
         self.pvs.reset(scene.slots.len());
         self.pvs.scene = scene.tag();

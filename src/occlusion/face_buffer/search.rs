@@ -10,7 +10,6 @@ use crate::occlusion::tiles::{TILE, bits, block};
 
 impl FaceBuffer {
     /// Calls `found` with each open pixel that a target may touch, until that returns true.
-    #[inline]
     pub(crate) fn uncovered(&self, target: &FaceTarget, mut found: impl FnMut(i64, i64, &Rect) -> bool) {
         let pixels = self.window.touched_by(&target.rect);
         if pixels.is_empty() {

@@ -7,9 +7,9 @@
 //! its way, within half a cell of depth k and within half a cell of (y, z) * k/m
 //! across, so through one of those cells.
 //!
-//! A side's mask holds one bit for each square of directions (y/x, z/x). A set bit
+//! A side's mask has one bit for each square of directions (y/x, z/x). A set bit
 //! says: for *every* direction of the square, corners and edges included,
-//! the rule holds at some shell already walked. Cells are looked up by the direction of
+//! the rule applies at some shell already walked. Cells are looked up by the direction of
 //! their centre; blocked cells of a shell are stamped as the polygon through their
 //! centres, rounded inwards. Look-ups and stamps without an uncertain eye are
 //! integer arithmetic, or divisions whose rounding provably cannot change their floor.

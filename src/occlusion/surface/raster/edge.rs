@@ -32,8 +32,8 @@ impl Raster {
     /// together.
     #[inline]
     pub(crate) fn edge(&mut self, from: (f64, f64), to: (f64, f64), by: i16, wide: f64, seam: bool) {
-        let corner = (self.area.x as f64, self.area.y as f64);
-        let (a, b) = ((from.0 - corner.0, from.1 - corner.1), (to.0 - corner.0, to.1 - corner.1));
+        let (a, b) =
+            ((from.0 - self.corner.0, from.1 - self.corner.1), (to.0 - self.corner.0, to.1 - self.corner.1));
         let wide = wide + EDGE_ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
         // From the lower to the upper row.
         let (a, b, by) = if a.1 <= b.1 { (a, b, by) } else { (b, a, -by) };
@@ -70,7 +70,8 @@ impl Raster {
             return;
         }
         if slope.is_nan() || slope.abs() >= EDGE_FLAT {
-            return self.edge_flat(line, (first, last), (from, to));
+            let layer = if from < to { Marks::OPEN } else { line.layer() };
+            return self.edge_flat((left, x1), by, layer, (first, last), (from, to));
         }
         let reach = wide * slope.abs() + wide;
         // The column where the edge passes the lower border of a row.
@@ -95,10 +96,16 @@ impl Raster {
     ///
     /// Where it passes them is not known well enough: all of its pixels count as touched, and if it passes any
     /// middle, as touched by an open edge, since two patches would not agree.
-    fn edge_flat(&mut self, line: &Line, (first, last): (i32, i32), (from, to): (i32, i32)) {
-        let (width, (left, x1)) = (self.area.width(), line.columns);
+    fn edge_flat(
+        &mut self,
+        (left, x1): (f64, f64),
+        by: i16,
+        layer: usize,
+        (first, last): (i32, i32),
+        (from, to): (i32, i32),
+    ) {
+        let width = self.area.width();
         let right = f64::from(width);
-        let layer = if from < to { Marks::OPEN } else { line.layer() };
         let lo = nearest(within(left, right) - 0.5).max(0);
         let hi = nearest(within(x1, right) - 0.5).min(width - 1);
         for row in first..=last {
@@ -108,7 +115,7 @@ impl Raster {
         }
         for row in from..to {
             if lo < width {
-                self.steps.push(row, lo, line.by);
+                self.steps.push(row, lo, by);
             }
         }
     }

@@ -22,6 +22,8 @@ pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Raster {
     area: Area,
+    /// The first pixel of the area.
+    corner: (f64, f64),
     tiles: TileMarks,
     steps: Steps,
 }
@@ -30,6 +32,7 @@ impl Raster {
     /// Clears the raster, for an area of pixels.
     pub(crate) fn begin(&mut self, area: Area) {
         self.area = area;
+        self.corner = (area.x as f64, area.y as f64);
         self.tiles.clear(&area);
         self.steps.clear(area.height());
     }
