@@ -47,24 +47,34 @@ impl<T: Copy> Bins<T> {
         &self.lists[index]
     }
 
-    /// The numbers of the lists for a rectangle of pixels of the window.
-    fn indices(&self, pixels: &PixelRect) -> impl Iterator<Item = usize> + use<T> {
-        let (first, across) = (self.first, self.across);
+    /// The first and last bin along x and along y of a rectangle of pixels of the window.
+    #[inline]
+    fn range(&self, pixels: &PixelRect) -> ((i64, i64), (i64, i64)) {
         let (x, y) = (pixels.tiles_x(), pixels.tiles_y());
-        let (bx0, bx1) = ((x.0 - first.0) / BIN, (x.1 - first.0) / BIN);
-        let (by0, by1) = ((y.0 - first.1) / BIN, (y.1 - first.1) / BIN);
-        (by0..=by1).flat_map(move |by| (bx0..=bx1).map(move |bx| (by * across + bx) as usize))
+        let bin = |tile: i64, first: i64| (tile - first) / BIN;
+        ((bin(x.0, self.first.0), bin(x.1, self.first.0)), (bin(y.0, self.first.1), bin(y.1, self.first.1)))
     }
 
     /// Appends an item to the lists for a rectangle of pixels.
     #[inline]
     pub(crate) fn push(&mut self, pixels: &PixelRect, item: T) {
-        self.indices(pixels).for_each(|i| self.lists[i].push(item));
+        let ((x0, x1), (y0, y1)) = self.range(pixels);
+        for by in y0..=y1 {
+            for bx in x0..=x1 {
+                self.lists[(by * self.across + bx) as usize].push(item);
+            }
+        }
     }
 
-    /// The items in all lists for a rectangle of pixels: some may come twice.
-    pub(crate) fn around(&self, pixels: &PixelRect) -> impl Iterator<Item = &T> {
-        self.indices(pixels).flat_map(|i| &self.lists[i])
+    /// Calls `found` with the items in all lists for a rectangle of pixels, with some of them more than once.
+    #[inline]
+    pub(crate) fn for_around(&self, pixels: &PixelRect, mut found: impl FnMut(&T)) {
+        let ((x0, x1), (y0, y1)) = self.range(pixels);
+        for by in y0..=y1 {
+            for bx in x0..=x1 {
+                self.lists[(by * self.across + bx) as usize].iter().for_each(&mut found);
+            }
+        }
     }
 }
 
@@ -83,8 +93,13 @@ mod tests {
         for (x, y, expected) in [(0, 0, vec![7]), (40, 31, vec![7]), (64, 0, vec![]), (96, 96, vec![8])] {
             assert_eq!(bins.list(bins.index(x, y)), expected, "{x} {y}");
         }
-        assert_eq!(bins.around(window.pixels()).copied().collect::<Vec<_>>(), [7, 7, 8]);
+        let all = |bins: &Bins<u32>| {
+            let mut all = Vec::new();
+            bins.for_around(window.pixels(), |&item| all.push(item));
+            all
+        };
+        assert_eq!(all(&bins), [7, 7, 8]);
         bins.clear(&window);
-        assert_eq!(bins.around(window.pixels()).count(), 0);
+        assert!(all(&bins).is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! The occlusion buffers of one view: its faces, and what has been drawn on them.
+//! The occlusion buffers of one view.
 
 use glam::DVec3;
 use smallvec::SmallVec;

@@ -124,8 +124,11 @@ fn sees_open(fine: &FaceBuffer, mut target: FaceTarget, open: &[OpenPixel]) -> b
 /// `near`.
 fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, near: f32, found: &mut Vec<u32>) {
     found.clear();
-    let reaching = buffer.patches().around(pixels).filter(|p| p.pixels.overlaps(pixels) && p.near > near);
-    found.extend(reaching.map(|p| p.id));
+    buffer.patches().for_around(pixels, |patch| {
+        if patch.pixels.overlaps(pixels) && patch.near > near {
+            found.push(patch.id);
+        }
+    });
     found.sort_unstable();
     found.dedup();
 }

@@ -58,7 +58,7 @@ fn price(listed: &[Listed]) -> u32 {
 
 impl OcclusionBuffers {
     /// Tests a target as [`OcclusionBuffers::test`] does, and examines uncovered pixels again.
-    /// Takes what it uses from `budget`; when that is spent, the pixels decide.
+    /// The directions and squares examined are taken from `budget`; when that is spent, the pixels decide.
     pub(crate) fn refine(&self, target: &Target, owner: u32, effort: &Effort, budget: &mut u64) -> Verdict {
         if self.is_close(target.bounds()) {
             return Verdict::Visible;

@@ -43,8 +43,8 @@ impl Extent {
         slack: 0.0,
     };
 
-    #[inline]
-    fn add(&mut self, p: &Projected) {
+    #[inline(always)]
+    fn add(&mut self, p: Projected) {
         self.least = (smaller(p.pixel.0, self.least.0), smaller(p.pixel.1, self.least.1));
         self.most = (larger(p.pixel.0, self.most.0), larger(p.pixel.1, self.most.1));
         self.near = smaller(p.at.z, self.near);
@@ -88,8 +88,8 @@ impl<'a> Projector<'a> {
             };
             let to = self.project_point(side.to, d.placement, origin);
             known = (side.to, to);
-            extent.add(&from);
-            extent.add(&to);
+            extent.add(from);
+            extent.add(to);
             let slack = f64::from(side.slack) * growth + d.error;
             extent.slack = larger(slack, extent.slack);
             let kind = match self.plain_width(from.at, to.at, slack) {
@@ -101,12 +101,13 @@ impl<'a> Projector<'a> {
             };
             sides.all.push(SeenSide { from: from.pixel, to: to.pixel, kind, seam: false });
         }
-        self.tighter(&extent, within)
+        self.tighter(extent, within)
     }
 
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is deep enough.
-    fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
-        let &Extent { least, most, near, slack } = extent;
+    #[inline(always)]
+    fn tighter(&self, extent: Extent, within: PixelRect) -> Option<PixelRect> {
+        let Extent { least, most, near, slack } = extent;
         if !self.face.parallel && (near.is_nan() || near < 2.0 * self.limit + 2.0 * slack) {
             return Some(within);
         }

@@ -6,7 +6,7 @@
 //!
 //! - every pixel that comes within the edge's width of it is marked as touched;
 //! - a pixel that no edge touches has the winding number of the outline around its middle;
-//! - an edge gives the same winding numbers in both directions, with opposite signs, in all rasters that hold
+//! - an edge gives the same winding numbers in both directions, with opposite signs, in all rasters that contain
 //!   it: the seams between two patches rely on it.
 
 mod edge;
