@@ -1,74 +1,79 @@
-//! How a query decides what can be seen, and its settings.
+//! The methods of a query, and its settings.
 
 use crate::error::Error;
 
-/// How a query decides what can be seen.
+/// How a query decides which objects can be seen.
+///
+/// No method loses an object that can be seen; they differ in how many hidden ones they keep, and in cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// Objects whose bounds may meet the frustum. Costs all objects.
+    /// The objects whose bounds may intersect the frustum. The cost grows with the number of objects in the scene.
     Frustum,
-    /// What can be seen from anywhere in the viewer's cell: for every eye in the cell of the view's eye that is
-    /// inside no occluder, every object of which that eye sees a point inside all half-spaces of the view.
+    /// The objects that can be seen from anywhere in the viewer's cell: for every eye in the cell of the view's eye that
+    /// is inside no occluder, every object of which that eye sees a point inside all half-spaces of the view.
     ///
-    /// The half-spaces stay where they are; they bound what is seen, and need not hold the other eyes. The rays of
-    /// those start at the eye, so that what lies outside the half-spaces, as before a near plane, hides too. Only for the
-    /// view itself do rays start at its near plane: where that cuts into an occluder, or the eye may be in one,
-    /// nothing is taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`crate::Pvs::holds`] asks the same of the near plane of
-    /// another view.
+    /// The half-spaces stay where they are for all these eyes. They bound the points that are seen, and need not contain
+    /// the eyes. The rays of the other eyes start at those eyes, so objects outside the half-spaces, as before a near
+    /// plane, hide others too. Only the rays of the view itself start at its near plane: where that cuts into an
+    /// occluder, or the eye may be in one, nothing is taken to be hidden ([`crate::Stats::eye_in_occluder`]).
+    /// [`crate::Pvs::holds`] makes the same test for the near plane of another view.
     ///
-    /// Costs what is visible. Orthographic views get the cells of the frustum without occlusion.
+    /// The cost grows with the number of visible cells. Orthographic views get the cells of the frustum, without
+    /// occlusion.
     Cell,
-    /// What can be seen from the eye, at pixel precision: the tightest. Costs what is visible.
+    /// The objects that can be seen from the eye, at the precision of pixels: the smallest sets. The cost grows with the
+    /// number of visible bricks, objects and pixels.
     ///
-    /// Its sets are far smaller than those of [`Method::Cell`], but not always part of them, since whole cells know no pixels.
-    /// It may keep an object that [`Method::Cell`] hides where
+    /// Its sets are far smaller than those of [`Method::Cell`], but not always subsets of them. It may keep an object
+    /// that [`Method::Cell`] hides where
     /// - the object shows only in pixels on a seam between solids that abut, and one of those moves, was inserted
-    ///   since [`crate::Scene::begin_frame`], or shares more such seams than 32 boxes in 8x8x8 cells bridge;
-    /// - the eye is known from the matrix alone, and solids shrunk by what that leaves open no longer abut;
-    /// - only the inside of a closed mesh hides it, of which the triangles are drawn, not the cells;
-    /// - what [`Settings`] spend on refinement is used up, or they leave out occluders.
+    ///   since [`crate::Scene::begin_frame`], or has more such seams than 32 boxes in 8x8x8 cells bridge;
+    /// - the eye is known from the matrix of the view only, and solids that were shrunk by its uncertainty no longer
+    ///   abut;
+    /// - only the inside of a closed mesh hides it: the triangles of the mesh are drawn, not its cells;
+    /// - the budgets for refinement in [`Settings`] are used up, or the settings leave out occluders.
     #[default]
     Point,
 }
 
-/// Settings of a query.
+/// Settings of a query. They trade hidden objects in the result for time; none makes a visible object lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
-    /// How visibility is decided.
+    /// How visibility is decided. [`Method::Point`] by default.
     pub method: Method,
-    /// [`Method::Cell`]: directions along each side of the view cube. The masks have this many pixels
-    /// squared, six times. A power of two from 64 to 4096. Finer masks
-    /// hide more and cost more.
+    /// [`Method::Cell`]: directions along each side of the view cube, whose six masks have this many pixels squared. A
+    /// power of two from 64 to 4096; 256 by default. Finer masks hide more; their cost grows with the square.
     pub mask_resolution: u32,
-    /// Occluders that appear smaller than this are not drawn, in steradians (Coorg & Teller
-    /// 1997: area over squared distance). For [`Method::Cell`] they are sides of shells with their
-    /// visible opaque cells; for [`Method::Point`], single occluders (for parallel rays their area counts
-    /// instead). 0 draws all.
+    /// Occluders that appear smaller than this are not drawn, in steradians (area over squared distance, after Coorg
+    /// & Teller 1997), from 0 to 1. For [`Method::Cell`] they are the visible opaque cells of one side of a shell; for
+    /// [`Method::Point`], single occluders (for parallel rays, their area in square world units). 0, the default,
+    /// draws all.
     pub min_solid_angle: f32,
-    /// [`Method::Point`]: width of a pixel of the occlusion buffers in the middle of a face of the
-    /// view cube, in degrees, from 0.03 to 11.25. Finer pixels hide more and cost more. For
-    /// orthographic views 90 degrees mean the width of the view.
+    /// [`Method::Point`]: width of a pixel of the occlusion buffers in the middle of a face of the view cube, in
+    /// degrees, from 0.03 to 11.25; 0.25 by default. Finer pixels hide more; their cost grows with the square. For
+    /// orthographic views, 90 degrees mean the width of the view.
     pub pixel_degrees: f32,
-    /// [`Method::Point`]: the longer side of the view gets at least this many pixels, so
-    /// that narrow views stay sharp. Up to 4096.
+    /// [`Method::Point`]: the longer side of the view gets at least this many pixels, so that narrow views stay
+    /// sharp. Up to 4096; 128 by default.
     pub min_pixels: u32,
-    /// [`Method::Point`]: occluders drawn in a query, at most: shell by shell from the eye, the
-    /// largest solid angles of a shell first.
+    /// [`Method::Point`]: the most occluders drawn in a query, shell by shell from the eye, the largest solid angles of a
+    /// shell first. Without limit by default.
     pub max_occluders: u32,
-    /// [`Method::Point`]: squares of directions examined again for one object that only undecided
-    /// pixels show, at most. 0 takes such objects for visible.
+    /// [`Method::Point`]: the most squares of directions examined again for one object that only undecided pixels
+    /// show; 256 by default. 0 takes such objects for visible.
     pub refine_squares: u32,
-    /// [`Method::Point`]: how often an undecided pixel is halved, up to 16.
+    /// [`Method::Point`]: how often an undecided pixel is halved, up to 16; 6 by default.
     pub refine_depth: u32,
-    /// [`Method::Point`]: squares examined again in a whole query, at most. What is left when they are spent
-    /// is decided by pixels: this bounds the time where thousands of objects are smaller than those.
+    /// [`Method::Point`]: the most squares examined again in a whole query; 65536 by default. Objects left over are
+    /// decided by pixels. This bounds the time where thousands of objects are smaller than a pixel.
     pub refine_budget: u32,
-    /// [`Method::Point`]: patches of triangles drawn again, eight times as fine, in pixels that leave
-    /// objects undecided, at most in one query. 0 leaves it out.
+    /// [`Method::Point`]: the most patches of triangles drawn again in a query, eight times as fine, in pixels that leave
+    /// objects undecided; 3000 by default. 0 leaves this step out.
     pub refine_patches: u32,
-    /// [`Method::Cell`]: keeps which cells were visited and which were hidden, for pictures and tests.
+    /// [`Method::Cell`]: records the visited and the hidden cells, for pictures and tests
+    /// ([`crate::Query::visited_cells`], [`crate::Query::hidden_cells`]). Costs a bit for each of them. Off by default.
     pub record_cells: bool,
 }
 

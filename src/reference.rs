@@ -5,7 +5,7 @@
 //! hidden) of one side of one chessboard shell, of any shape, also disconnected.
 //! *Cap*: their outline as polygons with holes, through the centres of the
 //! outermost cells (Schaufler et al. 2000; vertices as indices retract the
-//! occluder so that its shadow holds for the whole viewer's cell, section 3.3.5).
+//! occluder so that its shadow is valid for the whole viewer's cell, section 3.3.5).
 //! *Volume*: the cap pushed outwards along rays from the viewer's cell, and
 //! rasterised slab by slab into H, sampled at cell centres.
 //!
@@ -33,7 +33,7 @@ pub struct Cap {
     pub points: Vec<IVec2>,
 }
 
-/// A polygon with holes, along lattice lines. The area lies to the left of each ring's direction.
+/// A polygon with holes, along lattice lines. The area is to the left of each ring's direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CapPolygon {
     /// The outer ring, counter-clockwise, without its first vertex repeated.
@@ -83,10 +83,10 @@ impl Cap {
     }
 
     /// Rasterises the volume behind the cap into the slab at shell `m`: calls
-    /// `out` with the cells (column, row) whose centres lie in it, borders included.
+    /// `out` with the cells (column, row) whose centres are in it, borders included.
     fn slab(&self, m: i32, out: &mut dyn FnMut(i32, i32)) {
         let (k, m) = (i64::from(self.shell), i64::from(m));
-        // Cell c lies in the volume if c * k / m lies in the cap: all in integers, times m.
+        // Cell c is in the volume if c * k / m is in the cap: all in integers, times m.
         for polygon in &self.polygons {
             for row in -m..=m {
                 let y = row * k;
@@ -229,9 +229,9 @@ fn doubled_area(ring: &[IVec2]) -> i64 {
         .sum()
 }
 
-/// Whether a ring holds a square that borders on the hole from inside.
+/// Whether a ring contains a square that borders on the hole from inside.
 fn holds(outer: &[IVec2], hole: &[IVec2]) -> bool {
-    // The area lies to the left of the hole's first edge: its square's centre, doubled.
+    // The area is to the left of the hole's first edge: its square's centre, doubled.
     let (a, b) = (hole[0], hole[1]);
     let d = direction_of(a, b);
     let center = a * 2 + d + IVec2::new(-d.y, d.x);
@@ -248,7 +248,7 @@ fn holds(outer: &[IVec2], hole: &[IVec2]) -> bool {
 /// The cells that the viewer's cell cannot see, and the caps that hide them, by
 /// the thesis' procedure in all directions.
 ///
-/// `opaque` holds O; `viewer` is a cell of the grid.
+/// `opaque` is O; `viewer` is a cell of the grid.
 pub fn occlusion_by_caps(opaque: &BitMatrix, viewer: IVec3) -> (OcclusionMatrix, Vec<Cap>) {
     let dims = opaque.dims();
     let mut hidden = BitMatrix::new(dims);
@@ -281,7 +281,7 @@ pub fn occlusion_by_caps(opaque: &BitMatrix, viewer: IVec3) -> (OcclusionMatrix,
 /// The cells that the viewer's cell cannot see, by the lattice rule over all
 /// pairs of shells: the most that the rule finds.
 ///
-/// `opaque` holds O; `viewer` is a cell of the grid.
+/// `opaque` is O; `viewer` is a cell of the grid.
 pub fn occlusion_by_lattice(opaque: &BitMatrix, viewer: IVec3) -> OcclusionMatrix {
     let dims = opaque.dims();
     let mut hidden = BitMatrix::new(dims);

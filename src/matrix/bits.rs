@@ -5,7 +5,7 @@ use crate::grid::cell_box::CellBox;
 use crate::grid::side::SideAxes;
 use glam::IVec3;
 
-/// Cells of a brick: word z holds its slice, bit 8y+x.
+/// Cells of a brick: word z is the slice z, with cell (x, y) at bit 8y+x.
 pub(crate) type Mask = [u64; 8];
 
 /// No cell of a brick, and all of them.
@@ -27,7 +27,7 @@ pub(crate) fn both(a: &Mask, b: &Mask) -> Mask {
     std::array::from_fn(|z| a[z] & b[z])
 }
 
-/// The cells whose neighbour one up or down along an axis is held by a mask, or by that of the next brick there.
+/// The cells whose neighbour one up or down along an axis is in a mask, or in that of the next brick there.
 pub(crate) fn beside(mask: &Mask, next: &Mask, axis: usize, up: bool) -> Mask {
     // The columns x = 0 of all rows.
     const FIRST: u64 = 0x0101_0101_0101_0101;
@@ -52,7 +52,7 @@ pub(crate) fn count(mask: &Mask) -> u32 {
     mask.iter().map(|w| w.count_ones()).sum()
 }
 
-/// The cells of a brick that a mask holds.
+/// The cells of a brick that are in a mask.
 pub(crate) fn cells_of(brick: IVec3, mask: &Mask) -> impl Iterator<Item = IVec3> + use<> {
     places_of(mask).map(move |i| {
         let i = i as i32;
@@ -81,9 +81,10 @@ pub(crate) fn block_mask(brick: IVec3, lo: IVec3, hi: IVec3) -> Mask {
     std::array::from_fn(|z| if (lo.z..=hi.z).contains(&(z as i32)) { slice } else { 0 })
 }
 
-/// A sparse matrix of one bit per cell, read and written in words of 64 cells.
+/// A sparse matrix of one bit per cell.
 ///
-/// Bricks and pages of cells that are all set cost no memory of their own.
+/// Memory follows the bricks (8x8x8 cells) with both set and clear cells: 64 bytes each. Bricks and pages (64x64x64
+/// cells) in which all cells are set share one, and empty ones take no memory but the table of pages, one word each.
 #[derive(Clone)]
 pub struct BitMatrix {
     dims: IVec3,
@@ -134,13 +135,13 @@ impl BitMatrix {
         }
     }
 
-    /// Clears a cell inside the grid; an empty brick is given back.
+    /// Clears a cell inside the grid; the memory of an empty brick is freed.
     #[cfg(test)]
     pub(crate) fn clear_cell(&mut self, cell: IVec3) {
         self.clear_mask(cell >> 3i32, &block_mask(cell >> 3i32, cell, cell));
     }
 
-    /// Sets cells of a brick that lie inside the grid.
+    /// Sets cells of a brick that are inside the grid.
     pub(crate) fn set_mask(&mut self, brick: IVec3, mask: &Mask) {
         let old = self.bricks.get(brick);
         if without(mask, old) == NONE {
@@ -154,7 +155,7 @@ impl BitMatrix {
         }
     }
 
-    /// Clears cells of a brick inside the grid; an empty brick is given back.
+    /// Clears cells of a brick inside the grid; the memory of an empty brick is freed.
     pub(crate) fn clear_mask(&mut self, brick: IVec3, mask: &Mask) {
         let old = self.bricks.get(brick);
         let new = without(old, mask);
@@ -176,7 +177,7 @@ impl BitMatrix {
         self.bricks.iter()
     }
 
-    /// Sets all cells of a page of 8x8x8 bricks, which lies inside the grid.
+    /// Sets all cells of a page of 8x8x8 bricks that is inside the grid.
     pub(crate) fn fill_page(&mut self, page: IVec3) {
         self.bricks.fill_page(page);
     }
@@ -191,7 +192,7 @@ impl BitMatrix {
         self.bricks.page_is_full(page)
     }
 
-    /// The pages and rows of pages that hold nothing.
+    /// The pages that contain cells.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.bricks
     }
@@ -203,7 +204,7 @@ impl BitMatrix {
             .all(|b| without(&block_mask(b, lo, hi), self.bricks.get(b)) == NONE)
     }
 
-    /// Clears every cell. Costs the table of pages.
+    /// Clears every cell. Its cost is that of the table of pages.
     pub fn clear(&mut self) {
         self.bricks.clear();
     }
@@ -236,7 +237,7 @@ impl BitMatrix {
         self.dims
     }
 
-    /// Bytes held.
+    /// Bytes of memory that the matrix uses.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()
     }
@@ -256,7 +257,7 @@ pub(crate) fn span8(lo: i32, hi: i32) -> u64 {
     if lo > hi { 0 } else { (0xff >> (7 - hi)) & (0xff << lo) & 0xff }
 }
 
-/// Reads a tile out of a brick whose word z holds slice z (bit 8y+x).
+/// Reads a tile out of a brick whose word z is slice z (bit 8y+x).
 #[inline]
 pub(crate) fn tile_of(brick: &Mask, axes: &SideAxes, at: i32) -> u64 {
     let at = (at & 7) as u32;
@@ -281,119 +282,11 @@ pub(crate) fn tile_of(brick: &Mask, axes: &SideAxes, at: i32) -> u64 {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn neighbours_are_found_across_bricks() {
-        let mut m = BitMatrix::new(IVec3::splat(24));
-        for i in 0..24 * 24 * 24 {
-            if i * 7919 % 31 < 9 {
-                m.set(IVec3::new(i % 24, i / 24 % 24, i / 576));
-            }
-        }
-        let brick = IVec3::ONE;
-        for (axis, step) in IVec3::AXES.into_iter().enumerate() {
-            for up in [false, true] {
-                let step = if up { step } else { -step };
-                let found = beside(m.brick(brick), m.brick(brick + step), axis, up);
-                for cell in cells_of(brick, &ALL) {
-                    let bit = 8 * (cell.y & 7) + (cell.x & 7);
-                    assert_eq!(
-                        found[(cell.z & 7) as usize] >> bit & 1 != 0,
-                        m.get(cell + step),
-                        "{cell} {step}"
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn tiles_read_and_write_what_cells_say() {
-        let dims = IVec3::new(20, 17, 30);
-        let mut m = BitMatrix::new(dims);
-        let mut n = BitMatrix::new(dims);
-        let mut state = 7u32;
-        for z in 0..dims.z {
-            for y in 0..dims.y {
-                for x in 0..dims.x {
-                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                    if state >> 30 == 0 {
-                        m.set(IVec3::new(x, y, z));
-                    }
-                }
-            }
-        }
-        for axes in &SideAxes::ALL {
-            n.clear();
-            for bz in 0..4 {
-                for by in 0..3 {
-                    for bx in 0..3 {
-                        let brick = IVec3::new(bx, by, bz);
-                        for at in 0..8 {
-                            let tile = m.tile(brick, axes, at);
-                            for row in 0..8 {
-                                for col in 0..8 {
-                                    let mut c = brick * 8;
-                                    c[axes.normal] += at;
-                                    c[axes.row] += row;
-                                    c[axes.col] += col;
-                                    let set = tile >> (8 * row + col) & 1 != 0;
-                                    assert_eq!(set, m.get(c), "{axes:?} {c}");
-                                    if set {
-                                        n.set(c);
-                                    }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-            assert!(m.is_subset(&n) && n.is_subset(&m));
-            assert_eq!(n.count(), m.iter().count() as u64);
-        }
-    }
-
-    #[test]
-    fn runs_and_clearing() {
-        let mut m = BitMatrix::new(IVec3::new(40, 9, 9));
-        m.set_run(3, 28, 8, 5);
-        assert_eq!(m.count(), 26);
-        for x in 3..=28 {
-            m.clear_cell(IVec3::new(x, 8, 5));
-        }
-        assert_eq!(m.count(), 0);
-        assert_eq!(m.iter().count(), 0);
-        m.set(IVec3::new(-1, 0, 0));
-        m.set(IVec3::new(40, 0, 0));
-        assert_eq!(m.count(), 0);
-        assert!(!m.get(IVec3::splat(-1)));
-    }
-
-    #[test]
-    fn what_is_full_takes_no_room_of_its_own() {
-        let dims = IVec3::new(200, 130, 130);
-        let mut m = BitMatrix::new(dims);
-        let bare = m.bytes();
-        m.fill_page(IVec3::ONE);
-        assert_eq!((m.bytes(), m.count()), (bare, 1 << 18));
-        let mut runs = BitMatrix::new(dims);
-        for i in 0..64 * 64 {
-            runs.set_run(64, 127, 64 + i % 64, 64 + i / 64);
-        }
-        assert!(runs.is_subset(&m) && m.is_subset(&runs));
-        assert!(runs.holds_block(IVec3::splat(64), IVec3::splat(127)));
-        assert!(!runs.holds_block(IVec3::splat(64), IVec3::new(128, 70, 70)));
-        // The bricks that grew full share one: room for a page and a few bricks is left.
-        assert!(runs.bytes() < bare + 16_384, "{}", runs.bytes() - bare);
-        let cell = IVec3::new(70, 80, 90);
-        m.clear_cell(cell);
-        assert!(!m.get(cell) && m.get(cell + 1) && m.count() == (1 << 18) - 1);
-        m.set(cell);
-        assert!(m.holds_block(IVec3::splat(64), IVec3::splat(127)));
-        m.clear_page(IVec3::ONE);
-        assert_eq!(m.count(), 0);
+impl std::fmt::Debug for BitMatrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "BitMatrix({} of {} cells)", self.count(), self.dims())
     }
 }
+
+#[cfg(test)]
+mod tests;

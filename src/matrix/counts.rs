@@ -7,7 +7,7 @@ use glam::IVec3;
 use crate::grid::bricks::{Bricks, Pages};
 use crate::matrix::bits::{ALL, BitMatrix, Mask, NONE, both, places_of, without};
 
-/// How many solids beyond the first hold the cells of a brick.
+/// For each cell of a brick, the number of solids beyond the first that make it opaque.
 #[derive(Clone, Default)]
 struct Beyond {
     /// Solids that count for every cell.
@@ -64,7 +64,7 @@ impl Beyond {
     }
 }
 
-/// How many solids hold each set cell of a [`BitMatrix`].
+/// The number of solids that make each set cell of a [`BitMatrix`] opaque.
 #[derive(Clone)]
 pub(crate) struct Counts {
     beyond: Bricks<Beyond>,
@@ -75,7 +75,7 @@ impl Counts {
         Self { beyond: Bricks::new(dims) }
     }
 
-    /// One more solid holds cells of a brick.
+    /// Adds a solid that contains cells of a brick.
     pub(crate) fn add(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) {
         let again = both(mask, bits.brick(brick));
         if again != NONE {
@@ -86,7 +86,8 @@ impl Counts {
         }
     }
 
-    /// One solid less holds cells of a brick, all of which are set. Clears and gives those that none holds.
+    /// Removes a solid that contains cells of a brick, all of which are set. Clears and returns the cells that no solid
+    /// is left for.
     pub(crate) fn take(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) -> Mask {
         let gone = match self.beyond.get_existing_mut(brick) {
             Some(beyond) => {
@@ -104,7 +105,7 @@ impl Counts {
         gone
     }
 
-    /// One more solid holds a whole page, if no cell of it is set yet; else nothing is done.
+    /// Adds a solid that contains a whole page, if no cell of the page is set yet. Returns whether it did.
     pub(crate) fn add_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
         let free = bits.pages().page_is_empty(page);
         if free {
@@ -113,7 +114,7 @@ impl Counts {
         free
     }
 
-    /// Clears a page that a single solid holds; else nothing is done.
+    /// Clears a page that a single solid made opaque. Returns whether it did.
     pub(crate) fn take_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
         let single = self.beyond.page_is_empty(page);
         if single {

@@ -49,13 +49,13 @@ impl Fused {
         self.stale.insert((cell >> 3i32).to_array());
     }
 
-    /// Opaque cells of a brick lie beside those of another solid.
+    /// Adds opaque cells of a brick that are beside those of another solid.
     pub(crate) fn add_rims(&mut self, brick: IVec3, cells: &Mask) {
         self.rims.set_mask(brick, cells);
         self.stale.insert(brick.to_array());
     }
 
-    /// Cells of a brick lie beside those of no other solid any more.
+    /// Removes cells of a brick that are no longer beside those of another solid.
     pub(crate) fn forget_rims(&mut self, brick: IVec3, cells: &Mask) {
         self.rims.clear_mask(brick, cells);
         self.stale.insert(brick.to_array());
@@ -76,7 +76,7 @@ impl Fused {
         masks_there(&self.rims, lo, hi, out);
     }
 
-    /// Cells of a brick are no longer opaque: boxes that hold some of them go.
+    /// Removes the boxes with some of the cells of a brick, which are no longer opaque.
     pub(crate) fn clear_cells(&mut self, brick: IVec3, cells: &Mask) {
         self.clear(brick * BRICK, brick * BRICK + (BRICK - 1), &|b| {
             both(&block_mask(brick, b.lo, b.hi), cells) != NONE
@@ -144,7 +144,7 @@ impl Fused {
         self.boxes.get(brick)
     }
 
-    /// The pages and rows of pages that hold no boxes.
+    /// The pages that contain boxes.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.boxes
     }
@@ -164,7 +164,7 @@ fn masks_there(cells: &BitMatrix, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec
     }
 }
 
-/// The bricks from `lo` to `hi` in pages that hold something.
+/// The bricks from `lo` to `hi` in pages that are not empty.
 fn bricks_there(pages: &impl Pages, lo: IVec3, hi: IVec3) -> impl Iterator<Item = IVec3> {
     let of = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
     of.cells()

@@ -151,7 +151,7 @@ impl IdMatrix {
     }
 
     /// Moves an object inside a brick: it leaves the cells of `old`, all of which it is in, and enters those
-    /// of `new`, which lie inside the grid.
+    /// of `new`, which are inside the grid.
     pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: u32) {
         if old == new {
             return;
@@ -253,7 +253,7 @@ impl IdMatrix {
         if brick.whole > 0 { u64::MAX } else { tile_of(&brick.bits, axes, at) }
     }
 
-    /// The pages and rows of pages that hold nothing.
+    /// The pages that contain objects.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.bricks
     }
@@ -263,7 +263,7 @@ impl IdMatrix {
         self.entries
     }
 
-    /// Bytes held.
+    /// Bytes of memory that the matrix uses.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()
             + self.bricks.iter().map(|(_, b)| b.cells.capacity() * 4 + b.members.bytes()).sum::<usize>()
@@ -273,13 +273,19 @@ impl IdMatrix {
     }
 }
 
+impl std::fmt::Debug for IdMatrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "IdMatrix({} bricks with objects)", self.bricks.iter().count())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
 
-    /// Objects by cell, against which the matrix is held.
+    /// Objects by cell, to compare the matrix with.
     fn compare(m: &IdMatrix, map: &BTreeMap<([i32; 3], u32), Mask>, bricks: &[IVec3]) {
         let mut entries = 0;
         for &b in bricks {
@@ -342,7 +348,7 @@ mod tests {
             }
         }
         compare(&m, &map, &bricks);
-        // To leave what one is not in changes nothing.
+        // Removing an object from cells that it is not in changes nothing.
         m.change(bricks[0], &ALL, &NONE, 999);
         compare(&m, &map, &bricks);
         for ((b, slot), old) in &map {

@@ -2,8 +2,8 @@
 //! projections (thesis, section 3.4.1).
 //!
 //! A box whose projections are drawn hollow costs O(n) cells instead of
-//! O(n^3). A cell (x, y, z) lies on the surface of the box iff at least two of
-//! (x, y) in Txy, (x, z) in Txz and (y, z) in Tyz hold: on the face x = x0 both
+//! O(n^3). A cell (x, y, z) is on the surface of the box iff at least two of
+//! (x, y) in Txy, (x, z) in Txz and (y, z) in Tyz are set: on the face x = x0 both
 //! projections that contain x do; strictly inside none does; outside at most
 //! the one without the axis that it misses.
 //!
@@ -69,7 +69,7 @@ impl Projections {
         Self { xy: self.xy | o.xy, xz: self.xz | o.xz, yz: self.yz | o.yz }
     }
 
-    /// The cells of a tile that at least two of the three projections hold.
+    /// The cells of a tile that are in at least two of the three projections.
     fn tile(&self, axes: &SideAxes, at: i32) -> u64 {
         let at = (at & 7) as u32;
         let row = |tile: u64| (tile >> (8 * at) & 0xff).wrapping_mul(0x0101_0101_0101_0101);
@@ -93,7 +93,7 @@ impl Projections {
 
 #[derive(Clone, Default)]
 struct TbvBrick {
-    /// Union of what the volumes project; may hold more after removals.
+    /// Union of the projections of the volumes. After removals it may contain more.
     all: Projections,
     held: Vec<Held>,
 }
@@ -120,7 +120,7 @@ impl TbvMatrix {
         Self { bricks: Bricks::new(dims), places: Vec::new(), volumes: 0 }
     }
 
-    /// Draws the volume of an object; it lies inside the grid.
+    /// Draws the volume of an object. It is inside the grid.
     pub(crate) fn insert(&mut self, volume: &CellBox, slot: u32) {
         self.volumes += 1;
         if self.places.len() <= slot as usize {
@@ -135,7 +135,7 @@ impl TbvMatrix {
         }
     }
 
-    /// Erases a volume drawn before. Costs its bricks, however many other volumes they hold.
+    /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in them.
     pub(crate) fn remove(&mut self, volume: &CellBox, slot: u32) {
         self.volumes -= 1;
         let mut places = std::mem::take(&mut self.places[slot as usize]);
@@ -160,7 +160,7 @@ impl TbvMatrix {
         if b.held.is_empty() { 0 } else { b.all.tile(axes, at) }
     }
 
-    /// A block that holds the cells of a brick on the surface of some volume; `None` if there are none.
+    /// A block around the cells of a brick on the surface of some volume; `None` if there are none.
     pub(crate) fn extent(&self, brick: IVec3) -> Option<CellBox> {
         let TbvBrick { all, held } = self.bricks.get(brick);
         if held.is_empty() {
@@ -181,7 +181,7 @@ impl TbvMatrix {
         self.bricks.get(brick).held.iter().map(|h| h.slot)
     }
 
-    /// The pages and rows of pages that hold nothing.
+    /// The pages that contain surfaces of volumes.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.bricks
     }
@@ -201,11 +201,17 @@ impl TbvMatrix {
         self.volumes
     }
 
-    /// Bytes held.
+    /// Bytes of memory that the matrix uses.
     pub fn bytes(&self) -> usize {
         let lists = self.bricks.iter().map(|(_, b)| b.held.capacity() * size_of::<Held>());
         let places = self.places.iter().map(|p| p.capacity() * 4 + size_of::<Vec<u32>>());
         self.bricks.bytes() + lists.sum::<usize>() + places.sum::<usize>()
+    }
+}
+
+impl std::fmt::Debug for TbvMatrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "TbvMatrix({} volumes)", self.volumes)
     }
 }
 

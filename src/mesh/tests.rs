@@ -7,9 +7,8 @@ use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::{Aabb, Block, Obb};
-use crate::grid::Grid;
-use crate::grid::GridSpec;
 use crate::grid::run::CellRun;
+use crate::grid::{Grid, GridSpec};
 use crate::mesh::{Instance, TriMesh};
 use crate::object::{ObjectDesc, Occluder};
 use crate::scene::Scene;

@@ -1,1 +1,148 @@
 //! Margins of occlusion buffers: silhouettes, depths, coverage.
+//!
+//! Points are relative to the origin of the rays. They come from single precision and are subtracted in
+//! double precision, so their relative error is a few times 2^-53, about 1e-16.
+
+/// Widening of rectangles on a face, and of the frustum's half-planes there.
+///
+/// Covers the transforms to a face (three products and sums of values up to 2) and the division by
+/// depth: a few times 1e-16 each. The margin is a millionth of a usual pixel, so it costs nothing.
+pub(crate) const DIRECTION: f64 = 1e-9;
+
+/// Sine of the angle below which a plane of a parallel view counts as running along the rays.
+///
+/// A plane that is steeper bounds no directions and is left out, which makes the window wider. The
+/// distance by which a plane of less slope shifts over the depth of the scene is added to its offset.
+pub(crate) const PLANE_ALONG_RAYS: f64 = 1e-6;
+
+/// Widening of targets, and narrowing of occluders, in pixels.
+///
+/// Covers `(u + 1) * per_unit` and its inverse: two roundings of numbers up to 2^20 pixels, 2.4e-10.
+pub(crate) const PIXEL: f64 = 1e-6;
+
+/// A half-plane `a u + b v + c >= 0` with a smaller `|a|` bounds no columns of a row of pixels; the row
+/// is then decided as a whole. Larger ones are divided by.
+pub(crate) const HALF_PLANE_SLOPE: f64 = 1e-12;
+
+/// Such a row lies outside if the half-plane is below minus this: `|a u| <= 1e-12` for all its columns, and
+/// sums of three terms up to 2 err by less than 1e-15.
+pub(crate) const HALF_PLANE_OUTSIDE: f64 = 1e-11;
+
+/// A plane whose normal is nearer than this to a right angle with parallel rays (the cosine) has no depth:
+/// the quotient would keep fewer than seven digits.
+pub(crate) const PLANE_EDGE_ON: f64 = 1e-9;
+
+/// A plane nearer to the eye than this has no nearness: its quotients would overflow.
+pub(crate) const SMALLEST_DIVISOR: f64 = 1e-300;
+
+/// A plane whose distance from the eye is less than this share of the coordinates of its shape is not used.
+///
+/// The distance is a sum of products of those coordinates: it then keeps a relative error below 1e-8, which
+/// [`NEARNESS`] covers.
+pub(crate) const PLANE_NEAR_EYE: f64 = 1e-7;
+
+/// A vertex counts as in front of the eye on a face if its depth is more than this share of its other
+/// coordinates: the quotients then stay below 1e6 and keep ten digits.
+pub(crate) const VERTEX_DEPTH: f64 = 1e-6;
+
+/// Margin of the conic of a sphere, scaled so that its terms are at most about 3: sums of ten of them err
+/// by less than this.
+pub(crate) const CONIC: f64 = 1e-13;
+
+/// A rectangle around a sphere's conic is computed if the depth of its centre is more than this above its
+/// radius, both as shares of its distance: the divisor is then at least 1e-6 of the terms in it.
+pub(crate) const CONIC_HORIZON: f64 = 1e-3;
+
+/// A chord's leading coefficient of smaller magnitude counts as zero. The ends only propose columns, which
+/// the conic itself confirms, so an error costs coverage and never safety.
+pub(crate) const CHORD_PARABOLA: f64 = 1e-12;
+
+/// Directions this close to the rim of a ball (squared sine of half the chord, as a share) get no depth:
+/// the root would keep less than half of its digits.
+pub(crate) const BALL_RIM: f64 = 1e-9;
+
+/// A ball is entered at a depth only if the square of the tangent from the eye is more than this share of
+/// the squared distance along the ray: the difference of squares then keeps ten digits.
+pub(crate) const BALL_NEAR_EYE: f64 = 1e-6;
+
+/// A plane that touches a ball is used if its distance from the eye is more than this share of the distance
+/// of the centre, which is a term of it: ten digits stay.
+pub(crate) const TANGENT_NEAR_EYE: f64 = 1e-6;
+
+/// The eye is outside a sphere if its distance is more than this share above the radius: coordinates are
+/// known to 1e-16 of their size, and the sine of the silhouette to 1e-10.
+pub(crate) const SPHERE_AROUND_EYE: f64 = 1e-6;
+
+/// A plane is behind another one if it is so by this share of their coefficients.
+///
+/// Planes whose distance passes [`PLANE_NEAR_EYE`] are known to 1e-9 of their coefficients; the difference
+/// of two doubles that.
+pub(crate) const PLANE_BEHIND_PLANE: f64 = 1e-8;
+
+/// A target is inside a ball or behind a plane by this share of the coordinates: sums of three products and
+/// a root err by less than 1e-15 of them.
+pub(crate) const BEHIND: f64 = 1e-9;
+
+/// Relative rounding of a nearness to single precision, beside one step of its last digit.
+///
+/// A part in 2^22: twice the spacing of single precision, and ten times the error of the nearness itself.
+pub(crate) const NEARNESS: f32 = 2.4e-7;
+
+/// Pixels by which an edge of a patch is widened on each side.
+///
+/// Covers the division by depth and the scaling to pixels (2^20 at most, so 1e-9), and steps of
+/// `x += slope` over the rows of an edge.
+pub(crate) const EDGE: f64 = 1e-5;
+
+/// Coordinates of pixels along an edge err by less than this share of those of its ends: sixteen roundings.
+/// Also the error of the ends where an edge was cut, as a share of their coordinates in space.
+pub(crate) const EDGE_ROUNDING: f64 = 4e-15;
+
+/// An edge with more columns than this for one row marks all of its pixels as touched: multiplying by
+/// its slope would magnify errors too much.
+pub(crate) const EDGE_FLAT: f64 = 1e4;
+
+/// An edge is drawn without clipping if it ends this many pixels before the border of the raster: the
+/// columns of its rows are rounded by less than [`EDGE`].
+pub(crate) const RASTER_BORDER: f64 = 0.01;
+
+/// The slab of a patch whose normal is nearer than this to a right angle with parallel rays (the cosine) does
+/// not bound its depth; its box does.
+pub(crate) const SLAB_EDGE_ON: f64 = 1e-3;
+
+/// Rounds a nearness to single precision, upwards by at least [`NEARNESS`].
+#[inline]
+pub(crate) fn above(near: f64) -> f32 {
+    let n = near as f32;
+    (n + n.abs() * NEARNESS).next_up()
+}
+
+/// Rounds a nearness to single precision, downwards by at least [`NEARNESS`].
+#[inline]
+pub(crate) fn below(near: f64) -> f32 {
+    let n = (near as f32).min(f32::MAX);
+    (n - n.abs() * NEARNESS).next_down()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearness_is_rounded_outwards_at_all_sizes() {
+        for exponent in -140..127 {
+            for factor in [1.0, 1.0 + 1e-9, 1.3, 1.999_999_9] {
+                for near in [factor * 2f64.powi(exponent), -factor * 2f64.powi(exponent)] {
+                    assert!(f64::from(above(near)) > near && f64::from(below(near)) < near, "{near}");
+                    if near.abs() > 1e-30 {
+                        assert!(f64::from(above(near)) - near < 5e-7 * near.abs(), "{near}");
+                        assert!(near - f64::from(below(near)) < 5e-7 * near.abs(), "{near}");
+                    }
+                }
+            }
+        }
+        assert_eq!(above(f64::INFINITY), f32::INFINITY);
+        assert!(below(f64::INFINITY) < f32::MAX);
+        assert!(above(f64::NAN).is_nan());
+    }
+}

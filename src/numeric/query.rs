@@ -1,1 +1,34 @@
-//! Margins of the walks: direction masks, frustum in cells.
+//! Margins of the walks: direction masks, frustum in cells, patches before they are drawn.
+
+/// Half-spaces are widened by this many cells.
+///
+/// Far more than the rounding of sums of three products of coordinates up to 2^21 cells (about 1e-9), far less
+/// than a cell.
+pub(crate) const HALF_SPACE: f64 = 1e-6;
+
+/// A half-space whose value changes by less than this from column to column is not divided by: it is decided at the
+/// ends of the row. Larger slopes give quotients of which [`HALF_SPACE`] still covers the rounding.
+pub(crate) const ROW_SLOPE: f64 = 1e-9;
+
+/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: [`HALF_SPACE`] holds for coordinates
+/// up to twice that.
+pub(crate) const FAR_VIEWER: i32 = 1 << 20;
+
+/// Widening of the lattice lines around a pixel of a direction mask if the eye is not known exactly, in pixels or
+/// cells.
+///
+/// Covers a product and a quotient of numbers up to 2^14 cells and 2^12 pixels. Without an uncertain eye all of this
+/// is integer arithmetic.
+pub(crate) const MASK: f64 = 1e-9;
+
+/// Widening of the slab of a patch, as a share of its coordinates: three products, a transform and two differences,
+/// each with a relative error of 1e-16.
+pub(crate) const SLAB: f64 = 1e-12;
+
+/// Added to the sine of the greatest angle between the normals of a patch, which is kept in single precision and was
+/// found on rounded normals.
+pub(crate) const FRONT_SINE: f64 = 1e-4;
+
+/// Growth of the region that the near plane cuts away, as a share of its size, when it is compared with the slab of a
+/// patch: sums of three products.
+pub(crate) const CUT_REGION: f64 = 1e-9;

@@ -7,6 +7,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
 use crate::grid::side::Side;
+use crate::numeric::occlusion::{DIRECTION, PLANE_EDGE_ON, SMALLEST_DIVISOR, VERTEX_DEPTH};
 
 /// A plane of directions. Points are given relative to the origin (the eye, or
 /// the middle of the plane of parallel rays); a point's coordinates are `(u, v)`, both in
@@ -35,14 +36,18 @@ impl Rect {
         [(self.u0, self.v0), (self.u1, self.v0), (self.u0, self.v1), (self.u1, self.v1)]
     }
 
-    /// Wider by more than the rounding of coordinates on a face.
+    /// The rectangle widened by more than the rounding of coordinates on a face.
     pub(crate) fn grown(&self) -> Self {
-        const BY: f64 = 1e-9;
-        Self { u0: self.u0 - BY, v0: self.v0 - BY, u1: self.u1 + BY, v1: self.v1 + BY }
+        Self {
+            u0: self.u0 - DIRECTION,
+            v0: self.v0 - DIRECTION,
+            u1: self.u1 + DIRECTION,
+            v1: self.v1 + DIRECTION,
+        }
     }
 
-    /// The common part; `None` if there is none. NaN gives none.
-    pub(crate) fn meet(&self, o: &Self) -> Option<Self> {
+    /// The common part; `None` if there is none, or if a bound is not a number.
+    pub(crate) fn intersect(&self, o: &Self) -> Option<Self> {
         let r = Self {
             u0: self.u0.max(o.u0),
             v0: self.v0.max(o.v0),
@@ -102,7 +107,7 @@ impl Face {
         Self { right: right / radius, up: up / radius, forward: direction, parallel: true }
     }
 
-    /// A half-space `n . x + h >= 0` whose plane holds the eye, or runs along
+    /// A half-space `n . x + h >= 0` whose plane passes through the eye, or runs along
     /// the parallel rays, as a function that is not negative on the directions inside.
     pub(crate) fn half(&self, n: DVec3, h: f64) -> Linear {
         if self.parallel {
@@ -120,14 +125,14 @@ impl Face {
         let (m, h) = (-plane.normal, plane.offset);
         if self.parallel {
             let slope = m.dot(self.forward);
-            if slope.abs() < 1e-9 {
+            if slope.abs() < PLANE_EDGE_ON {
                 return None;
             }
             // x = u right / |right|^2 + v up / |up|^2 + depth forward; nearness is -depth.
             let scale = slope * self.right.length_squared();
             Some(Linear { a: m.dot(self.right) / scale, b: m.dot(self.up) / scale, c: -h / slope })
         } else {
-            if h.abs() < 1e-300 {
+            if h.abs() < SMALLEST_DIVISOR {
                 return None;
             }
             let (a, b, c) = (m.dot(self.right) / h, m.dot(self.up) / h, m.dot(self.forward) / h);
@@ -153,8 +158,8 @@ impl Face {
         DVec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.forward))
     }
 
-    /// A rectangle around what the face sees of a box, and the least depth of that part;
-    /// `None` if it sees nothing of it. Rounded outwards by the caller's margins.
+    /// A rectangle around the part of a box that the face sees, and the least depth of that part; `None` if the
+    /// face sees no part. The caller adds the margins.
     pub(crate) fn block(&self, b: &Block) -> Option<(Rect, f64)> {
         let (lo, hi) = if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
@@ -173,7 +178,7 @@ impl Face {
         let least = |lo: f64, hi: f64| lo.max(-hi).max(0.0);
         let near = lo.z.max(least(lo.x, hi.x)).max(least(lo.y, hi.y));
         let far = hi.z;
-        // NaN goes on, and is visible in the end.
+        // A depth that is not a number passes, and makes the target visible in the end.
         if near > far {
             return None;
         }
@@ -183,7 +188,7 @@ impl Face {
         Some((rect, near))
     }
 
-    /// A rectangle around points that all lie in front of the eye; `None` if one does not.
+    /// A rectangle around points, and their least depth; `None` if one is not in front of the eye.
     pub(crate) fn points(&self, points: &[DVec3]) -> Option<(Rect, f64)> {
         let mut r =
             Rect { u0: f64::INFINITY, v0: f64::INFINITY, u1: f64::NEG_INFINITY, v1: f64::NEG_INFINITY };
@@ -193,7 +198,7 @@ impl Face {
             let (u, v) = if self.parallel {
                 (q.x, q.y)
             } else {
-                if q.z <= 1e-6 * (q.x.abs() + q.y.abs()) {
+                if q.z <= VERTEX_DEPTH * (q.x.abs() + q.y.abs()) {
                     return None;
                 }
                 (q.x / q.z, q.y / q.z)
@@ -204,7 +209,7 @@ impl Face {
         Some((r, near))
     }
 
-    /// The part of a rectangle that a convex set of half-planes leaves: its corners.
+    /// The corners of the part of a rectangle inside all half-planes.
     pub(crate) fn clip(rect: &Rect, halves: &[Linear]) -> SmallVec<[(f64, f64); 12]> {
         let mut polygon: SmallVec<[(f64, f64); 12]> = SmallVec::new();
         polygon.extend([(rect.u0, rect.v0), (rect.u1, rect.v0), (rect.u1, rect.v1), (rect.u0, rect.v1)]);

@@ -1,122 +1,134 @@
-//! Magnifying: what pixels leave undecided is drawn again, eight times as fine.
+//! Magnifying: undecided pixels are drawn again, eight times as fine.
 //!
-//! A target that a few uncovered pixels show is tested in those pixels once more, against the patches
-//! of triangles that reach into them, drawn together at a finer pitch: silhouettes are then a
-//! pixel wide that is an eighth as wide, and no seam stays between patches of different batches.
+//! A target that a few uncovered pixels show is tested in those pixels once more, against the patches of triangles
+//! that reach into them, drawn together at a finer pitch. Edges then touch pixels an eighth as wide, and patches of
+//! different batches leave no seams.
 
+use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
-use crate::occlusion::surface::{Drawable, SurfaceScratch};
-use crate::occlusion::target::Target;
+use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::components::draw_surfaces;
+use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::scratch::SurfaceScratch;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::TILE;
-use crate::occlusion::{BIN, FaceBuffer, OcclusionBuffers};
 
-/// A target with this many uncovered pixels on one face is taken to be visible.
+/// A target with more uncovered pixels than this on one face is taken to be visible.
 const PIXELS: usize = 16;
 
-/// So is one whose uncovered pixels lie farther apart than this.
+/// So is one whose uncovered pixels are farther apart than this.
 const ACROSS: i64 = 8;
 
-/// A patch with this many sides counts as two.
+/// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
 
 /// How many times finer.
 const FINER: i64 = TILE;
 
-/// The buffer that is drawn again, reused from target to target.
-#[derive(Debug, Default)]
+/// An uncovered pixel and its square.
+type OpenPixel = (i64, i64, Rect);
+
+/// The finer buffer, reused from target to target.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Magnifier {
     buffer: Option<FaceBuffer>,
     scratch: SurfaceScratch,
     found: Vec<u32>,
-    open: Vec<(i64, i64, Rect)>,
+    open: Vec<OpenPixel>,
 }
 
 impl Magnifier {
-    /// Whether a target that pixels show is hidden after all. `drawable` gives patches by the order in which they
-    /// were drawn first. Takes the patches drawn from `budget`; when it is spent, the pixels decide.
+    /// Whether a target that pixels show is hidden after all.
+    ///
+    /// `drawable` gives a patch by its number in the order of first drawing. The patches drawn are taken from
+    /// `budget`; when it is spent, the pixels decide. `patches` is greater than all numbers of patches.
     pub(crate) fn hides<'a>(
         &mut self,
         buffers: &OcclusionBuffers,
         target: &Target,
         patches: usize,
         budget: &mut u32,
-        drawable: &dyn Fn(u32) -> Option<Drawable<'a>>,
+        drawable: impl Fn(u32) -> Option<Drawable<'a>>,
     ) -> bool {
         if buffers.is_close(target.bounds()) {
             return false;
         }
-        for b in buffers.faces.iter().filter(|b| b.active) {
-            let Some(mut on_face) = target.on_face(&b.face) else { continue };
-            self.open.clear();
-            let open = &mut self.open;
-            b.uncovered(&on_face, |x, y, rect| {
-                open.push((x, y, *rect));
-                open.len() > PIXELS
-            });
-            if open.len() > PIXELS {
-                return false;
-            }
-            let Some(&(x, y, _)) = open.first() else { continue };
-            let (px, py) = open.iter().fold(((x, x + 1), (y, y + 1)), |(px, py), &(x, y, _)| {
-                ((px.0.min(x), px.1.max(x + 1)), (py.0.min(y), py.1.max(y + 1)))
-            });
-            if px.1 - px.0 > ACROSS || py.1 - py.0 > ACROSS {
-                return false;
-            }
-            b.patches_in(px, py, on_face.near, &mut self.found);
+        for buffer in buffers.faces() {
+            let Some(on_face) = target.on_face(buffer.face()) else { continue };
+            let pixels = match self.find_open(buffer, &on_face) {
+                Open::Nothing => continue,
+                Open::TooMuch => return false,
+                Open::Within(pixels) => pixels,
+            };
+            find_patches(buffer, &pixels, on_face.near, &mut self.found);
             let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(|&id| drawable(id)).collect();
-            // Long outlines count as several patches.
-            let cost = batch
-                .iter()
-                .map(|d| 1 + d.surface.outline(&d.surface.patches[d.patch as usize]).len() as u64 / SIDES);
-            let cost = cost.sum::<u64>();
+            let cost = batch.iter().map(|d| 1 + d.outline().len() as u64 / SIDES).sum::<u64>();
             if cost == 0 || cost > u64::from(*budget) {
                 return false;
             }
             *budget -= cost as u32;
-            let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(b.face));
-            fine.face = b.face;
-            fine.halves.clone_from(&b.halves);
-            let window =
-                Rect { u0: b.border(px.0), v0: b.border(py.0), u1: b.border(px.1), v1: b.border(py.1) };
-            fine.clear(Some(window), (b.per_unit * 2.0).round() as i64 * FINER);
-            fine.draw_surfaces(&batch, buffers.origin, buffers.nearest * 0.5, patches, &mut self.scratch);
-            let whole = on_face.rect;
-            for (_, _, rect) in open.iter() {
-                let Some(part) = whole.meet(rect) else { continue };
-                on_face.rect = part;
-                let mut seen = false;
-                fine.uncovered(&on_face, |_, _, _| {
-                    seen = true;
-                    true
-                });
-                if seen {
-                    return false;
-                }
+            let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(*buffer.face()));
+            fine.clear_finer(buffer, &pixels, FINER);
+            draw_surfaces(fine, &batch, buffers.origin(), buffers.near_limit(), patches, &mut self.scratch);
+            if sees_open(fine, on_face, &self.open) {
+                return false;
             }
         }
         true
     }
+
+    /// Collects the uncovered pixels that a target may touch.
+    fn find_open(&mut self, buffer: &FaceBuffer, target: &FaceTarget) -> Open {
+        let open = &mut self.open;
+        open.clear();
+        buffer.uncovered(target, |x, y, rect| {
+            open.push((x, y, *rect));
+            open.len() > PIXELS
+        });
+        if open.len() > PIXELS {
+            return Open::TooMuch;
+        }
+        let around = open
+            .iter()
+            .fold(PixelRect::EMPTY, |all, &(x, y, _)| all.join(&PixelRect { x: (x, x + 1), y: (y, y + 1) }));
+        if around.is_empty() {
+            Open::Nothing
+        } else if around.x.1 - around.x.0 > ACROSS || around.y.1 - around.y.0 > ACROSS {
+            Open::TooMuch
+        } else {
+            Open::Within(around)
+        }
+    }
 }
 
-impl FaceBuffer {
-    /// The patches drawn that may reach into a range of pixels, and may hide what is nowhere nearer than `near`.
-    fn patches_in(&self, px: (i64, i64), py: (i64, i64), near: f32, found: &mut Vec<u32>) {
-        found.clear();
-        let bins = (self.nx - 1) / BIN + 1;
-        let bin = |p: i64, first: i64| (p / TILE - first) / BIN;
-        for by in bin(py.0, self.ty)..=bin(py.1 - 1, self.ty) {
-            for bx in bin(px.0, self.tx)..=bin(px.1 - 1, self.tx) {
-                for patch in &self.patches[(by * bins + bx) as usize] {
-                    let meets =
-                        patch.px.0 < px.1 && px.0 < patch.px.1 && patch.py.0 < py.1 && py.0 < patch.py.1;
-                    if meets && patch.near > near {
-                        found.push(patch.id);
-                    }
-                }
-            }
+/// The uncovered pixels of a target on one face.
+enum Open {
+    Nothing,
+    /// So many, or so far apart, that the target is taken to be visible.
+    TooMuch,
+    Within(PixelRect),
+}
+
+/// Whether the finer buffer sees a target in one of the pixels.
+fn sees_open(fine: &FaceBuffer, mut target: FaceTarget, open: &[OpenPixel]) -> bool {
+    let whole = target.rect;
+    open.iter().any(|(_, _, rect)| {
+        let Some(part) = whole.intersect(rect) else { return false };
+        target.rect = part;
+        fine.sees(&target)
+    })
+}
+
+/// Finds the drawn patches that may reach into a rectangle of pixels, and may hide targets nowhere nearer than
+/// `near`.
+fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, near: f32, found: &mut Vec<u32>) {
+    found.clear();
+    buffer.patches().for_around(pixels, |patch| {
+        if patch.pixels.overlaps(pixels) && patch.near > near {
+            found.push(patch.id);
         }
-        found.sort_unstable();
-        found.dedup();
-    }
+    });
+    found.sort_unstable();
+    found.dedup();
 }

@@ -7,15 +7,17 @@ use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Polytope};
+use crate::numeric::occlusion::SPHERE_AROUND_EYE;
 use crate::occlusion::face::{Face, Rect};
-use crate::occlusion::silhouette::{Front, Silhouette, contour_depth};
+use crate::occlusion::front::{Front, contour_depth};
+use crate::occlusion::silhouette::Silhouette;
 
-/// Where a solid hides what its silhouette covers.
+/// The space behind the front of a solid. The solid hides all of it that its silhouette covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Shadow {
     /// Inside all of these half-spaces;
     pub(crate) planes: SmallVec<[HalfSpace; 3]>,
-    /// inside this ball.
+    /// or inside this ball.
     pub(crate) ball: Option<(DVec3, f64)>,
 }
 
@@ -49,7 +51,7 @@ impl Solid {
                 HalfSpace { normal: center / distance, offset }
             }
         };
-        let outside = direction.is_some() || distance > radius * (1.0 + 1e-6);
+        let outside = direction.is_some() || distance > radius * (1.0 + SPHERE_AROUND_EYE);
         (radius > 0.0 && outside && front.normal.is_finite()).then(|| Self {
             outline: Outline::Sphere { center, radius },
             shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
@@ -91,7 +93,7 @@ impl Solid {
             Outline::Sphere { .. } => silhouette.conic_rect(),
             _ => face.points(&self.vertices).map(|(r, _)| r),
         };
-        let rect = tighter.map_or(Some(rect), |t| rect.meet(&t))?;
-        Some((rect.meet(&Rect::FACE)?, depth, silhouette))
+        let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
+        Some((rect.intersect(&Rect::FACE)?, depth, silhouette))
     }
 }

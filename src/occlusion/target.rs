@@ -1,4 +1,4 @@
-//! Targets: the bounds of what is tested, rounded outwards.
+//! Targets: the bounds of tested objects, rounded outwards.
 
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
@@ -7,11 +7,13 @@ use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Polytope};
+use crate::numeric::occlusion::{BEHIND, above};
 use crate::occlusion::face::{Face, Linear, Rect};
-use crate::occlusion::silhouette::{Front, Silhouette};
+use crate::occlusion::front::Front;
+use crate::occlusion::silhouette::Silhouette;
 use crate::occlusion::solid::Shadow;
 
-/// What is tested, relative to the origin of the rays.
+/// The bounds of a tested object, relative to the origin of the rays.
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
     outline: Outline,
@@ -31,18 +33,18 @@ pub(crate) struct FaceTarget {
 }
 
 impl FaceTarget {
-    /// No point of it in the rectangle is nearer.
+    /// No point of the target in the rectangle is nearer.
     pub(crate) fn near(&self, rect: &Rect) -> f32 {
         self.near.min(above(self.front.nearest(rect)))
     }
 
-    /// Whether all of it in a rectangle lies behind a plane, given by its nearness.
+    /// Whether all of the target in a rectangle lies behind a plane, given by its nearness.
     #[inline]
     pub(crate) fn is_behind_plane(&self, plane: &Linear, rect: &Rect) -> bool {
         self.front.is_behind(plane, rect)
     }
 
-    /// Nearness in one direction of the silhouette, but for rounding.
+    /// Nearness in one direction of the silhouette, not rounded outwards.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         self.front.at(u, v)
     }
@@ -84,7 +86,7 @@ impl Target {
         Self { outline, fronts, vertices: polytope.vertices, block }
     }
 
-    /// Bounds its coordinates.
+    /// The greatest magnitude of its coordinates.
     fn reach(&self) -> f64 {
         self.block.min.abs().max(self.block.max.abs()).max_element()
     }
@@ -114,21 +116,21 @@ impl Target {
         };
         rect = rect.grown();
         if let Some(tighter) = tighter {
-            rect = rect.meet(&tighter.grown())?;
+            rect = rect.intersect(&tighter.grown())?;
         }
         let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.reach());
         Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
     }
 
-    /// Whether all of it lies behind the front of a solid, as far as that covers it: behind its
-    /// planes, or inside it. By a margin for sums of coordinates.
+    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its ball. Then
+    /// the solid hides every part of the target that its silhouette covers.
     pub(crate) fn is_behind(&self, shadow: &Shadow) -> bool {
         let inside = shadow.ball.is_some_and(|(center, radius)| {
             let farthest = match &self.outline {
                 Outline::Sphere { center: own, radius: r } => (*own - center).length() + r,
                 _ => (self.block.min - center).abs().max((self.block.max - center).abs()).length(),
             };
-            farthest <= radius - 1e-9 * (radius + center.abs().max_element())
+            farthest <= radius - BEHIND * (radius + center.abs().max_element())
         });
         inside
             || shadow.planes.iter().all(|&HalfSpace { normal: n, offset: h }| {
@@ -139,19 +141,7 @@ impl Target {
                     }
                     _ => -n.dot(DVec3::select(n.cmple(DVec3::ZERO), self.block.max, self.block.min)),
                 };
-                most <= h - 1e-9 * (self.reach() + h.abs())
+                most <= h - BEHIND * (self.reach() + h.abs())
             })
     }
-}
-
-/// Rounds a nearness to single precision, upwards by at least a part in 2^22.
-pub(crate) fn above(near: f64) -> f32 {
-    let n = near as f32;
-    (n + n.abs() * 2.4e-7).next_up()
-}
-
-/// Rounds a nearness to single precision, downwards by at least a part in 2^22.
-pub(crate) fn below(near: f64) -> f32 {
-    let n = (near as f32).min(f32::MAX);
-    (n - n.abs() * 2.4e-7).next_down()
 }

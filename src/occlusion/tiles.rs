@@ -2,7 +2,7 @@
 //!
 //! After Greene 1996 (hierarchical coverage masks) and Hasselgren, Andersson & Akenine-Möller
 //! 2016 (masked occlusion culling), with four layers instead of two: layer i of a tile says that all
-//! its pixels in `mask[i]` are hidden for whatever is not nearer than `near[i]`. Masks grow
+//! its pixels in `mask[i]` are hidden for targets not nearer than `near[i]`. Masks grow
 //! from layer to layer as nearness falls; a fifth layer merges two.
 
 /// Pixels along each side of a tile.
@@ -23,7 +23,7 @@ pub(crate) struct Tile {
 impl Tile {
     pub(crate) const EMPTY: Self = Self { near: [NONE; LAYERS], mask: [0; LAYERS] };
 
-    /// The pixels hidden for what is nowhere nearer than `near`.
+    /// The pixels in which a target that is nowhere nearer than `near` is hidden.
     #[inline]
     pub(crate) fn hidden(&self, near: f32) -> u64 {
         let layers = self.near.iter().map(|&n| usize::from(n >= near)).sum::<usize>();
@@ -40,11 +40,11 @@ impl Tile {
 
     /// Nearness down to which a pixel is hidden; negative infinity if it is open.
     pub(crate) fn nearness(&self, bit: u32) -> f32 {
-        let holds = self.mask.iter().zip(&self.near).find(|&(m, &n)| n > NONE && m >> bit & 1 == 1);
-        holds.map_or(NONE, |(_, &n)| n)
+        let layer = self.mask.iter().zip(&self.near).find(|&(m, &n)| n > NONE && m >> bit & 1 == 1);
+        layer.map_or(NONE, |(_, &n)| n)
     }
 
-    /// Hides pixels for what is not nearer than `near`. Returns whether that says anything new.
+    /// Hides pixels for targets not nearer than `near`. Returns whether that hides more than before.
     #[inline]
     pub(crate) fn cover(&mut self, mask: u64, near: f32) -> bool {
         if near.is_nan() {
@@ -56,7 +56,7 @@ impl Tile {
         if mask == before {
             return false;
         }
-        // The layers behind gain the new pixels; those that say no more than it are dropped.
+        // The layers behind gain the new pixels. Layers without pixels of their own are dropped.
         let mut layers = [(NONE, 0u64); LAYERS + 1];
         let mut count = 0;
         for i in 0..at {
@@ -141,14 +141,14 @@ mod tests {
                 let mask = next() & next() & (next() | next()) | (1 << (next() % 64));
                 let near = (next() % 100) as f32 / 10.0;
                 let before = tile.hidden(f32::MIN);
-                let news = tile.cover(mask, near);
+                let changed = tile.cover(mask, near);
                 for (i, p) in pixels.iter_mut().enumerate() {
                     if mask >> i & 1 == 1 {
                         *p = p.max(near);
                     }
                 }
                 let covered = tile.hidden(f32::MIN);
-                assert!(news || covered == before);
+                assert!(changed || covered == before);
                 let all = pixels.iter().enumerate().filter(|(_, p)| **p > f32::NEG_INFINITY);
                 assert_eq!(covered, all.map(|(i, _)| 1 << i).sum::<u64>(), "{round}");
                 for step in 0..110 {

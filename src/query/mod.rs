@@ -1,94 +1,39 @@
-//! Queries: the scratch of one view, and the walks that find its PVS.
+//! Queries: the memory of one view, and the methods that find its PVS.
 
 pub(crate) mod cell;
+pub(crate) mod marks;
 pub(crate) mod point;
 pub(crate) mod receivers;
+pub(crate) mod start;
 pub(crate) mod validity;
-
-use glam::IVec3;
 
 use crate::error::Error;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{Method, Settings};
 use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
-use crate::query::cell::masks::{DirectionMasks, SideCells};
+use crate::query::cell::scratch::CellScratch;
+use crate::query::marks::Marks;
+use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
 
-/// Beyond this distance from the grid, in cells, nothing is taken to be hidden.
-const FAR_VIEWER: i32 = 1 << 20;
-
-/// The scratch of one view, reused from frame to frame.
+/// Finds the objects that a view can see.
 ///
-/// Any number of queries can run on one scene at the same time, each in its own thread.
-#[derive(Debug)]
+/// A query keeps its memory and its last result: use one for each view (camera, light) and run it again every frame.
+/// Any number of queries can run on one scene at the same time, each in its own thread. A clone has the same settings
+/// and result, and memory of its own.
+#[derive(Debug, Clone)]
 pub struct Query {
     settings: Settings,
     pvs: Pvs,
-    scratch: Scratch,
+    marks: Marks,
+    cell: CellScratch,
+    point: PointScratch,
     visited: Option<BitMatrix>,
     hidden: Option<OcclusionMatrix>,
     pub(crate) shadows: ReceiverScratch,
-}
-
-#[derive(Debug)]
-pub(crate) struct Scratch {
-    pub(crate) masks: DirectionMasks,
-    pub(crate) sides: [SideCells; 6],
-    /// By slot: twice the query's number if the object's volume was revealed,
-    /// one more if the object itself was decided.
-    pub(crate) marks: Vec<u32>,
-    pub(crate) epoch: u32,
-    /// Tiles of bricks with objects (true) or surfaces of volumes (false) in sight.
-    pub(crate) hits: Vec<(IVec3, u64, bool)>,
-    /// Cells of revealed objects by shell.
-    pub(crate) pending: Vec<Vec<(IVec3, u32)>>,
-    pub(crate) point: point::PointScratch,
-}
-
-impl Scratch {
-    /// Forgets all marks.
-    pub(crate) fn begin(&mut self, slots: usize) {
-        self.marks.resize(slots.max(self.marks.len()), 0);
-        self.epoch += 1;
-        if self.epoch >= u32::MAX / 2 {
-            self.marks.fill(0);
-            self.epoch = 1;
-        }
-    }
-
-    pub(crate) fn is_decided(&self, slot: u32) -> bool {
-        self.marks[slot as usize] == self.epoch * 2 + 1
-    }
-
-    /// Whether the object's volume was revealed, or the object itself decided.
-    pub(crate) fn is_revealed(&self, slot: u32) -> bool {
-        self.marks[slot as usize] >= self.epoch * 2
-    }
-
-    /// Marks an object as decided; false if it was.
-    pub(crate) fn mark_decided(&mut self, slot: u32) -> bool {
-        let new = !self.is_decided(slot);
-        self.marks[slot as usize] = self.epoch * 2 + 1;
-        new
-    }
-
-    /// Marks an object's volume as revealed; false if it was.
-    pub(crate) fn reveal(&mut self, slot: u32) -> bool {
-        let new = !self.is_revealed(slot);
-        if new {
-            self.marks[slot as usize] = self.epoch * 2;
-        }
-        new
-    }
-}
-
-impl std::fmt::Debug for BitMatrix {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "BitMatrix({} of {} cells)", self.count(), self.dims())
-    }
 }
 
 impl Default for Query {
@@ -104,15 +49,9 @@ impl Query {
         Self {
             settings,
             pvs: Pvs::empty(),
-            scratch: Scratch {
-                masks: DirectionMasks::new(settings.mask_resolution.trailing_zeros()),
-                sides: Default::default(),
-                marks: Vec::new(),
-                epoch: 0,
-                hits: Vec::new(),
-                pending: Vec::new(),
-                point: point::PointScratch::default(),
-            },
+            marks: Marks::default(),
+            cell: CellScratch::new(settings.mask_resolution),
+            point: PointScratch::default(),
             visited: None,
             hidden: None,
             shadows: ReceiverScratch::default(),
@@ -122,7 +61,7 @@ impl Query {
     /// A query with the settings given.
     ///
     /// # Errors
-    /// Refuses settings out of their range.
+    /// [`Error::Setting`] if one of them is out of its range.
     pub fn with_settings(settings: Settings) -> Result<Self, Error> {
         let mut query = Self::new();
         query.set_settings(settings)?;
@@ -137,23 +76,22 @@ impl Query {
     /// Changes the settings from the next run on.
     ///
     /// # Errors
-    /// Refuses settings out of their range and keeps the old ones.
+    /// [`Error::Setting`] if one of them is out of its range. The query then keeps the old ones.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.check()?;
-        let log = settings.mask_resolution.trailing_zeros();
-        if log != self.scratch.masks.log() {
-            self.scratch.masks = DirectionMasks::new(log);
-        }
+        self.cell.set_resolution(settings.mask_resolution);
         self.settings = settings;
         Ok(())
     }
 
-    /// Finds what the view can see.
+    /// Finds the objects that a view can see: a superset of them, by the method of the settings.
+    ///
+    /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         self.run_with(scene, view, None)
     }
 
-    /// Finds what the view can see if more cells than the opaque ones count as such.
+    /// As [`Query::run`], with more cells that count as opaque for [`Method::Cell`].
     pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
@@ -164,31 +102,19 @@ impl Query {
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match self.settings.method {
-            Method::Frustum => {
-                pvs.revision = scene.moves();
-                for (slot, object) in scene.living() {
-                    pvs.stats.objects_tested += 1;
-                    let seen = match object.unreported_volume() {
-                        Some(volume) => view.may_see_volume(volume),
-                        None => object.is_unlocated() || view.may_see(object.bounds()),
-                    };
-                    if seen {
-                        pvs.push(scene.id(slot));
-                    }
-                }
-            }
+            Method::Frustum => run_frustum(scene, view, pvs),
             Method::Cell => {
                 pvs.revision = scene.revision();
                 let dims = scene.grid().dims();
                 let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
-                let walk = cell::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch, record);
-                walk.with_more(more).run();
+                let walk = cell::Walk::new(scene, view, &self.settings, pvs, &mut self.marks, &mut self.cell);
+                walk.with_more(more).with_record(record).run();
             }
             Method::Point => {
                 pvs.revision = scene.revision();
-                point::Walk::new(scene, view, &self.settings, pvs, &mut self.scratch).run();
+                point::Walk::new(scene, view, &self.settings, pvs, &mut self.marks, &mut self.point).run();
             }
         }
         match &mut pvs.view {
@@ -198,7 +124,7 @@ impl Query {
         pvs
     }
 
-    /// Finds nothing, as from a view without rays. The result holds for no view.
+    /// Finds nothing, as from a view without rays. The result is valid for no view.
     pub(crate) fn run_nothing(&mut self, scene: &Scene) {
         self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
@@ -207,8 +133,9 @@ impl Query {
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
-    /// Runs each query on its view, in parallel: as if each had been run alone, bit for bit.
-    /// Of two slices of different lengths, the rest of the longer one is left alone.
+    /// Runs each query on the view at the same index, in parallel. The results are the same as of single runs.
+    ///
+    /// If the slices differ in length, the rest of the longer one is ignored.
     ///
     /// Needs the feature `rayon`.
     #[cfg(feature = "rayon")]
@@ -224,20 +151,36 @@ impl Query {
         &self.pvs
     }
 
-    /// The cells that the last run found hidden (H), if it was told to record them.
-    /// Cells behind the last shell walked are hidden too, and not in it.
+    /// The cells that the last run of [`Method::Cell`] found hidden (H), if [`Settings::record_cells`] was set.
+    ///
+    /// Cells behind the last shell of the walk are hidden too, and not in it.
     pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
         self.hidden.as_ref()
     }
 
-    /// The occlusion buffers of the last run of [`Method::Point`]: for debugging. Costs their pixels.
+    /// The occlusion buffers of the last run of [`Method::Point`] as images, for debugging. Costs their pixels.
     pub fn occlusion_images(&self) -> Vec<OcclusionImage> {
-        self.scratch.point.buffers.images()
+        self.point.buffers.images()
     }
 
-    /// The cells inside the frustum that the last run visited, if it was told to
-    /// record them.
+    /// The cells inside the frustum that the last run of [`Method::Cell`] visited, if [`Settings::record_cells`] was
+    /// set.
     pub fn visited_cells(&self) -> Option<&BitMatrix> {
         self.visited.as_ref()
+    }
+}
+
+/// Fills the set with the objects whose bounds may intersect the frustum.
+fn run_frustum(scene: &Scene, view: &View, pvs: &mut Pvs) {
+    pvs.revision = scene.moves();
+    for (slot, object) in scene.living() {
+        pvs.stats.objects_tested += 1;
+        let seen = match object.unreported_volume() {
+            Some(volume) => view.may_see_volume(volume),
+            None => object.is_unlocated() || view.may_see(object.bounds()),
+        };
+        if seen {
+            pvs.push(scene.id(slot));
+        }
     }
 }

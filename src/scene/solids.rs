@@ -10,8 +10,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::grid::bricks::Pages;
 use crate::matrix::bits::{ALL, Mask, NONE, block_mask, both, cells_of, without};
-use crate::object::Occluder;
-use crate::object::union_contains;
+use crate::object::{Occluder, union_contains};
 use crate::scene::Scene;
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 

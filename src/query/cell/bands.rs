@@ -1,21 +1,23 @@
-//! Bands of eight rows of a side: what is laid out, what is passed over because the grid holds nothing there, and
-//! what is written after all.
+//! Bands of eight rows of a side: bands where the grid contains nothing are passed over, and written later if cells
+//! around them block.
 
 use glam::IVec3;
 
 use crate::grid::bricks::Pages;
 use crate::grid::side::Side;
 use crate::query::cell::Walk;
-use crate::query::cell::masks::{PASSED_OVER, ShellScale, SideCells, clear_span, set_span};
+use crate::query::cell::shell_scale::ShellScale;
+use crate::query::cell::side_cells::{PASSED_OVER, SideCells};
+use crate::query::cell::spans::{clear_span, set_span};
 use crate::walk::SideFrustum;
 
 impl Walk<'_> {
-    /// Lays out one side of shell `m`; nothing if no cell of it can meet the frustum.
-    pub(crate) fn lay_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
+    /// Prepares the cells of one side of shell `m`; `None` if the frustum reaches no cell of it.
+    pub(crate) fn begin_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
         let side = Side::ALL[index];
         let axes = side.axes;
         let dims = self.scene.grid().dims();
-        let v = self.cell;
+        let v = self.shells.cell;
         let cells = &mut self.scratch.sides[index];
         cells.rows = 0;
         cells.fresh.clear();
@@ -29,7 +31,7 @@ impl Walk<'_> {
         if r0 > r1 || c0 > c1 {
             return None;
         }
-        if !self.frustum.meets(side.cell(depth, r0, c0), side.cell(depth, r1, c1)) {
+        if !self.shells.frustum.meets(side.cell(depth, r0, c0), side.cell(depth, r1, c1)) {
             return None;
         }
         // Columns are addressed by their place in the grid, so that tiles fall on bytes.
@@ -44,7 +46,7 @@ impl Walk<'_> {
         cells.open.clear();
         cells.bands.clear();
         cells.bands.resize((cells.before + cells.rows as usize).div_ceil(8), PASSED_OVER);
-        Some(self.frustum.on_side(&side, depth))
+        Some(self.shells.frustum.on_side(&side, depth))
     }
 
     /// The rows of a band, relative to V.
@@ -53,7 +55,7 @@ impl Walk<'_> {
         (top.max(cells.row0), (top + 7).min(cells.row0 + cells.rows - 1))
     }
 
-    /// Whether nothing that a walk looks for is in a plane of pages.
+    /// Whether a plane of pages contains nothing that a walk looks for.
     pub(crate) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
         let scene = self.scene;
         scene.id_matrix().pages().plane_is_empty(axis, page)
@@ -63,7 +65,7 @@ impl Walk<'_> {
             && self.more.is_none_or(|m| m.pages().plane_is_empty(axis, page))
     }
 
-    /// Whether nothing that a walk looks for is in a row of pages.
+    /// Whether a row of pages contains nothing that a walk looks for.
     pub(crate) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
         let scene = self.scene;
         scene.id_matrix().pages().row_is_empty(along, page)
@@ -73,7 +75,7 @@ impl Walk<'_> {
             && self.more.is_none_or(|m| m.pages().row_is_empty(along, page))
     }
 
-    /// Whether nothing that a walk looks for is in a page.
+    /// Whether a page contains nothing that a walk looks for.
     pub(crate) fn page_is_empty(&self, page: IVec3) -> bool {
         let scene = self.scene;
         scene.id_matrix().pages().page_is_empty(page)
@@ -83,7 +85,7 @@ impl Walk<'_> {
             && self.more.is_none_or(|m| m.pages().page_is_empty(page))
     }
 
-    /// Whether some cell in sight lies in the bands of a side that were passed over.
+    /// Whether some cell in sight is in a band of the side that was passed over.
     pub(crate) fn sees_passed_over(&mut self, index: usize, m: i32, scale: &ShellScale) -> bool {
         let side = Side::ALL[index];
         let cells = &self.scratch.sides[index];
@@ -92,7 +94,7 @@ impl Walk<'_> {
         }
         let depth = m * side.sign;
         let columns = (cells.col0, cells.col0 + cells.cols - 1);
-        let on_side = self.frustum.on_side(&side, depth);
+        let on_side = self.shells.frustum.on_side(&side, depth);
         let sees = |row: i32| {
             let Some((lo, hi)) = on_side.row(row, columns) else { return false };
             let mut open = hi - lo + 1;
@@ -102,10 +104,13 @@ impl Walk<'_> {
         let band_sees = |band: &usize| {
             let (first, last) = Self::rows_of_band(cells, *band);
             cells.bands[*band] == PASSED_OVER
-                && self.frustum.meets(side.cell(depth, first, columns.0), side.cell(depth, last, columns.1))
+                && self
+                    .shells
+                    .frustum
+                    .meets(side.cell(depth, first, columns.0), side.cell(depth, last, columns.1))
                 && (first..=last).any(sees)
         };
-        // Where one was in sight before, one mostly is again.
+        // First near the place where one was in sight before.
         let likely = ((self.seen_at[index] * cells.bands.len() as f64) as usize).min(cells.bands.len() - 1);
         let found = std::iter::once(likely).chain(0..cells.bands.len()).find(band_sees);
         if let Some(band) = found {
@@ -121,8 +126,8 @@ impl Walk<'_> {
         let (reach, rows) = (scale.reach(), cells.rows as usize);
         let base = cells.offset as i32 - cells.col0;
         let columns = (cells.col0, cells.col0 + cells.cols - 1);
-        let on_side = self.frustum.on_side(&side, m * side.sign);
-        // The rows up to here were seen to.
+        let on_side = self.shells.frustum.on_side(&side, m * side.sign);
+        // The rows before this one are complete.
         let mut done = 0;
         for r in 0..rows {
             if !cells.fresh[r] {

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use glam::{DVec3, Quat, UVec3, Vec3};
 
 use crate::geometry::{Block, Obb, Plane};
-use crate::grid::Grid;
-use crate::grid::GridSpec;
+use crate::grid::{Grid, GridSpec};
 use crate::shape::{Convex, Shape};
 
 fn random(state: &mut u32) -> f32 {

@@ -1,5 +1,5 @@
-//! The frustum as the walk sees it: half-spaces in cells around the viewer's
-//! cell, asked for one row of cells at a time (thesis, section 3.4.2).
+//! The frustum in cells: half-spaces around the viewer's cell, clipped against one row of cells at a time
+//! (thesis, section 3.4.2).
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
@@ -7,11 +7,8 @@ use smallvec::SmallVec;
 use crate::geometry::plane::HalfSpace;
 use crate::grid::Grid;
 use crate::grid::side::Side;
+use crate::numeric::query::{HALF_SPACE, ROW_SLOPE};
 use crate::view::{Origin, View};
-
-/// Half-spaces are widened by this many cells: far more than the rounding of
-/// coordinates up to 2^21 cells, far less than a cell.
-const MARGIN: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy)]
 struct CellPlane {
@@ -20,9 +17,9 @@ struct CellPlane {
     offset: f64,
 }
 
-/// Where segments into the frustum may start: each half-space is widened until it holds that.
+/// Where segments into the frustum may start: each half-space is widened until it contains that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Start {
+pub(crate) enum Start {
     /// Nowhere: the frustum stays as it is.
     None,
     /// At the eye.
@@ -31,32 +28,18 @@ enum Start {
     Cell,
 }
 
-/// The cells that may meet the frustum, relative to the viewer's cell V.
+/// The cells that may intersect the frustum, relative to the viewer's cell V.
 ///
-/// Every half-space is widened until it holds the eye, or all of V. The region is then convex
-/// and holds that, so segments from there to anything in it stay in it.
+/// Every half-space is widened until it contains the [`Start`]. The region is then convex, so segments from there to
+/// any point in it stay in it.
 #[derive(Debug, Clone)]
 pub(crate) struct CellFrustum {
     planes: SmallVec<[CellPlane; 6]>,
 }
 
 impl CellFrustum {
-    /// For segments from the eye.
-    pub(crate) fn new(grid: &Grid, view: &View, cell: IVec3) -> Self {
-        Self::around(grid, view, cell, Start::Eye)
-    }
-
-    /// For segments from any point of `cell`, and from the eye where it may lie outside.
-    pub(crate) fn with_cell(grid: &Grid, view: &View, cell: IVec3) -> Self {
-        Self::around(grid, view, cell, Start::Cell)
-    }
-
-    /// The frustum as it is, for a walk that starts elsewhere.
-    pub(crate) fn without_eye(grid: &Grid, view: &View, cell: IVec3) -> Self {
-        Self::around(grid, view, cell, Start::None)
-    }
-
-    fn around(grid: &Grid, view: &View, cell: IVec3, start: Start) -> Self {
+    /// The frustum of a view in cells of a grid, relative to `cell`.
+    pub(crate) fn new(grid: &Grid, view: &View, cell: IVec3, start: Start) -> Self {
         let (lo, hi) = grid.cell_bounds(cell);
         let center = (lo + hi) * 0.5;
         let widened = |plane: &HalfSpace| {
@@ -71,12 +54,12 @@ impl CellFrustum {
                 // From here on the farthest corner of the cell lies in the half-space.
                 at_center = at_center.max(half);
             }
-            CellPlane { normal: plane.normal.to_array(), offset: at_center + half + MARGIN }
+            CellPlane { normal: plane.normal.to_array(), offset: at_center + half + HALF_SPACE }
         };
         Self { planes: view.planes.iter().map(widened).collect() }
     }
 
-    /// Whether some cells of a block may meet the frustum.
+    /// Whether some cell of a block may intersect the frustum.
     pub(crate) fn meets(&self, lo: IVec3, hi: IVec3) -> bool {
         let (lo, hi) = (lo.as_dvec3(), hi.as_dvec3());
         self.planes.iter().all(|p| {
@@ -85,7 +68,7 @@ impl CellFrustum {
         })
     }
 
-    /// The half-spaces on one side of a shell, ready to be asked row by row.
+    /// The half-spaces on one side of a shell, prepared for single rows.
     pub(crate) fn on_side(&self, side: &Side, depth: i32) -> SideFrustum {
         let line = |p: &CellPlane| {
             let slope = p.normal[side.axes.col];
@@ -94,7 +77,7 @@ impl CellFrustum {
                 by_row: p.normal[side.axes.row],
                 slope,
                 // A slope too small to divide by is decided at the ends of the row.
-                inverse: if slope.abs() > 1e-9 { 1.0 / slope } else { 0.0 },
+                inverse: if slope.abs() > ROW_SLOPE { 1.0 / slope } else { 0.0 },
             }
         };
         SideFrustum { planes: self.planes.iter().map(line).collect() }
@@ -117,7 +100,7 @@ pub(crate) struct SideFrustum {
 }
 
 impl SideFrustum {
-    /// The columns between `lo` and `hi` of a row that may meet the frustum.
+    /// The columns between `lo` and `hi` of a row that may intersect the frustum.
     #[inline]
     pub(crate) fn row(&self, row: i32, (lo, hi): (i32, i32)) -> Option<(i32, i32)> {
         let (mut a, mut b) = (f64::from(lo), f64::from(hi));
@@ -132,7 +115,7 @@ impl SideFrustum {
                 return None;
             }
         }
-        // Both lie between `lo` and `hi` from here on; NaN bounds nothing.
+        // Both are between `lo` and `hi` from here on; an end that is not a number bounds nothing.
         if a > b {
             return None;
         }
@@ -142,8 +125,9 @@ impl SideFrustum {
     }
 }
 
-/// The floor of a number within the range of `i32`, without a call into the
-/// mathematics library, which processors of the baseline would need.
+/// The floor of a number within the range of `i32`.
+///
+/// `f64::floor` calls a library function on processors without SSE4.1, for which this is compiled.
 #[inline]
 fn floor(v: f64) -> i32 {
     let whole = v as i32;
@@ -154,14 +138,6 @@ fn floor(v: f64) -> i32 {
 fn ceil(v: f64) -> i32 {
     let whole = v as i32;
     whole + i32::from(f64::from(whole) < v)
-}
-
-/// Chessboard distance from a cell to the nearest and farthest cell of the grid.
-pub(crate) fn shell_range(grid: &Grid, cell: IVec3) -> (i32, i32) {
-    let last = grid.dims() - 1;
-    let nearest = (-cell).max(cell - last).max(IVec3::ZERO).max_element();
-    let farthest = cell.abs().max((last - cell).abs()).max_element();
-    (nearest, farthest)
 }
 
 #[cfg(test)]
@@ -181,9 +157,9 @@ mod tests {
                 let plane = Plane { normal, offset };
                 let Ok(view) = View::from_planes(Vec3::splat(7.5), &[plane]) else { continue };
                 for frustum in [
-                    CellFrustum::new(&grid, &view, IVec3::splat(7)),
-                    CellFrustum::with_cell(&grid, &view, IVec3::splat(7)),
-                    CellFrustum::without_eye(&grid, &view, IVec3::splat(7)),
+                    CellFrustum::new(&grid, &view, IVec3::splat(7), Start::Eye),
+                    CellFrustum::new(&grid, &view, IVec3::splat(7), Start::Cell),
+                    CellFrustum::new(&grid, &view, IVec3::splat(7), Start::None),
                 ] {
                     for side in &Side::ALL {
                         let found = frustum.on_side(side, 5 * side.sign).row(3, (-5, 5));
@@ -202,7 +178,7 @@ mod tests {
             directx::perspective(0.9, 1.4, 0.1, 6.0) * look_to_mat4(eye, Vec3::new(0.5, 0.1, 0.8), Vec3::Y);
         let view = View::perspective(eye, matrix).unwrap();
         let v = grid.cell_of(eye.as_dvec3());
-        let frustum = CellFrustum::new(&grid, &view, v);
+        let frustum = CellFrustum::new(&grid, &view, v, Start::Eye);
         let (mut inside, mut outside) = (0, 0);
         for m in 1..24 {
             for side in &Side::ALL {

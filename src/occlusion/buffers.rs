@@ -1,0 +1,248 @@
+//! The occlusion buffers of one view.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use crate::geometry::Block;
+use crate::grid::side::Side;
+use crate::occlusion::face::{Face, Rect};
+use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::pitch::{MIDDLE_DEPTH, Pitch};
+use crate::occlusion::solid::{Shadow, Solid};
+use crate::occlusion::surface::scratch::SurfaceScratch;
+use crate::occlusion::target::Target;
+use crate::view::{Origin, View};
+
+/// A side of a view across parallel rays whose cosine with them is less than this serves as the first axis
+/// of the plane.
+const ACROSS: f64 = 1e-3;
+
+/// The answer to a test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Hidden,
+    Visible,
+}
+
+/// The buffers of one view: the sides of a cube around the eye, or one plane for parallel rays.
+///
+/// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested in any
+/// order: drawing only ever hides more. All coordinates are relative to [`OcclusionBuffers::origin`].
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OcclusionBuffers {
+    faces: Vec<FaceBuffer>,
+    /// For each occluder drawn, where it hides.
+    shadows: Vec<Shadow>,
+    surfaces: SurfaceScratch,
+    origin: DVec3,
+    error: f64,
+    direction: Option<DVec3>,
+    nearest: f64,
+}
+
+impl OcclusionBuffers {
+    /// Clears the windows that a view looks through.
+    pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
+        self.shadows.clear();
+        self.nearest = pitch.nearest;
+        let wanted = self.set_origin(view, pitch);
+        self.faces.truncate(wanted.len());
+        for (i, face) in wanted.into_iter().enumerate() {
+            match self.faces.get_mut(i) {
+                Some(buffer) => buffer.set_face(face),
+                None => self.faces.push(FaceBuffer::new(face)),
+            }
+        }
+        let origin = self.origin;
+        let windows: SmallVec<[Option<Rect>; 6]> =
+            self.faces.iter_mut().map(|b| b.set_frustum(view, origin, pitch)).collect();
+        let widest = windows.iter().flatten().fold(0f64, |w, r| w.max(r.u1 - r.u0).max(r.v1 - r.v0));
+        let pixels = pitch.pixels_of_face(widest, self.direction.is_some());
+        for (buffer, window) in self.faces.iter_mut().zip(windows) {
+            buffer.clear(window, pixels);
+        }
+    }
+
+    /// Puts the origin where the rays of a view start. Returns the faces that they pass.
+    fn set_origin(&mut self, view: &View, pitch: &Pitch) -> SmallVec<[Face; 6]> {
+        match view.origin {
+            Origin::Eye { at, error } => {
+                (self.origin, self.error, self.direction) = (at, error, None);
+                Side::ALL.iter().map(Face::side).collect()
+            }
+            Origin::Direction(d) => {
+                (self.origin, self.error, self.direction) =
+                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.reach), 0.0, Some(d));
+                // Across the rays, along one of the view's own sides.
+                let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < ACROSS);
+                let right =
+                    side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
+                SmallVec::from_iter([Face::across(d, right, pitch.reach)])
+            }
+        }
+    }
+
+    /// The faces that the view looks through.
+    #[inline]
+    pub(crate) fn faces(&self) -> impl Iterator<Item = &FaceBuffer> {
+        self.faces.iter().filter(|b| b.is_active())
+    }
+
+    /// The origin of the rays: the eye, or a point before the scene.
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The direction of parallel rays.
+    pub(crate) fn direction(&self) -> Option<DVec3> {
+        self.direction
+    }
+
+    /// The eye may lie this far from the origin, in any direction.
+    pub(crate) fn uncertainty(&self) -> f64 {
+        self.error * 3f64.sqrt()
+    }
+
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) fn near_limit(&self) -> f64 {
+        self.nearest * 0.5
+    }
+
+    /// Where a convex occluder hides, by its number in the order of drawing.
+    pub(crate) fn shadow(&self, solid: u32) -> &Shadow {
+        &self.shadows[solid as usize]
+    }
+
+    /// The faces that the view looks through, and the memory for drawing surfaces.
+    pub(crate) fn surfaces_mut(&mut self) -> (impl Iterator<Item = &mut FaceBuffer>, &mut SurfaceScratch) {
+        (self.faces.iter_mut().filter(|b| b.is_active()), &mut self.surfaces)
+    }
+
+    /// Draws an occluder. Returns whether it hides more than before.
+    ///
+    /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.
+    pub(crate) fn draw(&mut self, solid: &Solid, owner: u32) -> bool {
+        let index = self.shadows.len() as u32;
+        let mut changed = false;
+        let mut used = false;
+        for buffer in self.faces.iter_mut().filter(|b| b.is_active()) {
+            let (drawn, new) = buffer.draw(solid, index, owner);
+            used |= drawn;
+            changed |= new;
+        }
+        if used {
+            self.shadows.push(solid.shadow.clone());
+        }
+        changed
+    }
+
+    /// Whether every pixel of the rectangles around a box is covered nearer than it.
+    pub(crate) fn hides(&self, block: &Block) -> bool {
+        !self.is_close(block) && self.faces().all(|b| b.hides_block(block))
+    }
+
+    /// Whether every pixel that a target may touch is covered nearer than it.
+    pub(crate) fn test(&self, target: &Target) -> Verdict {
+        if self.is_close(target.bounds()) {
+            return Verdict::Visible;
+        }
+        let seen = self.faces().any(|b| target.on_face(b.face()).is_some_and(|on_face| b.sees(&on_face)));
+        if seen { Verdict::Visible } else { Verdict::Hidden }
+    }
+
+    /// Whether a point of a target lies in an open pixel inside the view where no convex occluder is
+    /// listed: then testing the target finds that pixel.
+    pub(crate) fn shows(&self, point: DVec3) -> bool {
+        self.faces().any(|b| b.shows(b.face().local(point)))
+    }
+
+    /// Whether a box reaches so close to the eye that directions to it are not told apart.
+    pub(crate) fn is_close(&self, block: &Block) -> bool {
+        let distance = block.min.max(-block.max).max_element();
+        // A distance that is not a number is close.
+        self.direction.is_none() && (distance.is_nan() || distance <= self.nearest)
+    }
+
+    /// Whether all pixels are covered for targets farther than `distance` along some axis.
+    pub(crate) fn closed(&self, distance: f64) -> bool {
+        let distance = distance - self.uncertainty();
+        // Nearer targets may be in sight beside the windows.
+        if distance.is_nan() || distance <= self.nearest {
+            return false;
+        }
+        self.faces().all(|b| b.is_closed(distance))
+    }
+
+    /// Number of pixels of all windows.
+    pub(crate) fn pixels(&self) -> u64 {
+        self.faces().map(FaceBuffer::pixel_count).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::polytope::Polytope;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        }
+
+        fn within(&mut self, lo: f64, hi: f64) -> f64 {
+            lo + (hi - lo) * self.next()
+        }
+
+        fn point(&mut self, reach: f64) -> DVec3 {
+            DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
+        }
+    }
+
+    fn pitch(pixels: f64) -> Pitch {
+        Pitch { pixels, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO }
+    }
+
+    /// Where a ray from the origin enters a box, as a share of `d`.
+    fn enters(b: &Block, d: DVec3) -> Option<f64> {
+        let (mut t0, mut t1) = (0.0f64, f64::INFINITY);
+        for i in 0..3 {
+            let (x, y) = (b.min[i] / d[i], b.max[i] / d[i]);
+            (t0, t1) = (t0.max(x.min(y)), t1.min(x.max(y)));
+        }
+        (t0 <= t1).then_some(t0)
+    }
+
+    #[test]
+    fn a_box_hides_only_what_rays_find_behind_it() {
+        let mut random = Random(3);
+        let view = View::around(glam::Vec3::ZERO).unwrap();
+        let mut buffers = OcclusionBuffers::default();
+        let mut hidden = 0;
+        for _ in 0..400 {
+            let boxed = |random: &mut Random, size: f64| {
+                let (c, h) = (random.point(20.0), random.point(size).abs() + 0.01);
+                Block { min: c - h, max: c + h }
+            };
+            buffers.begin(&view, &pitch(128.0));
+            let occluder = boxed(&mut random, 8.0);
+            let Some(solid) = Solid::polytope(Polytope::block(&occluder), None) else { continue };
+            buffers.draw(&solid, 0);
+            for _ in 0..50 {
+                let b = boxed(&mut random, 1.0);
+                if buffers.test(&Target::block(b, None)) != Verdict::Hidden {
+                    continue;
+                }
+                hidden += 1;
+                for _ in 0..20 {
+                    let t = DVec3::new(random.next(), random.next(), random.next());
+                    let d = b.min + t * (b.max - b.min);
+                    assert!(enters(&occluder, d).is_some_and(|t| t < 1.0), "{occluder:?} {b:?} {d}");
+                }
+            }
+        }
+        assert!(hidden > 100, "{hidden}");
+    }
+}

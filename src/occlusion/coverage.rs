@@ -1,0 +1,203 @@
+//! The covered pixels of a window, tile by tile.
+
+use crate::occlusion::face::{Linear, Rect};
+use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::target::FaceTarget;
+use crate::occlusion::tiles::{TILE, Tile, block};
+
+/// Planes kept for a tile.
+const SHADES: usize = 2;
+
+/// Pixels of a tile in which everything behind a plane is hidden. Says more than one depth for the tile.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    mask: u64,
+    near: Linear,
+}
+
+/// The planes of a tile that cover most of its pixels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shades([Shade; SHADES]);
+
+impl Shades {
+    const NONE: Self = Self([Shade { mask: 0, near: Linear { a: 0.0, b: 0.0, c: 0.0 } }; SHADES]);
+
+    /// Keeps a plane if it covers more pixels than one that is kept.
+    fn add(&mut self, mask: u64, near: Linear) {
+        let least = self.0.iter_mut().min_by_key(|s| s.mask.count_ones());
+        if let Some(least) = least.filter(|s| s.mask.count_ones() < mask.count_ones()) {
+            *least = Shade { mask, near };
+        }
+    }
+
+    /// The pixels of `open` that no plane hides, where all of the target in the tile lies behind it.
+    #[inline]
+    pub(crate) fn open(&self, mut open: u64, target: &FaceTarget, tile: &Rect) -> u64 {
+        for shade in &self.0 {
+            if open & shade.mask != 0 && target.is_behind_plane(&shade.near, tile) {
+                open &= !shade.mask;
+            }
+        }
+        open
+    }
+
+    /// Whether one pixel of the tile is hidden by a plane.
+    #[inline]
+    pub(crate) fn hide_pixel(&self, bit: i64, target: &FaceTarget, pixel: &Rect) -> bool {
+        self.0.iter().any(|s| s.mask >> bit & 1 == 1 && target.is_behind_plane(&s.near, pixel))
+    }
+
+    /// Whether a point in one of the pixels given is hidden by a plane.
+    fn hide_point(&self, bits: u64, (u, v): (f64, f64), near: f64) -> bool {
+        self.0.iter().any(|s| s.mask & bits != 0 && s.near.at(u, v) >= near)
+    }
+}
+
+/// The tiles of a window.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Coverage {
+    tiles: Vec<Tile>,
+    /// For each tile, the nearness down to which all of its pixels are covered.
+    closed: Vec<f32>,
+    shades: Vec<Shades>,
+}
+
+impl Coverage {
+    /// Starts anew with so many open tiles.
+    pub(crate) fn clear(&mut self, count: usize) {
+        self.tiles.clear();
+        self.tiles.resize(count, Tile::EMPTY);
+        self.closed.clear();
+        self.closed.resize(count, f32::NEG_INFINITY);
+        self.shades.clear();
+        self.shades.resize(count, Shades::NONE);
+    }
+
+    /// The nearness down to which all pixels of a tile are covered.
+    #[inline]
+    pub(crate) fn closed(&self, tile: usize) -> f32 {
+        self.closed[tile]
+    }
+
+    /// Whether all pixels of all tiles are covered nearer than a nearness.
+    pub(crate) fn is_closed(&self, near: f32) -> bool {
+        self.closed.iter().all(|&c| c >= near)
+    }
+
+    /// The pixels of a tile that are hidden for targets nowhere nearer than `near`.
+    #[inline]
+    pub(crate) fn hidden(&self, tile: usize, near: f32) -> u64 {
+        self.tiles[tile].hidden(near)
+    }
+
+    /// The planes kept for a tile.
+    #[inline]
+    pub(crate) fn shades(&self, tile: usize) -> &Shades {
+        &self.shades[tile]
+    }
+
+    /// Covers pixels of a tile at a nearness. Returns whether that hides more than before.
+    #[inline]
+    pub(crate) fn cover(&mut self, tile: usize, mask: u64, near: f32) -> bool {
+        let changed = self.tiles[tile].cover(mask, near);
+        if changed {
+            self.closed[tile] = self.tiles[tile].closed();
+        }
+        changed
+    }
+
+    /// As [`Coverage::cover`], and keeps the plane behind which the pixels are hidden.
+    #[inline]
+    pub(crate) fn cover_plane(&mut self, tile: usize, mask: u64, near: f32, plane: Option<Linear>) -> bool {
+        if let Some(plane) = plane {
+            self.shades[tile].add(mask, plane);
+        }
+        self.cover(tile, mask, near)
+    }
+
+    /// Whether all pixels of a rectangle are covered for targets nowhere nearer than `near`.
+    #[inline]
+    pub(crate) fn hides(&self, window: &Window, pixels: &PixelRect, near: f32) -> bool {
+        if pixels.is_empty() {
+            return true;
+        }
+        let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
+        let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
+        (ty0..=ty1).all(|ty| {
+            let (a, b) = (window.tile_index(tx0, ty), window.tile_index(tx1, ty));
+            self.closed[a..=b].iter().enumerate().all(|(i, &closed)| {
+                if closed >= near {
+                    return true;
+                }
+                let (x, y) = ((tx0 + i as i64) * TILE, ty * TILE);
+                block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.tiles[a + i].hidden(near) == 0
+            })
+        })
+    }
+
+    /// Whether a point of a pixel is hidden: by the tile at `tile_near`, or by a plane at `near`.
+    pub(crate) fn hides_point(
+        &self,
+        window: &Window,
+        (x, y): (i64, i64),
+        at: (f64, f64),
+        tile_near: f32,
+        near: f64,
+    ) -> bool {
+        let t = window.tile_index(x / TILE, y / TILE);
+        let bit = 1u64 << (y % TILE * TILE + x % TILE);
+        self.tiles[t].hidden(tile_near) & bit != 0 || self.shades[t].hide_point(bit, at, near)
+    }
+
+    /// The nearness down to which a pixel is hidden; negative infinity if it is open.
+    pub(crate) fn nearness(&self, window: &Window, x: i64, y: i64) -> f32 {
+        let tile = &self.tiles[window.tile_index(x / TILE, y / TILE)];
+        tile.nearness((y % TILE * TILE + x % TILE) as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle_is_hidden_once_all_its_pixels_are() {
+        let window = Window::around(&Rect::FACE, 32);
+        let mut coverage = Coverage::default();
+        coverage.clear(16);
+        let pixels = PixelRect { x: (6, 18), y: (3, 9) };
+        let near = 0.5;
+        let mut changed = false;
+        for ty in 0..2 {
+            for tx in 0..3 {
+                assert!(!coverage.hides(&window, &pixels, near), "{tx} {ty}");
+                let (x, y) = (tx * 8, ty * 8);
+                let mask = block(6 - x, 18 - x, 3 - y, 9 - y);
+                changed |= coverage.cover(window.tile_index(tx, ty), mask, near);
+            }
+        }
+        assert!(changed && coverage.hides(&window, &pixels, near));
+        assert!(!coverage.hides(&window, &pixels, 0.6));
+        assert!(!coverage.hides(&window, &PixelRect { x: (6, 19), ..pixels }, near));
+        assert_eq!(coverage.nearness(&window, 6, 3), near);
+        assert_eq!(coverage.nearness(&window, 5, 3), f32::NEG_INFINITY);
+        // A tile is closed when its last pixel is.
+        let middle = window.tile_index(1, 0);
+        assert_eq!(coverage.closed(middle), f32::NEG_INFINITY);
+        coverage.cover(middle, u64::MAX, 0.25);
+        assert_eq!(coverage.closed(middle), 0.25);
+        assert!(!coverage.is_closed(0.25));
+    }
+
+    #[test]
+    fn the_planes_that_cover_most_are_kept() {
+        let mut shades = Shades::NONE;
+        let plane = |c| Linear { a: 0.0, b: 0.0, c };
+        shades.add(0b1, plane(1.0));
+        shades.add(0b1111_0000, plane(2.0));
+        shades.add(0b110, plane(3.0));
+        assert!(!shades.hide_point(0b1, (0.0, 0.0), 0.5));
+        assert!(shades.hide_point(0b10, (0.0, 0.0), 3.0) && !shades.hide_point(0b10, (0.0, 0.0), 3.5));
+        assert!(shades.hide_point(0b1_0000, (0.0, 0.0), 2.0));
+    }
+}

@@ -1,0 +1,203 @@
+//! The buffer of one face: covered pixels, and lists of the occluders that cover them.
+
+mod draw;
+mod frustum;
+mod search;
+
+use smallvec::SmallVec;
+
+use crate::geometry::Block;
+use crate::numeric::occlusion::above;
+use crate::occlusion::bins::Bins;
+use crate::occlusion::coverage::{Coverage, Shades};
+use crate::occlusion::face::{Face, Linear, Rect};
+use crate::occlusion::front::Front;
+use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::silhouette::Silhouette;
+
+/// A convex occluder as drawn on one face.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawn {
+    pub(crate) silhouette: Silhouette,
+    pub(crate) front: Front,
+    /// Index into the list of shadows.
+    pub(crate) solid: u32,
+    /// The object that it was drawn for.
+    pub(crate) owner: u32,
+}
+
+/// A convex occluder in the list of a bin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Listed {
+    /// Index into the drawn occluders of the face.
+    pub(crate) drawn: u32,
+    /// No point of it is nearer.
+    pub(crate) near: f32,
+}
+
+/// A patch of triangles in the list of a bin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ListedPatch {
+    /// Its number in the order of drawing.
+    pub(crate) id: u32,
+    /// No point of it is nearer.
+    pub(crate) near: f32,
+    /// The pixels that it may touch.
+    pub(crate) pixels: PixelRect,
+}
+
+/// One face, as far as the view looks through it.
+#[derive(Debug, Clone)]
+pub(crate) struct FaceBuffer {
+    face: Face,
+    /// Whether any part of the face is inside the frustum.
+    active: bool,
+    window: Window,
+    /// A rectangle around the part of the face inside the frustum.
+    bounds: Rect,
+    /// Directions inside the frustum.
+    halves: SmallVec<[Linear; 8]>,
+    coverage: Coverage,
+    occluders: Bins<Listed>,
+    patches: Bins<ListedPatch>,
+    drawn: Vec<Drawn>,
+}
+
+impl FaceBuffer {
+    pub(crate) fn new(face: Face) -> Self {
+        Self {
+            face,
+            active: false,
+            window: Window::empty(1),
+            bounds: Rect::FACE,
+            halves: SmallVec::new(),
+            coverage: Coverage::default(),
+            occluders: Bins::new(),
+            patches: Bins::new(),
+            drawn: Vec::new(),
+        }
+    }
+
+    /// Puts the buffer on another face. Call [`FaceBuffer::clear`] next.
+    pub(crate) fn set_face(&mut self, face: Face) {
+        self.face = face;
+    }
+
+    /// Clears the buffer, for the part of the face inside a rectangle and inside the half-planes of the
+    /// frustum; `None` if there is none. The whole face has `pixels` along each side.
+    pub(crate) fn clear(&mut self, bounds: Option<Rect>, pixels: i64) {
+        self.drawn.clear();
+        self.active = bounds.is_some();
+        let Some(bounds) = bounds else {
+            self.window = Window::empty(pixels);
+            return;
+        };
+        self.bounds = bounds;
+        self.window = Window::around(&bounds, pixels);
+        let (nx, ny) = self.window.tile_count();
+        self.coverage.clear((nx * ny) as usize);
+        self.occluders.clear(&self.window);
+        self.patches.clear(&self.window);
+        self.cover_outside();
+    }
+
+    /// Clears the buffer for some pixels of another one of the same face, `finer` times as fine.
+    pub(crate) fn clear_finer(&mut self, coarse: &Self, pixels: &PixelRect, finer: i64) {
+        self.face = coarse.face;
+        self.halves.clone_from(&coarse.halves);
+        let w = &coarse.window;
+        let bounds = Rect {
+            u0: w.border(pixels.x.0),
+            v0: w.border(pixels.y.0),
+            u1: w.border(pixels.x.1),
+            v1: w.border(pixels.y.1),
+        };
+        self.clear(Some(bounds), (w.per_unit() * 2.0).round() as i64 * finer);
+    }
+
+    pub(crate) fn face(&self) -> &Face {
+        &self.face
+    }
+
+    /// Whether any part of the face is inside the frustum.
+    pub(crate) fn is_active(&self) -> bool {
+        self.active
+    }
+
+    pub(crate) fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// A rectangle around the part of the face inside the frustum.
+    pub(crate) fn bounds(&self) -> &Rect {
+        &self.bounds
+    }
+
+    /// Half-planes around the directions inside the frustum.
+    pub(crate) fn halves(&self) -> &[Linear] {
+        &self.halves
+    }
+
+    pub(crate) fn coverage(&self) -> &Coverage {
+        &self.coverage
+    }
+
+    pub(crate) fn coverage_mut(&mut self) -> &mut Coverage {
+        &mut self.coverage
+    }
+
+    /// The convex occluders drawn, by place.
+    pub(crate) fn occluders(&self) -> &Bins<Listed> {
+        &self.occluders
+    }
+
+    /// The patches drawn, by place.
+    pub(crate) fn patches(&self) -> &Bins<ListedPatch> {
+        &self.patches
+    }
+
+    pub(crate) fn patches_mut(&mut self) -> &mut Bins<ListedPatch> {
+        &mut self.patches
+    }
+
+    /// The convex occluder that a list names.
+    #[inline]
+    pub(crate) fn drawn(&self, listed: &Listed) -> &Drawn {
+        &self.drawn[listed.drawn as usize]
+    }
+
+    /// Whether all pixels are covered nearer than a distance along the axis of the face.
+    pub(crate) fn is_closed(&self, distance: f64) -> bool {
+        self.coverage.is_closed(above(self.face.nearness_of(distance)))
+    }
+
+    /// Whether every pixel of the rectangle around a box is covered nearer than it.
+    #[inline]
+    pub(crate) fn hides_block(&self, block: &Block) -> bool {
+        let Some((rect, depth)) = self.face.block(block) else { return true };
+        self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
+    }
+
+    /// Whether every pixel of a rectangle is covered for targets nowhere nearer than `near`.
+    #[inline]
+    pub(crate) fn hides(&self, rect: &Rect, near: f32) -> bool {
+        self.hides_pixels(&self.window.touched_by(rect), near)
+    }
+
+    /// Whether every pixel of a rectangle of them is covered for targets nowhere nearer than `near`.
+    #[inline]
+    pub(crate) fn hides_pixels(&self, pixels: &PixelRect, near: f32) -> bool {
+        self.coverage.hides(&self.window, pixels, near)
+    }
+
+    /// Number of pixels of the window.
+    pub(crate) fn pixel_count(&self) -> u64 {
+        let PixelRect { x, y } = self.window.pixels();
+        ((x.1 - x.0) * (y.1 - y.0)) as u64
+    }
+
+    #[inline]
+    fn shades(&self, tile: usize) -> &Shades {
+        self.coverage.shades(tile)
+    }
+}

@@ -1,0 +1,131 @@
+//! Searching a face for open pixels.
+
+use glam::DVec3;
+
+use crate::numeric::occlusion::below;
+use crate::occlusion::face::Rect;
+use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::target::FaceTarget;
+use crate::occlusion::tiles::{TILE, bits, block};
+
+impl FaceBuffer {
+    /// Calls `found` with each open pixel that a target may touch, until that returns true.
+    pub(crate) fn uncovered(&self, target: &FaceTarget, mut found: impl FnMut(i64, i64, &Rect) -> bool) {
+        let pixels = self.window.touched_by(&target.rect);
+        if pixels.is_empty() {
+            return;
+        }
+        let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
+        let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
+        for ty in ty0..=ty1 {
+            let row = self.window.tile_index(tx0, ty);
+            for tx in tx0..=tx1 {
+                let t = row + (tx - tx0) as usize;
+                if self.coverage.closed(t) >= target.near {
+                    continue;
+                }
+                let (x, y) = (tx * TILE, ty * TILE);
+                let open = block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.coverage.hidden(t, target.near);
+                if open != 0 && self.uncovered_in_tile(target, t, (x, y), open, &mut found) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Calls `found` with those of the pixels `open` of a tile that a target may touch and that are not hidden.
+    /// Returns whether it was told to stop.
+    #[inline(always)]
+    fn uncovered_in_tile(
+        &self,
+        target: &FaceTarget,
+        t: usize,
+        (x, y): (i64, i64),
+        mut open: u64,
+        found: &mut impl FnMut(i64, i64, &Rect) -> bool,
+    ) -> bool {
+        let rect = self.window.square(x, y, TILE);
+        if !target.silhouette.touches(&rect) {
+            return false;
+        }
+        // In this tile the target may be farther than as a whole.
+        open &= !self.coverage.hidden(t, target.near(&rect));
+        let shades = self.shades(t);
+        open = shades.open(open, target, &rect);
+        bits(open).any(|bit| {
+            let (x, y) = (x + (bit & 7), y + (bit >> 3));
+            let rect = self.window.square(x, y, 1);
+            target.silhouette.touches(&rect) && !shades.hide_pixel(bit, target, &rect) && found(x, y, &rect)
+        })
+    }
+
+    /// Whether a target is seen in any open pixel.
+    #[inline]
+    pub(crate) fn sees(&self, target: &FaceTarget) -> bool {
+        let mut seen = false;
+        self.uncovered(target, |_, _, _| {
+            seen = true;
+            true
+        });
+        seen
+    }
+
+    /// Whether a point, in coordinates of the face, lies in an open pixel for which no convex occluder is listed.
+    pub(crate) fn shows(&self, p: DVec3) -> bool {
+        if !self.face.parallel && p.z <= 0.0 {
+            return false;
+        }
+        let (u, v) = if self.face.parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
+        let Some((x, y)) = self.window.pixel_at(u, v) else { return false };
+        let near = self.face.nearness_of(p.z);
+        self.occluders.list(self.occluders.index(x, y)).is_empty()
+            && !self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::Polytope;
+    use crate::occlusion::face::Face;
+    use crate::occlusion::solid::Solid;
+    use crate::occlusion::target::Target;
+
+    #[test]
+    fn open_pixels_are_those_that_the_target_touches_beside_the_occluder() {
+        let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
+        let mut buffer = FaceBuffer::new(face);
+        buffer.clear(Some(Rect::FACE), 64);
+        // Covers u < 0 but for a little.
+        let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
+        buffer.draw(&Solid::polytope(Polytope::block(&wall), None).unwrap(), 0, 0);
+        let target = |x: f64| {
+            let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
+            Target::block(Block { min: c - h, max: c + h }, None)
+        };
+        let open = |x: f64| {
+            let mut found = Vec::new();
+            buffer.uncovered(&target(x).on_face(&face).unwrap(), |x, y, _| {
+                found.push((x, y));
+                false
+            });
+            found
+        };
+        assert!(open(-2.0).is_empty() && !buffer.sees(&target(-2.0).on_face(&face).unwrap()));
+        let half = open(0.0);
+        assert!(buffer.sees(&target(0.0).on_face(&face).unwrap()));
+        // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for rounding.
+        assert!(half.iter().all(|p| (31..37).contains(&p.0)), "{half:?}");
+        assert!(half.len() >= 5 * 9, "{half:?}");
+        let mut count = 0;
+        buffer.uncovered(&target(4.0).on_face(&face).unwrap(), |_, _, _| {
+            count += 1;
+            count == 3
+        });
+        assert_eq!(count, 3, "the search stops when told");
+        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0)));
+        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0)), "behind the wall");
+        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0)), "behind the eye");
+    }
+}

@@ -1,0 +1,107 @@
+//! Covering the pixels of one component of patches.
+
+use std::ops::Range;
+
+use crate::numeric::occlusion::below;
+use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::back::Back;
+use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::projector::Projector;
+use crate::occlusion::surface::raster::{Area, Raster};
+use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch};
+use crate::occlusion::tiles::TILE;
+
+/// Draws the patches of one component, a range of the order of drawing. Returns whether they hide more than
+/// before.
+pub(super) fn draw_component(
+    buffer: &mut FaceBuffer,
+    batch: &[Drawable],
+    range: Range<usize>,
+    limit: f64,
+    scratch: &mut SurfaceScratch,
+) -> bool {
+    let SurfaceScratch { seen, sides, order, raster, joint, .. } = scratch;
+    let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
+    let mut joint = (range.len() > 1).then(|| {
+        joint.clear(Area::around(&members().fold(PixelRect::EMPTY, |all, s| all.join(&s.pixels))));
+        joint
+    });
+    let mut changed = false;
+    for s in members() {
+        let d = &batch[s.drawable as usize];
+        raster.begin(Area::around(&s.pixels));
+        let own = &sides.all[s.sides.0 as usize..s.sides.1 as usize];
+        Projector::new(buffer, limit).draw(raster, d, own, &sides.deep);
+        raster.finish();
+        let back = Back::new(buffer.face(), d);
+        changed |= cover_patch(buffer, raster, s, &back, joint.as_deref_mut());
+    }
+    if let Some(joint) = joint {
+        changed |= cover_seams(buffer, joint);
+    }
+    changed
+}
+
+/// Covers the pixels of one patch, and adds its marks to those of its component.
+#[inline]
+fn cover_patch(
+    buffer: &mut FaceBuffer,
+    raster: &Raster,
+    seen: &Seen,
+    back: &Back,
+    mut joint: Option<&mut Joint>,
+) -> bool {
+    let area = raster.area();
+    let mut changed = false;
+    for ty in 0..area.ny {
+        let row = buffer.window().tile_index(area.x / TILE, area.y / TILE + ty);
+        let joint_row = joint.as_ref().map_or(0, |joint| {
+            (((area.y - joint.area.y) / TILE + ty) * joint.area.nx + (area.x - joint.area.x) / TILE) as usize
+        });
+        for tx in 0..area.nx as usize {
+            let marks = raster.marks(ty as usize * area.nx as usize + tx);
+            if marks.is_empty() {
+                continue;
+            }
+            let tile = row + tx;
+            let closed = buffer.coverage().closed(tile);
+            if closed >= seen.near {
+                if let Some(joint) = &mut joint {
+                    // Its marks are not added here, so seams with it are not known to be closed.
+                    joint.nears[joint_row + tx] = f32::NEG_INFINITY;
+                }
+                continue;
+            }
+            let mask = marks.covered();
+            let rect = buffer.window().square(area.x + tx as i64 * TILE, area.y + ty * TILE, TILE);
+            let (near, plane) = back.behind(&rect);
+            let near = below(near);
+            if mask != 0 && closed < near {
+                changed |= buffer.coverage_mut().cover_plane(tile, mask, near, plane);
+            }
+            if let Some(joint) = &mut joint {
+                joint.tiles[joint_row + tx].add(&marks);
+                joint.nears[joint_row + tx] = joint.nears[joint_row + tx].min(near);
+            }
+        }
+    }
+    changed
+}
+
+/// Covers the pixels that only seams between the patches of a component touch.
+fn cover_seams(buffer: &mut FaceBuffer, joint: &Joint) -> bool {
+    let area = joint.area;
+    let mut changed = false;
+    for ty in 0..area.ny {
+        let row = buffer.window().tile_index(area.x / TILE, area.y / TILE + ty);
+        for tx in 0..area.nx as usize {
+            let at = ty as usize * area.nx as usize + tx;
+            let (mask, near) = (joint.tiles[at].covered_seams(), joint.nears[at]);
+            if mask != 0 && buffer.coverage().closed(row + tx) < near {
+                changed |= buffer.coverage_mut().cover(row + tx, mask, near);
+            }
+        }
+    }
+    changed
+}

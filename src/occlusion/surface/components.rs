@@ -1,0 +1,139 @@
+//! The patches of a batch that a face sees, joined to components and put in order of drawing.
+
+use glam::DVec3;
+
+use crate::numeric::occlusion::above;
+use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
+use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::component::draw_component;
+use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::projector::Projector;
+use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
+
+/// Draws patches together on one face. `patches` is greater than all their numbers; surfaces are cut at the
+/// depth `limit`. Returns whether they hide more than before.
+pub(crate) fn draw_surfaces(
+    buffer: &mut FaceBuffer,
+    batch: &[Drawable],
+    origin: DVec3,
+    limit: f64,
+    patches: usize,
+    scratch: &mut SurfaceScratch,
+) -> bool {
+    scratch.begin(patches);
+    see(buffer, batch, origin, limit, scratch);
+    join(batch, scratch);
+    order(scratch);
+    let mut changed = false;
+    let mut first = 0;
+    while first < scratch.order.len() {
+        let root = scratch.order[first].1;
+        let last = first + scratch.order[first..].iter().take_while(|o| o.1 == root).count();
+        let hidden = |&(_, _, i): &(u32, u32, u32)| {
+            let s = &scratch.seen[i as usize];
+            buffer.hides_pixels(&s.pixels, s.near)
+        };
+        if !scratch.order[first..last].iter().all(hidden) {
+            changed |= draw_component(buffer, batch, first..last, limit, scratch);
+        }
+        first = last;
+    }
+    changed
+}
+
+/// Lists the patches that the last drawing saw for the first time.
+pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &SurfaceScratch) {
+    for s in scratch.seen.iter().filter(|s| !batch[s.drawable as usize].again) {
+        let patch = ListedPatch { id: batch[s.drawable as usize].id, near: s.near, pixels: s.pixels };
+        buffer.patches_mut().push(&s.pixels, patch);
+    }
+}
+
+/// Collects the patches that the face sees and that are not hidden.
+fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scratch: &mut SurfaceScratch) {
+    let projector = Projector::new(buffer, limit);
+    for (d, drawable) in batch.iter().zip(0..) {
+        let Some((rect, depth)) = buffer.face().block(&d.block) else { continue };
+        let near = above(buffer.face().nearness_of(depth));
+        let pixels = buffer.window().touched_by(&rect);
+        if pixels.is_empty() || buffer.hides_pixels(&pixels, near) {
+            continue;
+        }
+        let first = scratch.sides.lengths();
+        let Some(pixels) = projector.project(d, origin, pixels, &mut scratch.sides) else {
+            scratch.sides.truncate(first);
+            continue;
+        };
+        let seen = Seen {
+            drawable,
+            parent: scratch.seen.len() as u32,
+            pixels,
+            near,
+            nearest: near,
+            sides: (first.0 as u32, scratch.sides.all.len() as u32),
+            around: PixelRect::EMPTY,
+        };
+        scratch.push(d.number, seen);
+    }
+}
+
+/// Joins patches that share sides, and marks those sides as seams.
+fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
+    for i in 0..scratch.seen.len() as u32 {
+        let d = &batch[scratch.seen[i as usize].drawable as usize];
+        let first = scratch.seen[i as usize].sides.0 as usize;
+        for (k, (_, twin)) in d.sides().enumerate() {
+            let Some((number, opposite)) = twin else { continue };
+            let Some(place) = scratch.find(number) else { continue };
+            let other = &batch[scratch.seen[place as usize].drawable as usize];
+            // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
+            if opposite == (d.sign() == other.sign()) && !(d.again && other.again) {
+                scratch.unite(i, place);
+                scratch.sides.all[first + k].seam = true;
+                if !d.again && other.again {
+                    let pixels = scratch.seen[i as usize].pixels;
+                    let around = &mut scratch.seen[place as usize].around;
+                    *around = around.join(&pixels);
+                }
+            }
+        }
+    }
+    // A patch that was drawn before is new only around its seams with patches that were not.
+    for s in scratch.seen.iter_mut().filter(|s| batch[s.drawable as usize].again) {
+        s.pixels = s.pixels.intersect(&s.around);
+    }
+}
+
+/// Puts the patches in order: nearest components first, since they may hide the rest.
+fn order(scratch: &mut SurfaceScratch) {
+    for i in 0..scratch.seen.len() as u32 {
+        let root = scratch.root(i);
+        let near = scratch.seen[i as usize].near;
+        let nearest = &mut scratch.seen[root as usize].nearest;
+        *nearest = nearest.max(near);
+        scratch.seen[i as usize].parent = root;
+    }
+    scratch.order.clear();
+    for (s, i) in scratch.seen.iter().zip(0..).filter(|(s, _)| !s.pixels.is_empty()) {
+        let nearest = scratch.seen[s.parent as usize].nearest;
+        scratch.order.push((farness(nearest), s.parent, i));
+    }
+    scratch.order.sort_unstable();
+}
+
+/// An integer that falls as nearness grows.
+fn farness(near: f32) -> u32 {
+    let bits = near.to_bits();
+    if bits >> 31 == 0 { !bits & 0x7fff_ffff } else { bits }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn farness_falls_as_nearness_grows() {
+        let nears = [f32::NEG_INFINITY, -3.0, -1e-9, 0.0, 1e-9, 0.5, 2.0, f32::INFINITY];
+        assert!(nears.windows(2).all(|w| farness(w[0]) > farness(w[1])));
+    }
+}

@@ -1,0 +1,61 @@
+//! Patches of surfaces ready to be drawn.
+
+use glam::DVec3;
+
+use crate::geometry::Block;
+use crate::geometry::placement::Placement;
+use crate::mesh::surface::{NONE, Side, Surface};
+
+/// A patch to be drawn, relative to the origin of the rays.
+#[derive(Clone)]
+pub(crate) struct Drawable<'a> {
+    pub(crate) surface: &'a Surface,
+    /// Where the surface stands, if it is an instance.
+    pub(crate) placement: Option<&'a Placement>,
+    pub(crate) patch: u32,
+    /// The number of the patch in the order of first drawing. Without meaning where `again` is set.
+    pub(crate) id: u32,
+    /// Its number among all patches of the scene. Those of one surface follow each other.
+    pub(crate) number: u32,
+    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether the two run
+    /// along it in opposite directions), in order of sides.
+    pub(crate) links: &'a [(u32, u32, bool)],
+    /// A box around it.
+    pub(crate) block: Block,
+    /// All of it lies where `lo <= normal . x <= hi`.
+    pub(crate) normal: DVec3,
+    pub(crate) slab: (f64, f64),
+    /// Whether it was drawn before, and only its seams with patches that were not are new.
+    pub(crate) again: bool,
+    /// Whether its lower side counts as turned to the eye.
+    pub(crate) turned: bool,
+    /// Its points may be this far from where the surface says.
+    pub(crate) error: f64,
+}
+
+impl<'a> Drawable<'a> {
+    /// The sides of its outline, and of the patch beyond each: its number, and whether the two run along the side
+    /// in opposite directions.
+    pub(crate) fn sides(&self) -> impl Iterator<Item = (&'a Side, Option<(u32, bool)>)> {
+        let patch = &self.surface.patches[self.patch as usize];
+        let at = self.links.partition_point(|l| l.0 < patch.first);
+        let mut links = self.links[at..].iter().peekable();
+        let base = self.number - self.patch;
+        self.outline().iter().zip(patch.first..).map(move |(side, index)| {
+            if side.twin != NONE {
+                return (side, Some((base + side.twin, side.opposite)));
+            }
+            (side, links.next_if(|l| l.0 == index).map(|l| (l.1, l.2)))
+        })
+    }
+
+    /// The sides of its outline.
+    pub(crate) fn outline(&self) -> &'a [Side] {
+        self.surface.outline(&self.surface.patches[self.patch as usize])
+    }
+
+    /// The sign of its winding numbers.
+    pub(crate) fn sign(&self) -> i16 {
+        if self.turned { -1 } else { 1 }
+    }
+}

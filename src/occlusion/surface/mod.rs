@@ -1,0 +1,49 @@
+//! Drawing surfaces of triangles: winding numbers of outlines, less the pixels that outlines touch.
+//!
+//! If no edge of a patch's outline touches a pixel, the patch has one winding number there, that of the
+//! pixel's middle: if it is not zero, the patch covers all of the pixel, at the depth of the far side of
+//! its slab. Patches are drawn in batches, and on each face as components of patches that share sides. Pixels
+//! that only shared sides (seams) touch are covered if the winding numbers of the component's patches do not
+//! sum to zero at their middles, at the depth of the farthest patch there. The sign of a patch's winding numbers
+//! is free: turning all patches to the eye keeps folds from cancelling.
+//!
+//! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`] joins
+//! patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that [`back`] gives.
+//!
+//! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by the slack of
+//! the outline.
+
+pub(crate) mod back;
+pub(crate) mod component;
+pub(crate) mod components;
+pub(crate) mod drawable;
+pub(crate) mod projector;
+pub(crate) mod raster;
+pub(crate) mod scratch;
+
+use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::drawable::Drawable;
+
+impl OcclusionBuffers {
+    /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
+    /// their numbers. Returns whether they hide more than before.
+    pub(crate) fn draw_surfaces(&mut self, batch: &[Drawable], patches: usize) -> bool {
+        let (origin, limit) = (self.origin(), self.near_limit());
+        let (faces, scratch) = self.surfaces_mut();
+        let mut changed = false;
+        for buffer in faces {
+            changed |= draw_surfaces(buffer, batch, origin, limit, patches, scratch);
+            list(buffer, batch, scratch);
+        }
+        changed
+    }
+
+    /// How far a patch must be from the eye to be drawn, if its points are known to `slack`.
+    ///
+    /// Farther patches are neither cut at the near limit nor widened without bound: where a straight edge is less
+    /// deep than twice the slack, neither it nor the chain that it replaces reaches into the face.
+    pub(crate) fn clearance(&self, slack: f64) -> f64 {
+        8.0 * (self.near_limit() + slack)
+    }
+}

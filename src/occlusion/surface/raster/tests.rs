@@ -1,0 +1,152 @@
+use super::*;
+use crate::occlusion::pixels::PixelRect;
+
+struct Random(u64);
+
+impl Random {
+    fn within(&mut self, lo: f64, hi: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        lo + (hi - lo) * (self.0 >> 33) as f64 / (1u64 << 31) as f64
+    }
+}
+
+type Point = (f64, f64);
+
+fn edges(ring: &[Point]) -> impl Iterator<Item = (Point, Point)> {
+    ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
+}
+
+fn draw(raster: &mut Raster, ring: &[Point], wide: f64) {
+    edges(ring).for_each(|(from, to)| raster.edge(from, to, 1, wide, false));
+}
+
+/// The sum over all edges that pass the line to the left of a point.
+fn winding(ring: &[Point], p: Point) -> i32 {
+    edges(ring)
+        .map(|(a, b)| {
+            let (lo, hi, by) = if a.1 <= b.1 { (a, b, 1) } else { (b, a, -1) };
+            let passes = lo.1 < p.1 && p.1 <= hi.1;
+            let x = lo.0 + (p.1 - lo.1) * (hi.0 - lo.0) / (hi.1 - lo.1);
+            if passes && x < p.0 { by } else { 0 }
+        })
+        .sum()
+}
+
+/// Whether a segment comes closer to a square than `wide` along both axes.
+fn touches((a, b): (Point, Point), x: f64, y: f64, wide: f64) -> bool {
+    let (mut t0, mut t1) = (0.0f64, 1.0f64);
+    for (from, to, lo) in [(a.0, b.0, x), (a.1, b.1, y)] {
+        let (lo, hi) = (lo - wide, lo + 1.0 + wide);
+        if from == to {
+            if from < lo || from > hi {
+                return false;
+            }
+            continue;
+        }
+        let (s, t) = ((lo - from) / (to - from), (hi - from) / (to - from));
+        (t0, t1) = (t0.max(s.min(t)), t1.min(s.max(t)));
+    }
+    t0 <= t1
+}
+
+fn tile_and_bit(area: &Area, x: i64, y: i64) -> (usize, u32) {
+    let (x, y) = (x - area.x, y - area.y);
+    (((y / 8) * area.nx + x / 8) as usize, (y % 8 * 8 + x % 8) as u32)
+}
+
+#[test]
+fn pixels_are_marked_as_the_outline_says() {
+    let mut random = Random(1);
+    let mut raster = Raster::default();
+    let (mut covered, mut open) = (0, 0);
+    for round in 0..300 {
+        // Outlines reach beyond the area on all sides; some are small, some flat.
+        let height = if round % 5 == 0 { 0.01 } else { 30.0 };
+        let ring: Vec<Point> = (0..3 + round % 5)
+            .map(|_| (random.within(-20.0, 70.0), 30.0 + random.within(-height, height)))
+            .collect();
+        let area = Area::around(&PixelRect { x: (9, 41), y: (17, 50) });
+        let wide = [1e-5, 0.3, 2.5][round % 3];
+        raster.begin(area);
+        draw(&mut raster, &ring, wide);
+        raster.finish();
+        for y in area.y..area.y + i64::from(area.height()) {
+            for x in area.x..area.x + i64::from(area.width()) {
+                let (tile, bit) = tile_and_bit(&area, x, y);
+                let marks = raster.marks(tile);
+                let (left, low) = (x as f64, y as f64);
+                let near = edges(&ring).any(|e| touches(e, left, low, wide));
+                let marked = marks.has(Marks::OPEN, bit);
+                assert!(marked || !near, "round {round}: {x} {y} is touched and not marked");
+                if marked {
+                    open += 1;
+                    continue;
+                }
+                let number = winding(&ring, (left + 0.5, low + 0.5));
+                let sign = (marks.has(Marks::PLUS, bit), marks.has(Marks::MINUS, bit));
+                assert_eq!(sign, (number > 0, number < 0), "round {round}: {x} {y}");
+                assert_eq!(marks.covered() >> bit & 1 == 1, number != 0);
+                covered += u32::from(number != 0);
+            }
+        }
+    }
+    assert!(covered > 20_000 && open > 20_000, "{covered} {open}");
+}
+
+#[test]
+fn narrow_edges_touch_few_pixels() {
+    let mut raster = Raster::default();
+    raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }));
+    let ring = [(2.5, 2.5), (29.5, 2.5), (29.5, 29.5), (2.5, 29.5)];
+    draw(&mut raster, &ring, 1e-5);
+    raster.finish();
+    let area = raster.area();
+    for y in 0..32 {
+        for x in 0..32 {
+            let (tile, bit) = tile_and_bit(&area, x, y);
+            let border = (2..30).contains(&x)
+                && (2..30).contains(&y)
+                && ([2, 29].contains(&x) || [2, 29].contains(&y));
+            assert_eq!(raster.marks(tile).has(Marks::OPEN, bit), border, "{x} {y}");
+            let inside = (3..29).contains(&x) && (3..29).contains(&y);
+            assert_eq!(raster.marks(tile).covered() >> bit & 1 == 1, inside, "{x} {y}");
+        }
+    }
+}
+
+#[test]
+fn seams_of_two_patches_cancel() {
+    let mut random = Random(7);
+    let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
+    let (mut first, mut second) = (Raster::default(), Raster::default());
+    let mut seams = 0;
+    for _ in 0..200 {
+        // Two triangles that share the side from a to b, on different sides of it.
+        let (a, b) = ((random.within(2.0, 60.0), 3.0), (random.within(2.0, 60.0), 60.0));
+        let (c, d) = ((-9.0, random.within(0.0, 60.0)), (75.0, random.within(0.0, 60.0)));
+        for (raster, ring) in [(&mut first, [c, a, b]), (&mut second, [d, b, a])] {
+            raster.begin(area);
+            for (from, to) in edges(&ring) {
+                let seam = [from, to].iter().all(|p| [a, b].contains(p));
+                raster.edge(from, to, 1, 1e-5, seam);
+            }
+            raster.finish();
+        }
+        let quad = [c, a, d, b];
+        for y in 0..64 {
+            for x in 0..64 {
+                let (tile, bit) = tile_and_bit(&area, x, y);
+                let mut both = first.marks(tile);
+                both.add(&second.marks(tile));
+                if both.covered_seams() >> bit & 1 == 1 {
+                    seams += 1;
+                    for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 0.5)] {
+                        let p = (x as f64 + dx, y as f64 + dy);
+                        assert_ne!(winding(&quad, p), 0, "{a:?} {b:?} {c:?} {d:?}: {x} {y}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(seams > 5000, "{seams}");
+}

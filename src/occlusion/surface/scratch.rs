@@ -1,0 +1,178 @@
+//! Patches as one face sees them, and the memory for drawing them, reused from batch to batch.
+
+use glam::DVec3;
+
+use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::raster::{Area, Marks, Raster};
+
+/// A patch as one face sees it.
+#[derive(Debug, Clone)]
+pub(super) struct Seen {
+    /// Index in the batch.
+    pub(super) drawable: u32,
+    /// The index of another patch of its component, or its own.
+    pub(super) parent: u32,
+    /// The pixels that it may touch.
+    pub(super) pixels: PixelRect,
+    /// No point of it is nearer.
+    pub(super) near: f32,
+    /// For the root of a component, no point of the component is nearer.
+    pub(super) nearest: f32,
+    /// Its range in the list of sides.
+    pub(super) sides: (u32, u32),
+    /// A rectangle around its neighbours that are drawn for the first time.
+    pub(super) around: PixelRect,
+}
+
+/// A side of a patch as one face sees it.
+#[derive(Debug, Clone)]
+pub(super) struct SeenSide {
+    /// Its ends in pixels of the face.
+    pub(super) from: (f64, f64),
+    pub(super) to: (f64, f64),
+    pub(super) kind: SideKind,
+    /// Whether the patch beyond is drawn together with this one.
+    pub(super) seam: bool,
+}
+
+/// How a side is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum SideKind {
+    /// As one edge, widened by this many pixels.
+    Plain(f64),
+    /// In pieces, or cut at the near limit: its index in the list of deep sides.
+    Deep(u32),
+}
+
+/// A side that reaches over a large range of depths.
+#[derive(Debug, Clone)]
+pub(super) struct DeepSide {
+    /// Its ends in coordinates of the face.
+    pub(super) ends: [DVec3; 2],
+    pub(super) slack: f64,
+}
+
+/// The sides of the patches seen.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SeenSides {
+    pub(super) all: Vec<SeenSide>,
+    pub(super) deep: Vec<DeepSide>,
+}
+
+impl SeenSides {
+    pub(super) fn lengths(&self) -> (usize, usize) {
+        (self.all.len(), self.deep.len())
+    }
+
+    pub(super) fn truncate(&mut self, (all, deep): (usize, usize)) {
+        self.all.truncate(all);
+        self.deep.truncate(deep);
+    }
+}
+
+/// The pixels around the patches of one component.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Joint {
+    pub(super) area: Area,
+    pub(super) tiles: Vec<Marks>,
+    /// The least nearness of the patches in each tile.
+    pub(super) nears: Vec<f32>,
+}
+
+impl Joint {
+    pub(super) fn clear(&mut self, area: Area) {
+        self.area = area;
+        self.tiles.clear();
+        self.tiles.resize(area.tile_count(), Marks::default());
+        self.nears.clear();
+        self.nears.resize(area.tile_count(), f32::INFINITY);
+    }
+}
+
+/// A patch in the order of drawing, nearest components first: farness of the component, its root, index of
+/// the patch.
+pub(super) type Place = (u32, u32, u32);
+
+/// The memory for drawing surfaces.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SurfaceScratch {
+    pub(super) seen: Vec<Seen>,
+    /// For each patch of the scene, the last drawing of a face that saw it, and its index in `seen`.
+    places: Vec<(u32, u32)>,
+    /// Counts drawings of faces.
+    drawing: u32,
+    pub(super) sides: SeenSides,
+    pub(super) order: Vec<Place>,
+    pub(super) raster: Raster,
+    pub(super) joint: Joint,
+}
+
+impl SurfaceScratch {
+    /// Forgets the patches seen. `patches` is greater than all their numbers in the scene.
+    pub(super) fn begin(&mut self, patches: usize) {
+        if self.places.len() < patches {
+            self.places.resize(patches, (0, 0));
+        }
+        self.drawing += 1;
+        if self.drawing == u32::MAX {
+            self.places.fill((0, 0));
+            self.drawing = 1;
+        }
+        self.seen.clear();
+        self.sides.truncate((0, 0));
+    }
+
+    /// Appends a patch, by its number in the scene.
+    pub(super) fn push(&mut self, number: u32, seen: Seen) {
+        self.places[number as usize] = (self.drawing, self.seen.len() as u32);
+        self.seen.push(seen);
+    }
+
+    /// The index of a patch, if the face sees it.
+    #[inline]
+    pub(super) fn find(&self, number: u32) -> Option<u32> {
+        let (drawing, place) = self.places[number as usize];
+        (drawing == self.drawing).then_some(place)
+    }
+
+    /// The root of the component of a patch. Shortens the way for the next call.
+    pub(super) fn root(&mut self, mut i: u32) -> u32 {
+        while self.seen[i as usize].parent != i {
+            let up = self.seen[self.seen[i as usize].parent as usize].parent;
+            self.seen[i as usize].parent = up;
+            i = up;
+        }
+        i
+    }
+
+    /// Makes one component of those of two patches.
+    pub(super) fn unite(&mut self, i: u32, k: u32) {
+        let (a, b) = (self.root(i), self.root(k));
+        self.seen[a.max(b) as usize].parent = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_have_one_root() {
+        let mut scratch = SurfaceScratch::default();
+        scratch.begin(20);
+        for i in 0..10 {
+            let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);
+            let seen =
+                Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides: (0, 0), around };
+            scratch.push(i * 2, seen);
+        }
+        assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));
+        for (a, b) in [(9, 7), (7, 5), (2, 4), (5, 3), (4, 8)] {
+            scratch.unite(a, b);
+        }
+        let roots: Vec<u32> = (0..10).map(|i| scratch.root(i)).collect();
+        assert_eq!(roots, [0, 1, 2, 3, 2, 3, 6, 3, 2, 3]);
+        scratch.begin(20);
+        assert_eq!(scratch.find(6), None);
+    }
+}

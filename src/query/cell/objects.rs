@@ -1,0 +1,158 @@
+//! Objects and temporal bounding volumes whose cells are in sight.
+
+use glam::IVec3;
+
+use crate::grid::cell_box::volume;
+use crate::grid::side::Side;
+use crate::matrix::tbv::TbvMatrix;
+use crate::query::cell::Walk;
+use crate::query::cell::shell_scale::ShellScale;
+use crate::shape::Shape;
+
+/// A revealed object with more cells than this is decided without testing which of them are in sight.
+const MAX_PENDING: u64 = 1 << 18;
+
+impl Walk<'_> {
+    /// Decides the objects in the viewer's own cell, and reveals the volumes around it.
+    pub(super) fn first_cell(&mut self) {
+        self.stats.cells_visited += 1;
+        if let Some((visited, _)) = &mut self.record {
+            visited.set(self.shells.cell);
+        }
+        let scene = self.scene;
+        scene.id_matrix().get(self.shells.cell).for_each(|slot| self.decide(slot));
+        let mut around = Vec::new();
+        self.scene.volumes().holding(self.shells.cell, |slot| around.push(slot));
+        around.sort_unstable();
+        around.into_iter().for_each(|slot| self.reveal(slot, 0));
+        if let Some(first) = self.scratch.pending.first_mut() {
+            for (_, slot) in std::mem::take(first) {
+                self.decide(slot);
+            }
+        }
+    }
+
+    /// Decides an object one of whose cells is in sight.
+    pub(super) fn decide(&mut self, slot: u32) {
+        if !self.marks.decide(slot) {
+            return;
+        }
+        self.stats.objects_tested += 1;
+        let object = self.scene.object(slot);
+        // An object whose place is not known may be anywhere.
+        if object.is_unlocated() || self.view.may_see(object.bounds()) {
+            self.pvs.push(self.scene.id(slot));
+        }
+    }
+
+    /// A volume came into sight at shell `m`: the cells of its object from
+    /// there on decide. Nearer ones are hidden, or the surface around them would have
+    /// been seen before.
+    pub(super) fn reveal(&mut self, slot: u32, m: i32) {
+        if !self.marks.reveal(slot) {
+            return;
+        }
+        self.stats.tbvs_revealed += 1;
+        self.pvs.revealed.push(self.scene.id(slot));
+        let object = self.scene.object(slot);
+        if object.on_expiry() {
+            // Its bounds are old: it may be anywhere in the volume.
+            self.marks.decide(slot);
+            self.pvs.push(self.scene.id(slot));
+            return;
+        }
+        if !self.from_eye {
+            // Rays do not start where the walk does, which may have passed the object's cells.
+            self.decide(slot);
+            return;
+        }
+        let bounds = object.bounds();
+        if !self.view.may_see(bounds) {
+            return;
+        }
+        let block = bounds.block();
+        let (lo, hi) = self.scene.grid().cover(block.min, block.max);
+        if volume(lo, hi) > MAX_PENDING {
+            // So many cells cost more than a test could spare.
+            self.decide(slot);
+            return;
+        }
+        let (cell, pending) = (self.shells.cell, &mut self.scratch.pending);
+        bounds.touched(self.scene.grid(), &mut |run| {
+            for c in run.cells() {
+                let shell = (c - cell).abs().max_element();
+                if shell >= m {
+                    if pending.len() <= shell as usize {
+                        pending.resize_with(shell as usize + 1, Vec::new);
+                    }
+                    pending[shell as usize].push((c, slot));
+                }
+            }
+        });
+    }
+
+    /// Decides the revealed objects with cells in shell `m`.
+    pub(super) fn settle_pending(&mut self, m: i32, scale: &ShellScale) {
+        let Some(list) = self.scratch.pending.get_mut(m as usize) else { return };
+        let mut list = std::mem::take(list);
+        for (c, slot) in list.drain(..) {
+            let relative = c - self.shells.cell;
+            if !self.marks.is_decided(slot)
+                && self.shells.frustum.meets(relative, relative)
+                && !self.is_hidden(relative, m, scale)
+            {
+                self.decide(slot);
+            }
+        }
+        self.scratch.pending[m as usize] = list;
+    }
+
+    /// Whether a cell, relative to V, is hidden by the mask of a side that it belongs to.
+    fn is_hidden(&self, c: IVec3, m: i32, scale: &ShellScale) -> bool {
+        Side::ALL.iter().enumerate().any(|(i, side)| {
+            c[side.axes.normal] * side.sign == m
+                && self.scratch.masks.is_hidden(i, scale, c[side.axes.row], c[side.axes.col])
+        })
+    }
+
+    /// Decides the objects with cells in a tile of a side of shell `m` that are in sight.
+    pub(super) fn find_objects(
+        &mut self,
+        side: &Side,
+        brick: IVec3,
+        at: i32,
+        tile: u64,
+        m: i32,
+        scale: &ShellScale,
+    ) {
+        let axes = side.axes;
+        let mut corner = (brick << 3i32) - self.shells.cell;
+        corner[axes.normal] = at - self.shells.cell[axes.normal];
+        let scene = self.scene;
+        scene.id_matrix().for_tile(brick, &axes, at, tile, |bit, whole, own| {
+            let decided = |&slot: &u32| self.marks.is_decided(slot);
+            if own.iter().all(decided) && whole.iter().all(decided) {
+                return;
+            }
+            let mut c = corner;
+            c[axes.row] += bit >> 3;
+            c[axes.col] += bit & 7;
+            let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
+            if !(on_edge && self.is_hidden(c, m, scale)) {
+                whole.iter().chain(own).for_each(|&slot| self.decide(slot));
+            }
+        });
+    }
+
+    /// Reveals the volumes with surface in a tile of a side of shell `m`.
+    pub(super) fn find_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
+        let scene = self.scene;
+        for slot in scene.tbv_matrix().ids(brick) {
+            if !self.marks.is_revealed(slot)
+                && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &side.axes, at) & tile != 0
+            {
+                self.reveal(slot, m);
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Runs of bits in slices of words.
+
+/// The first set bit in `from..end`, or `end`.
+#[inline]
+pub(crate) fn next_set(bits: &[u64], from: usize, end: usize) -> usize {
+    scan(bits, from, end, 0)
+}
+
+/// The first clear bit in `from..end`, or `end`.
+#[inline]
+pub(crate) fn next_clear(bits: &[u64], from: usize, end: usize) -> usize {
+    scan(bits, from, end, u64::MAX)
+}
+
+#[inline]
+fn scan(bits: &[u64], from: usize, end: usize, flip: u64) -> usize {
+    if from >= end {
+        return end;
+    }
+    let mut i = from / 64;
+    let mut word = (bits[i] ^ flip) & (u64::MAX << (from % 64));
+    let last = (end - 1) / 64;
+    while word == 0 {
+        if i == last {
+            return end;
+        }
+        i += 1;
+        word = bits[i] ^ flip;
+    }
+    (i * 64 + word.trailing_zeros() as usize).min(end)
+}
+
+/// Sets the bits `from..to`.
+#[inline]
+pub(crate) fn set_span(bits: &mut [u64], from: usize, to: usize) {
+    for_span(bits, from, to, |word, mask| *word |= mask);
+}
+
+/// Clears the bits `from..to`.
+#[inline]
+pub(crate) fn clear_span(bits: &mut [u64], from: usize, to: usize) {
+    for_span(bits, from, to, |word, mask| *word &= !mask);
+}
+
+#[inline]
+fn for_span(bits: &mut [u64], from: usize, to: usize, apply: impl Fn(&mut u64, u64)) {
+    if from >= to {
+        return;
+    }
+    let (a, b) = (from / 64, (to - 1) / 64);
+    let (head, tail) = (u64::MAX << (from % 64), u64::MAX >> (63 - (to - 1) % 64));
+    if a == b {
+        apply(&mut bits[a], head & tail);
+        return;
+    }
+    apply(&mut bits[a], head);
+    bits[a + 1..b].iter_mut().for_each(|w| apply(w, u64::MAX));
+    apply(&mut bits[b], tail);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans() {
+        let mut bits = vec![0u64; 4];
+        set_span(&mut bits, 3, 200);
+        clear_span(&mut bits, 60, 130);
+        assert_eq!(bits.iter().map(|w| w.count_ones()).sum::<u32>(), 197 - 70);
+        assert_eq!(next_set(&bits, 0, 256), 3);
+        assert_eq!(next_clear(&bits, 3, 256), 60);
+        assert_eq!(next_set(&bits, 60, 256), 130);
+        assert_eq!(next_set(&bits, 200, 256), 256);
+        assert_eq!(next_clear(&bits, 130, 150), 150);
+    }
+}

@@ -1,0 +1,277 @@
+//! The walk over bricks.
+
+use glam::{DVec3, IVec3};
+
+use crate::geometry::Block;
+use crate::grid::bricks::Pages;
+use crate::grid::side::Side;
+use crate::query::point::Walk;
+use crate::walk::{Shells, SideFrustum};
+
+/// A brick with fewer objects yet undecided is not tested itself.
+const WORTH_TESTING: usize = 3;
+
+/// More bricks in a row than this are first tested together.
+const WORTH_TESTING_ROW: i32 = 4;
+
+/// So are bands of this many rows, if they have this many bricks.
+const BAND: i32 = 8;
+const WORTH_TESTING_BAND: i64 = 32;
+
+/// Bricks of views without shells are taken in portions of this many, front to back.
+const PORTION: usize = 64;
+
+/// A page that contains bricks with a coordinate along an axis.
+fn page_at(axis: usize, brick: i32) -> IVec3 {
+    let mut page = IVec3::ZERO;
+    page[axis] = brick >> 3;
+    page
+}
+
+/// The part of one side of a shell of bricks that is in the grid.
+struct BrickSide<'a> {
+    side: &'a Side,
+    /// The brick in the middle.
+    brick: IVec3,
+    /// Coordinate along the side's axis, relative to the middle.
+    depth: i32,
+    rows: (i32, i32),
+    cols: (i32, i32),
+}
+
+impl BrickSide<'_> {
+    /// A brick relative to the middle.
+    #[inline]
+    fn at(&self, row: i32, col: i32) -> IVec3 {
+        self.side.cell(self.depth, row, col)
+    }
+}
+
+impl Walk<'_> {
+    /// Walks the shells around the eye outwards, until every pixel is closed.
+    pub(super) fn in_shells(&mut self, shells: &Shells, eye: DVec3) {
+        for m in shells.nearest..=shells.farthest {
+            self.stats.shells += 1;
+            self.shell(shells, m);
+            if self.scratch.buffers.closed(self.distance_beyond(shells.cell, m, eye)) {
+                break;
+            }
+        }
+    }
+
+    /// Tests and draws the objects found in the bricks up to shell `m`, and those of their volumes.
+    fn finish_bricks(&mut self, m: i32) {
+        self.settle();
+        self.draw_clusters(m);
+        self.test_volumes();
+        self.settle();
+        self.draw_clusters(m);
+    }
+
+    /// Finds the objects of the bricks of shell `m`, tests and draws them.
+    fn shell(&mut self, shells: &Shells, m: i32) {
+        let mut bricks = std::mem::take(&mut self.scratch.bricks);
+        bricks.clear();
+        self.shell_bricks(shells, m, &mut bricks);
+        for &b in &bricks {
+            self.brick(b);
+        }
+        self.scratch.bricks = bricks;
+        self.finish_bricks(m);
+    }
+
+    /// Walks all bricks in the frustum, sorted along a direction.
+    pub(super) fn everywhere(&mut self, direction: DVec3) {
+        let grid = self.grid;
+        let shells = Shells::around_middle(&grid, self.view);
+        let mut bricks = std::mem::take(&mut self.scratch.bricks);
+        bricks.clear();
+        for m in 0..=shells.farthest {
+            self.shell_bricks(&shells, m, &mut bricks);
+        }
+        bricks.sort_by(|a, b| {
+            let depth = |c: &IVec3| c.as_dvec3().dot(direction);
+            depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
+        });
+        for portion in bricks.chunks(PORTION) {
+            self.stats.shells += 1;
+            for &brick in portion {
+                self.brick(brick);
+            }
+            self.finish_bricks(0);
+        }
+        self.scratch.bricks = bricks;
+        // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
+        for slot in 0..self.scene.slot_count() as u32 {
+            if self.scene.is_hidden(slot) {
+                self.test_volume(slot);
+            }
+        }
+        self.settle();
+        self.draw_clusters(0);
+    }
+
+    /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
+    fn distance_beyond(&self, brick: IVec3, m: i32, eye: DVec3) -> f64 {
+        let (lo, hi) = self.grid.range_bounds(brick - m, brick + m);
+        let (min, max) = (self.grid.min(), self.grid.max());
+        let mut least = f64::INFINITY;
+        for axis in 0..3 {
+            if lo[axis] > min[axis] {
+                least = least.min(eye[axis] - lo[axis]);
+            }
+            if hi[axis] < max[axis] {
+                least = least.min(hi[axis] - eye[axis]);
+            }
+        }
+        least
+    }
+
+    /// Whether a brick contains nothing that the walk looks for.
+    #[inline]
+    fn brick_is_empty(&self, brick: IVec3) -> bool {
+        let scene = self.scene;
+        scene.id_matrix().in_brick(brick).len() == 0
+            && scene.tbv_matrix().is_empty(brick)
+            && scene.fused().in_brick(brick).is_empty()
+    }
+
+    /// Whether a plane of pages contains nothing that the walk looks for.
+    fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.id_matrix().pages().plane_is_empty(axis, page)
+            && scene.tbv_matrix().pages().plane_is_empty(axis, page)
+            && scene.fused().pages().plane_is_empty(axis, page)
+    }
+
+    /// Whether a row of pages contains nothing that the walk looks for.
+    fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.id_matrix().pages().row_is_empty(along, page)
+            && scene.tbv_matrix().pages().row_is_empty(along, page)
+            && scene.fused().pages().row_is_empty(along, page)
+    }
+
+    /// Whether a page contains nothing that the walk looks for.
+    #[inline]
+    fn page_is_empty(&self, page: IVec3) -> bool {
+        let scene = self.scene;
+        scene.id_matrix().pages().page_is_empty(page)
+            && scene.tbv_matrix().pages().page_is_empty(page)
+            && scene.fused().pages().page_is_empty(page)
+    }
+
+    /// Appends the bricks of shell `m` in the frustum that contain anything and are not hidden.
+    fn shell_bricks(&self, shells: &Shells, m: i32, out: &mut Vec<IVec3>) {
+        if m == 0 {
+            if self.grid.contains(shells.cell) && !self.brick_is_empty(shells.cell) {
+                out.push(shells.cell);
+            }
+            return;
+        }
+        for (index, side) in Side::ALL.iter().enumerate() {
+            let Some(part) = self.side_in_grid(shells, index, side, m) else { continue };
+            let on_side = shells.frustum.on_side(side, part.depth);
+            let mut first = part.rows.0;
+            while first <= part.rows.1 {
+                let last = part.rows.1.min(first + BAND - 1);
+                if !self.band_is_hidden(&part, first, last) {
+                    (first..=last).for_each(|row| self.row_bricks(&part, &on_side, row, out));
+                }
+                first = last + 1;
+            }
+        }
+    }
+
+    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches it.
+    fn side_in_grid<'s>(
+        &self,
+        shells: &Shells,
+        index: usize,
+        side: &'s Side,
+        m: i32,
+    ) -> Option<BrickSide<'s>> {
+        let (dims, axes, brick) = (self.grid.dims(), side.axes, shells.cell);
+        let depth = m * side.sign;
+        let at = brick[axes.normal] + depth;
+        if !(0..dims[axes.normal]).contains(&at) || self.plane_is_empty(axes.normal, page_at(axes.normal, at))
+        {
+            return None;
+        }
+        // Edges belong to the first of their sides.
+        let reach = |axis: usize| if axis < index / 2 { m - 1 } else { m };
+        let span = |axis: usize| {
+            let r = reach(axis);
+            ((-brick[axis]).max(-r), (dims[axis] - 1 - brick[axis]).min(r))
+        };
+        let part = BrickSide { side, brick, depth, rows: span(axes.row), cols: span(axes.col) };
+        let ((r0, r1), (c0, c1)) = (part.rows, part.cols);
+        (r0 <= r1 && c0 <= c1 && shells.frustum.meets(part.at(r0, c0), part.at(r1, c1))).then_some(part)
+    }
+
+    /// A box around the bricks of a side between two of them, relative to the middle.
+    fn block(&self, brick: IVec3, lo: IVec3, hi: IVec3) -> Block {
+        Block::new(self.grid.range_bounds(brick + lo.min(hi), brick + lo.max(hi)))
+    }
+
+    /// Whether a band of rows contains nothing, or is hidden as a whole.
+    fn band_is_hidden(&self, part: &BrickSide, first: i32, last: i32) -> bool {
+        let (along, (c0, c1)) = (part.side.axes.col, part.cols);
+        // A band of rows is in at most two rows of pages.
+        let empty = |&row: &i32| self.row_is_empty(along, (part.brick + part.at(row, c0)) >> 3i32);
+        if [first, last].iter().all(empty) {
+            return true;
+        }
+        let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
+        wide && self.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
+    }
+
+    /// Appends the bricks of a row.
+    fn row_bricks(&self, part: &BrickSide, on_side: &SideFrustum, row: i32, out: &mut Vec<IVec3>) {
+        let Some((lo, hi)) = on_side.row(row, part.cols) else { return };
+        let wide = hi - lo >= WORTH_TESTING_ROW;
+        if wide && self.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
+            return;
+        }
+        let mut col = lo;
+        while col <= hi {
+            let b = part.brick + part.at(row, col);
+            let last = hi.min(col + 7 - (b[part.side.axes.col] & 7));
+            if !self.page_is_empty(b >> 3i32) {
+                let bricks = (col..=last).map(|col| part.brick + part.at(row, col));
+                out.extend(bricks.filter(|&b| !self.brick_is_empty(b)));
+            }
+            col = last + 1;
+        }
+    }
+
+    /// Finds the objects of one brick, unless the brick is hidden.
+    fn brick(&mut self, brick: IVec3) {
+        self.stats.bricks_visited += 1;
+        let scene = self.scene;
+        let fused = scene.fused().in_brick(brick);
+        let volumes = !scene.tbv_matrix().is_empty(brick);
+        let open = scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)).count();
+        if open == 0 && fused.is_empty() && !volumes {
+            return;
+        }
+        if open >= WORTH_TESTING || !fused.is_empty() || volumes {
+            let bounds = Block::new(self.grid.cell_bounds(brick));
+            if self.hides(&bounds) {
+                self.stats.bricks_hidden += 1;
+                return;
+            }
+        }
+        for slot in scene.id_matrix().in_brick(brick) {
+            self.find(slot);
+        }
+        if volumes {
+            self.scratch.volumes.push(brick);
+        }
+        if !fused.is_empty() && self.may_fuse() {
+            for cells in fused {
+                self.draw_cells(cells);
+            }
+        }
+    }
+}

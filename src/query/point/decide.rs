@@ -1,0 +1,89 @@
+//! The second test of objects, and its refinement.
+
+use crate::geometry::body::Body;
+use crate::object::Bounds;
+use crate::occlusion::buffers::Verdict;
+use crate::occlusion::magnify::Magnifier;
+use crate::occlusion::refine::Effort;
+use crate::occlusion::target::Target;
+use crate::query::point::Walk;
+
+/// The budget of refinement that a query has left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Left {
+    squares: u64,
+    patches: u32,
+}
+
+impl Walk<'_> {
+    /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
+    pub(super) fn decide(&mut self) {
+        let mut candidates = std::mem::take(&mut self.scratch.candidates);
+        let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
+        let mut left =
+            Left { squares: u64::from(self.settings.refine_budget), patches: self.settings.refine_patches };
+        for slot in candidates.drain(..) {
+            let object = self.scene.object(slot);
+            if !(object.is_unlocated() || object.is_hidden_unreported()) {
+                self.stats.occlusion_tests += 1;
+                let before = left;
+                let hidden = self.is_hidden(object.bounds(), slot, &mut magnifier, &mut left);
+                self.stats.refined += u32::from(left != before);
+                if hidden {
+                    self.stats.refined_hidden += u32::from(left != before);
+                    continue;
+                }
+            }
+            self.pvs.push(self.scene.id(slot));
+        }
+        self.stats.refine_squares = u64::from(self.settings.refine_budget) - left.squares;
+        self.stats.refine_patches = self.settings.refine_patches - left.patches;
+        self.scratch.candidates = candidates;
+        self.scratch.magnifier = magnifier;
+    }
+
+    /// Whether no point of an object can be seen, with all occluders drawn.
+    fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, left: &mut Left) -> bool {
+        let buffers = &self.scratch.buffers;
+        let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
+        let drawable = |id: u32| {
+            let (slot, patch) = self.scratch.patches[id as usize];
+            self.drawable(slot, patch)
+        };
+        let mut hidden = |target: &Target| {
+            let verdict = if effort.squares > 0 {
+                buffers.refine(target, slot, &effort, &mut left.squares)
+            } else {
+                buffers.test(target)
+            };
+            verdict == Verdict::Hidden
+                || left.patches > 0
+                    && magnifier.hides(
+                        buffers,
+                        target,
+                        self.scene.seams().patches(),
+                        &mut left.patches,
+                        drawable,
+                    )
+        };
+        let (origin, direction) = (buffers.origin(), buffers.direction());
+        if let Some(middle) = bounds.kind().middle_of_parts() {
+            if self.hides(&bounds.block()) {
+                return true;
+            }
+            // A quick way to find objects that are plainly in sight.
+            if buffers.shows(middle - origin) {
+                return false;
+            }
+        }
+        // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
+        let parts = if buffers.uncertainty() == 0.0 {
+            bounds.kind().all_parts(origin, &mut |part| hidden(&Target::new(Body::Polytope(part), direction)))
+        } else {
+            None
+        };
+        parts.unwrap_or_else(|| {
+            hidden(&Target::new(bounds.kind().outer(origin, buffers.uncertainty()), direction))
+        })
+    }
+}

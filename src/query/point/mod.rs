@@ -1,0 +1,117 @@
+//! The point method: the objects that can be seen from the eye, at pixel precision.
+//!
+//! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum only. A brick is
+//! tested before the objects in it ([`bricks`]), an object before it is drawn as an occluder ([`objects`],
+//! [`occluders`], [`surfaces`]), and the walk ends when every pixel is closed. Objects that were found visible are
+//! tested once more when all occluders are drawn, so that the order matters for speed only; undecided pixels are
+//! refined ([`decide`]).
+
+mod bricks;
+mod decide;
+mod objects;
+mod occluders;
+pub(crate) mod scratch;
+mod surfaces;
+mod volumes;
+
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::method::Settings;
+use crate::occlusion::pitch::Pitch;
+use crate::pvs::{Pvs, Stats};
+use crate::query::marks::Marks;
+use crate::query::point::scratch::PointScratch;
+use crate::scene::Scene;
+use crate::view::{Origin, View};
+use crate::walk::{Shells, Start};
+
+/// Objects nearer to the eye than this share of a cell are visible without a test.
+const NEAREST: f64 = 0.02;
+
+/// One run of the point method.
+pub(crate) struct Walk<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    settings: &'a Settings,
+    pvs: &'a mut Pvs,
+    marks: &'a mut Marks,
+    scratch: &'a mut PointScratch,
+    /// Regions between the eye and the near plane.
+    cut: Vec<(View, Block)>,
+    /// The region where an eye may be that is not known exactly.
+    unsure: Option<(View, Block)>,
+    /// The grid of bricks.
+    grid: Grid,
+    /// Whether boxes of opaque cells may be drawn, once that was found out.
+    fuses: Option<bool>,
+    /// The shells of bricks around the eye's brick, if the walk goes in shells.
+    around: Option<Shells>,
+    stats: Stats,
+}
+
+impl<'a> Walk<'a> {
+    pub(crate) fn new(
+        scene: &'a Scene,
+        view: &'a View,
+        settings: &'a Settings,
+        pvs: &'a mut Pvs,
+        marks: &'a mut Marks,
+        scratch: &'a mut PointScratch,
+    ) -> Self {
+        marks.begin(scene.slot_count());
+        scratch.begin(scene.seams().patches(), marks.epoch());
+        let (min, max) = scene.extent();
+        let grid = scene.grid().bricks();
+        Self {
+            scene,
+            view,
+            settings,
+            pvs,
+            marks,
+            scratch,
+            cut: view.cut_regions(min, max).collect(),
+            unsure: view.eye_region(),
+            grid,
+            fuses: None,
+            around: Shells::around_eye(&grid, view, Start::Eye),
+            stats: Stats::default(),
+        }
+    }
+
+    /// Fills the set.
+    pub(crate) fn run(mut self) {
+        let (min, max) = self.scene.extent();
+        let pitch = Pitch {
+            pixels: 90.0 / f64::from(self.settings.pixel_degrees),
+            least: f64::from(self.settings.min_pixels),
+            nearest: NEAREST * self.scene.grid().cell_size(),
+            reach: (max - min).length() * 0.5,
+            middle: (min + max) * 0.5,
+        };
+        self.scratch.buffers.begin(self.view, &pitch);
+        self.stats.pixels = self.scratch.buffers.pixels();
+        for &slot in self.scene.always() {
+            self.find(slot);
+        }
+        self.settle();
+        match (self.view.origin, self.around.clone()) {
+            (Origin::Eye { at, .. }, Some(shells)) => {
+                self.reveal_around(at);
+                self.in_shells(&shells, at);
+            }
+            (Origin::Eye { at, .. }, None) => {
+                self.reveal_around(at);
+                self.everywhere(pitch.middle - at);
+            }
+            (Origin::Direction(d), _) => self.everywhere(d),
+        }
+        self.test_outer_volumes();
+        self.decide();
+        self.pvs.stats = self.stats;
+    }
+
+    /// Whether a box in world units is hidden by the occluders drawn so far.
+    fn hides(&self, bounds: &Block) -> bool {
+        self.scratch.hides(bounds)
+    }
+}

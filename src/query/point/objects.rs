@@ -1,0 +1,58 @@
+//! Testing objects for the first time.
+
+use glam::DVec3;
+
+use crate::query::point::Walk;
+
+impl Walk<'_> {
+    /// Lists an object for testing, once in a query: its brick or volume is in sight.
+    pub(super) fn find(&mut self, slot: u32) {
+        if !self.marks.decide(slot) {
+            return;
+        }
+        let object = self.scene.object(slot);
+        let scratch = &mut *self.scratch;
+        if object.is_unlocated() || object.is_hidden_unreported() {
+            // It may be anywhere: visible, whatever its old bounds say.
+            scratch.candidates.push(slot);
+            return;
+        }
+        self.stats.objects_tested += 1;
+        if self.view.may_see(object.bounds()) {
+            let block = object.bounds().block();
+            let distance = match scratch.buffers.direction() {
+                Some(d) => ((block.min + block.max) * 0.5).dot(d),
+                None => {
+                    let eye = scratch.buffers.origin();
+                    (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
+                }
+            };
+            scratch.found.push((distance, slot));
+        }
+    }
+
+    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen: at once, or,
+    /// where only some may be drawn, the largest of the shell first.
+    pub(super) fn settle(&mut self) {
+        let mut found = std::mem::take(&mut self.scratch.found);
+        let limited = self.settings.max_occluders < u32::MAX;
+        let mut seen: Vec<(f64, u32)> = Vec::new();
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, slot) in found.drain(..) {
+            self.stats.occlusion_tests += 1;
+            if !self.hides(&self.scene.object(slot).bounds().block()) {
+                self.scratch.candidates.push(slot);
+                if limited {
+                    seen.push((self.solid_angle(slot), slot));
+                } else {
+                    self.draw(slot);
+                }
+            }
+        }
+        seen.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, slot) in seen {
+            self.draw(slot);
+        }
+        self.scratch.found = found;
+    }
+}

@@ -1,0 +1,90 @@
+//! Drawing convex occluders and boxes of opaque cells.
+
+use crate::geometry::Block;
+use crate::geometry::polytope::Polytope;
+use crate::grid::cell_box::CellBox;
+use crate::object::Occluder;
+use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::solid::Solid;
+use crate::query::point::Walk;
+use crate::query::start::rays_start_in_occluder;
+use crate::shape::Shape;
+use crate::view::View;
+use crate::view::cut::may_meet;
+
+/// The owner of boxes of cells, which belong to no object.
+const NOBODY: u32 = u32::MAX;
+
+impl Walk<'_> {
+    /// Draws the occluder of an object, or lists the clusters of its surface for drawing.
+    pub(super) fn draw(&mut self, slot: u32) {
+        if !self.view.is_ordered() {
+            return;
+        }
+        let Some(occluder) = self.scene.object(slot).occluder() else { return };
+        let least = f64::from(self.settings.min_solid_angle);
+        let small = least > 0.0 && self.solid_angle(slot) < least;
+        if small || self.stats.occluders_drawn >= self.settings.max_occluders {
+            self.stats.occluders_skipped += 1;
+            return;
+        }
+        if let Some(surface) = occluder.surface() {
+            self.stats.occluders_drawn += 1;
+            self.list_clusters(slot, surface, occluder.placement());
+            return;
+        }
+        let buffers = &mut self.scratch.buffers;
+        let block = occluder.block();
+        // One sees through a solid where the near plane cuts into it.
+        let cut = self.cut.iter().any(|(region, around)| may_meet(occluder, region, around));
+        let cut = cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &block));
+        let unsure = |(region, around): &(View, Block)| may_meet(occluder, region, around);
+        let inside = buffers.direction().is_none()
+            && (occluder.contains_point(buffers.origin()) || self.unsure.as_ref().is_some_and(unsure));
+        if cut || inside {
+            self.stats.eye_in_occluder = true;
+            return;
+        }
+        if let Some(solid) = solid(occluder, buffers) {
+            self.stats.occluders_drawn += 1;
+            self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+        }
+    }
+
+    /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
+    /// Teller 1997). For parallel rays, the area of that ball's disc.
+    pub(super) fn solid_angle(&self, slot: u32) -> f64 {
+        let Some(occluder) = self.scene.object(slot).occluder() else { return 0.0 };
+        let (block, buffers) = (occluder.block(), &self.scratch.buffers);
+        let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
+        match buffers.direction() {
+            Some(_) => area,
+            None => area / ((block.min + block.max) * 0.5 - buffers.origin()).length_squared(),
+        }
+    }
+
+    /// Draws a box of opaque cells.
+    pub(super) fn draw_cells(&mut self, cells: &CellBox) {
+        let buffers = &mut self.scratch.buffers;
+        let (min, max) = self.scene.grid().range_bounds(cells.lo, cells.hi);
+        let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
+        let block = Block { min: min - origin + shrink, max: max - origin - shrink };
+        if block.min.cmplt(block.max).all()
+            && !buffers.hides(&block)
+            && let Some(solid) = Solid::polytope(Polytope::block(&block), buffers.direction())
+        {
+            self.stats.cells_drawn += 1;
+            buffers.draw(&solid, NOBODY);
+        }
+    }
+
+    /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
+    pub(super) fn may_fuse(&mut self) -> bool {
+        *self.fuses.get_or_insert_with(|| !rays_start_in_occluder(self.scene, self.view))
+    }
+}
+
+/// A convex occluder, shrunk by the uncertainty of the eye; `None` if nothing is left.
+fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
+    Solid::new(occluder.kind().inner(buffers.origin(), buffers.uncertainty())?, buffers.direction())
+}

@@ -1,0 +1,48 @@
+//! The memory of the point method.
+
+use glam::IVec3;
+
+use crate::geometry::Block;
+use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::magnify::Magnifier;
+
+/// The memory of the point method, reused from query to query.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PointScratch {
+    pub(crate) buffers: OcclusionBuffers,
+    pub(super) bricks: Vec<IVec3>,
+    /// Bricks of a shell with temporal bounding volumes that are not hidden.
+    pub(super) volumes: Vec<IVec3>,
+    /// Objects of a shell: distance and slot.
+    pub(super) found: Vec<(f64, u32)>,
+    /// Objects found visible so far.
+    pub(super) candidates: Vec<u32>,
+    /// Clusters of visible surfaces by the shell that they begin in: object and cluster.
+    pub(super) clusters: Vec<Vec<(u32, u32)>>,
+    /// For each patch of the scene, the last query that drew it, and in which batch.
+    pub(super) drawn: Vec<(u32, u32)>,
+    pub(super) batches: u32,
+    /// The patches drawn, in the order of first drawing: object and patch.
+    pub(super) patches: Vec<(u32, u32)>,
+    pub(super) magnifier: Magnifier,
+}
+
+impl PointScratch {
+    /// Forgets the last query. `patches` is the number of patches of the scene, and `epoch` the number of the
+    /// query, which starts at 1 again when it has reached its greatest value.
+    pub(super) fn begin(&mut self, patches: usize, epoch: u32) {
+        self.candidates.clear();
+        self.clusters.iter_mut().for_each(Vec::clear);
+        self.patches.clear();
+        self.drawn.resize(patches.max(self.drawn.len()), (0, 0));
+        if epoch == 1 {
+            self.drawn.fill((0, 0));
+        }
+    }
+
+    /// Whether a box in world units is hidden by the occluders drawn so far.
+    pub(super) fn hides(&self, bounds: &Block) -> bool {
+        let (origin, grow) = (self.buffers.origin(), self.buffers.uncertainty());
+        self.buffers.hides(&Block { min: bounds.min - origin - grow, max: bounds.max - origin + grow })
+    }
+}

@@ -1,0 +1,75 @@
+//! Temporal bounding volumes: tested like objects, and opened when they are in sight.
+
+use glam::DVec3;
+
+use crate::geometry::Block;
+use crate::grid::cell_box::CellBox;
+use crate::query::point::Walk;
+
+impl Walk<'_> {
+    /// Reveals the volumes around the eye: their surface is not between the eye and the objects in them.
+    pub(super) fn reveal_around(&mut self, eye: DVec3) {
+        let scene = self.scene;
+        let cell = scene.grid().cell_of(eye);
+        if !scene.grid().contains(cell) {
+            return;
+        }
+        let mut around = Vec::new();
+        scene.volumes().holding(cell, |slot| around.push(slot));
+        around.sort_unstable();
+        around.into_iter().for_each(|slot| self.reveal(slot));
+    }
+
+    /// Tests the volumes of the bricks walked since the last call, after all objects as near are drawn.
+    pub(super) fn test_volumes(&mut self) {
+        let mut bricks = std::mem::take(&mut self.scratch.volumes);
+        let scene = self.scene;
+        for brick in bricks.drain(..) {
+            let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
+            let mut ids = scene.tbv_matrix().ids(brick);
+            if ids.all(|s| self.marks.is_revealed(s))
+                || self.hides(&Block::new(scene.grid().range_bounds(lo, hi)))
+            {
+                continue;
+            }
+            for slot in scene.tbv_matrix().ids(brick) {
+                self.test_volume(slot);
+            }
+        }
+        self.scratch.volumes = bricks;
+    }
+
+    /// Tests the volumes that leave the grid, where the walk does not go.
+    pub(super) fn test_outer_volumes(&mut self) {
+        let scene = self.scene;
+        for bucket in scene.volumes().outer() {
+            if self.view.may_see_volume(&bucket.around) && !self.hides(&bucket.around) {
+                bucket.slots.iter().for_each(|&slot| self.test_volume(slot));
+            }
+        }
+        self.settle();
+    }
+
+    /// Reveals a volume that is in sight.
+    pub(super) fn test_volume(&mut self, slot: u32) {
+        if self.marks.is_revealed(slot) {
+            return;
+        }
+        let bounds = self.scene.volume_block(slot);
+        // The surface of a volume in which rays start does not come before the objects in it.
+        let starts = self.scratch.buffers.direction().is_some_and(|d| self.view.cuts_front(d, &bounds));
+        if self.view.may_see_volume(&bounds) && (starts || !self.hides(&bounds)) {
+            self.reveal(slot);
+        }
+    }
+
+    /// Marks the volume of an object as revealed, and finds the object.
+    fn reveal(&mut self, slot: u32) {
+        if !self.marks.reveal(slot) {
+            return;
+        }
+        self.stats.tbvs_revealed += 1;
+        self.pvs.revealed.push(self.scene.id(slot));
+        self.find(slot);
+    }
+}

@@ -1,0 +1,7 @@
+//! Walks over the cells of a grid in chessboard shells, inside the frustum of a view.
+
+mod frustum;
+mod shells;
+
+pub(crate) use frustum::{SideFrustum, Start};
+pub(crate) use shells::Shells;

@@ -1,0 +1,74 @@
+//! The cells that a walk visits: chessboard shells around one cell, cut off by the frustum.
+
+use glam::IVec3;
+
+use crate::grid::Grid;
+use crate::numeric::query::FAR_VIEWER;
+use crate::view::{Origin, View};
+use crate::walk::frustum::{CellFrustum, Start};
+
+/// The shells of cells around a cell, out to the farthest cell of the grid.
+#[derive(Debug, Clone)]
+pub(crate) struct Shells {
+    /// The cell in the middle.
+    pub(crate) cell: IVec3,
+    /// Chessboard distance of the nearest and the farthest cell of the grid.
+    pub(crate) nearest: i32,
+    pub(crate) farthest: i32,
+    /// The frustum, relative to the middle.
+    pub(crate) frustum: CellFrustum,
+}
+
+impl Shells {
+    /// The shells around the cell of the eye. `None` for parallel rays, and for an eye so far from the grid that
+    /// coordinates in cells are not exact enough.
+    pub(crate) fn around_eye(grid: &Grid, view: &View, start: Start) -> Option<Self> {
+        let Origin::Eye { at, .. } = view.origin else { return None };
+        let cell = grid.cell_of(at);
+        let (nearest, farthest) = shell_range(grid, cell);
+        (nearest <= FAR_VIEWER).then(|| Self {
+            cell,
+            nearest,
+            farthest,
+            frustum: CellFrustum::new(grid, view, cell, start),
+        })
+    }
+
+    /// The shells around the middle of the grid, for walks that do not start at the eye.
+    pub(crate) fn around_middle(grid: &Grid, view: &View) -> Self {
+        let cell = grid.dims() / 2;
+        let (nearest, farthest) = shell_range(grid, cell);
+        Self { cell, nearest, farthest, frustum: CellFrustum::new(grid, view, cell, Start::None) }
+    }
+}
+
+/// Chessboard distance from a cell to the nearest and farthest cell of the grid.
+pub(crate) fn shell_range(grid: &Grid, cell: IVec3) -> (i32, i32) {
+    let last = grid.dims() - 1;
+    let nearest = (-cell).max(cell - last).max(IVec3::ZERO).max_element();
+    let farthest = cell.abs().max((last - cell).abs()).max_element();
+    (nearest, farthest)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+
+    #[test]
+    fn shells_reach_from_the_nearest_to_the_farthest_cell() {
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(10, 20, 30) };
+        let grid = Grid::new(&spec).unwrap();
+        let range = |eye: Vec3| {
+            let view = View::around(eye).unwrap();
+            Shells::around_eye(&grid, &view, Start::Cell).map(|s| (s.cell, s.nearest, s.farthest))
+        };
+        assert_eq!(range(Vec3::splat(2.5)), Some((IVec3::splat(2), 0, 27)));
+        assert_eq!(range(Vec3::new(-3.5, 5.5, 5.5)), Some((IVec3::new(-4, 5, 5), 4, 24)));
+        assert_eq!(range(Vec3::new(4e6, 5.5, 5.5)), None);
+        let middle = Shells::around_middle(&grid, &View::around(Vec3::splat(2.5)).unwrap());
+        assert_eq!((middle.cell, middle.nearest, middle.farthest), (IVec3::new(5, 10, 15), 0, 15));
+    }
+}
