@@ -21,18 +21,21 @@ impl PixelRect {
     }
 
     /// The smallest rectangle around both.
+    #[inline]
     pub(crate) fn join(&self, o: &Self) -> Self {
         let join = |a: (i64, i64), b: (i64, i64)| (a.0.min(b.0), a.1.max(b.1));
         Self { x: join(self.x, o.x), y: join(self.y, o.y) }
     }
 
     /// The pixels of both.
+    #[inline]
     pub(crate) fn intersect(&self, o: &Self) -> Self {
         let both = |a: (i64, i64), b: (i64, i64)| (a.0.max(b.0), a.1.min(b.1));
         Self { x: both(self.x, o.x), y: both(self.y, o.y) }
     }
 
     /// Whether two rectangles share a pixel.
+    #[inline]
     pub(crate) fn overlaps(&self, o: &Self) -> bool {
         self.x.0 < o.x.1 && o.x.0 < self.x.1 && self.y.0 < o.y.1 && o.y.0 < self.y.1
     }

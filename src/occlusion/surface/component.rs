@@ -24,7 +24,11 @@ pub(super) fn draw_component(
     let SurfaceScratch { seen, sides, order, raster, joint, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
     let mut joint = (range.len() > 1).then(|| {
-        joint.clear(Area::around(&members().fold(PixelRect::EMPTY, |all, s| all.join(&s.pixels))));
+        let mut around = PixelRect::EMPTY;
+        for s in members() {
+            around = around.join(&s.pixels);
+        }
+        joint.clear(Area::around(&around));
         joint
     });
     let mut changed = false;

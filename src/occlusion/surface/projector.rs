@@ -69,6 +69,7 @@ impl<'a> Projector<'a> {
 
     /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the patch may
     /// touch; `None` if there are none.
+    #[inline(always)]
     pub(super) fn project(
         &self,
         d: &Drawable,
@@ -169,6 +170,7 @@ impl<'a> Projector<'a> {
     }
 
     /// Draws the outline of a patch, whose sides are these.
+    #[inline(always)]
     pub(super) fn draw(&self, raster: &mut Raster, d: &Drawable, sides: &[SeenSide], deep: &[DeepSide]) {
         let by = d.sign();
         let cut = !self.face.parallel && self.cuts(&d.block);

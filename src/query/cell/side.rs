@@ -95,7 +95,7 @@ impl Walk<'_> {
 
     /// Sets the bits of the cells of a band that are in the frustum and not hidden. Returns the columns between which
     /// some are.
-    #[inline]
+    #[inline(always)]
     fn open_rows(
         &mut self,
         pass: &SidePass,
@@ -142,7 +142,7 @@ impl Walk<'_> {
 
     /// Looks up the tiles of a band between two columns, and clears the bits of opaque cells. Returns the rows with
     /// such cells, one bit each.
-    #[inline]
+    #[inline(always)]
     fn block_tiles(
         &self,
         pass: &SidePass,
@@ -173,7 +173,7 @@ impl Walk<'_> {
     }
 
     /// Looks up the tile of one brick.
-    #[inline]
+    #[inline(always)]
     fn block_tile(&self, pass: &SidePass, brick: IVec3, band: &mut [u64], hits: &mut Vec<Hit>) -> u8 {
         let (scene, axes, at) = (self.scene, &pass.side.axes, pass.at);
         let shift = ((brick[axes.col] & 7) * 8) as u32;
