@@ -1,7 +1,7 @@
 //! The cell method: against the procedure of the thesis, and under growing
 //! numbers of hidden objects. Prints the ratios of medians at the end.
 //!
-//! `cargo bench --bench cell`; accuracy at the same settings: the `walkthrough` example.
+//! `cargo bench --bench cell`; accuracy at the same settings: `casca-lab walk`.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Meshes: what preparing and streaming them costs. For queries, see the `tradeoff` example.
+//! Meshes: what preparing and streaming them costs. For queries, see `casca-lab tradeoff`.
 
 use std::sync::Arc;
 

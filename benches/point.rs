@@ -1,8 +1,8 @@
 //! The point method under growing numbers of hidden objects. Prints the ratios of medians at
 //! the end.
 //!
-//! `cargo bench --bench point`; speed against accuracy, and against other methods: the
-//! `tradeoff` example.
+//! `cargo bench --bench point`; speed against accuracy, and against other methods:
+//! `casca-lab tradeoff`.
 
 use std::time::Duration;
 

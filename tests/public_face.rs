@@ -111,10 +111,10 @@ fn all_objects_are_listed_with_their_data() {
     scene.reserve(usize::MAX);
     let wall = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL).user_data(u64::MAX)).unwrap();
     let gone = scene.insert(ObjectDesc::fixed(ball(3.0))).unwrap();
-    let moving = scene.insert(ObjectDesc::dynamic(ball(4.0)).max_speed(2.0).layers(0b101)).unwrap();
+    let moving = scene.insert(ObjectDesc::dynamic(ball(4.0)).max_speed(2.0)).unwrap();
     scene.remove(gone).unwrap();
-    let listed: Vec<_> = scene.iter().map(|(id, o)| (id, o.user_data(), o.layers())).collect();
-    assert_eq!(listed, [(wall, u64::MAX, u32::MAX), (moving, 0, 0b101)]);
+    let listed: Vec<_> = scene.iter().map(|(id, o)| (id, o.user_data())).collect();
+    assert_eq!(listed, [(wall, u64::MAX), (moving, 0)]);
     assert!(scene.iter().map(|(id, _)| id).eq(scene.ids()));
     let (_, object) = scene.iter().nth(1).unwrap();
     assert!(matches!(object.bounds(), Bounds::Sphere(s) if *s == ball(4.0)) && object.occluder().is_none());
@@ -124,15 +124,11 @@ fn all_objects_are_listed_with_their_data() {
     let view = View::around(Vec3::new(2.5, 16.5, 16.5)).unwrap();
     let mut query = Query::new();
     query.run(&scene, &view);
-    scene.set_layers(moving, 0b101).unwrap();
-    assert!(query.pvs().holds(&scene, &view), "nothing changed");
-    scene.set_layers(moving, 1).unwrap();
-    assert!(scene.layers(moving) == Ok(1) && !query.pvs().holds(&scene, &view));
+    scene.set_user_data(moving, 10).unwrap();
+    assert!(query.pvs().holds(&scene, &view), "nothing moved");
     let unknown = Error::UnknownObject(gone);
     assert_eq!(scene.user_data(gone), Err(unknown));
     assert_eq!(scene.set_user_data(gone, 1), Err(unknown));
-    assert_eq!(scene.layers(gone), Err(unknown));
-    assert_eq!(scene.set_layers(gone, 1), Err(unknown));
 }
 
 #[test]

@@ -52,7 +52,6 @@ pub struct ObjectDesc {
     /// Whether a speed or a way of reports was given for an object that does not move.
     pub(crate) contradicts: bool,
     pub(crate) user_data: u64,
-    pub(crate) layers: u32,
 }
 
 impl ObjectDesc {
@@ -68,7 +67,7 @@ impl ObjectDesc {
     }
 
     fn with_motion(bounds: Bounds, motion: Motion) -> Self {
-        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0, layers: u32::MAX }
+        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0 }
     }
 
     /// Lets the object hide others. The occluder must lie inside the object's
@@ -106,13 +105,6 @@ impl ObjectDesc {
     #[must_use]
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
-        self
-    }
-
-    /// Puts the object into layers, a bit for each, all 32 if none are given: see [`crate::Scene::layers`].
-    #[must_use]
-    pub fn layers(mut self, layers: u32) -> Self {
-        self.layers = layers;
         self
     }
 

@@ -102,19 +102,6 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts an object into other layers, a bit for each: see [`Scene::layers`]. Costs one look-up; results from
-    /// before no longer [hold](crate::Pvs::holds), unless nothing changed.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn set_layers(&mut self, id: ObjectId, layers: u32) -> Result<(), Error> {
-        if self.layers(id)? != layers {
-            self.slots.object_mut(id.slot).layers = layers;
-            self.revision += 1;
-        }
-        Ok(())
-    }
-
     /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its volume's surface.
     ///
     /// # Errors

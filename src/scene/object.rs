@@ -12,7 +12,6 @@ pub(crate) struct Object {
     pub(super) occluder: Option<Occluder>,
     pub(super) motion: Motion,
     pub(super) user_data: u64,
-    pub(super) layers: u32,
     state: State,
     pub(super) validity: Validity,
     /// Whether its cells are in I; objects with too many cells are not.
@@ -33,7 +32,6 @@ impl Object {
             occluder: None,
             motion: desc.motion,
             user_data: desc.user_data,
-            layers: desc.layers,
             state: State::Listed,
             validity: Validity::first(),
             in_cells: false,

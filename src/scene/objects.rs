@@ -33,11 +33,6 @@ impl<'a> ObjectRef<'a> {
     pub fn user_data(&self) -> u64 {
         self.0.user_data
     }
-
-    /// Its layers: see [`Scene::layers`].
-    pub fn layers(&self) -> u32 {
-        self.0.layers
-    }
 }
 
 impl Scene {
@@ -106,14 +101,6 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
         self.find(id).map(|object| object.user_data)
-    }
-
-    /// The layers of an object, a bit for each; all 32 if none were given.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn layers(&self, id: ObjectId) -> Result<u32, Error> {
-        self.find(id).map(|object| object.layers)
     }
 
     /// An id in 64 bits, for tables and interfaces that have no room for an [`ObjectId`]: its

@@ -101,7 +101,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         start.elapsed().as_secs_f64() / 60.0
     );
     let quick = if options.quick { " --quick" } else { "" };
-    let command = format!("cargo run --release -p casca-lab -- report{quick}");
+    let command = format!("cargo run --release -p casca-lab --features experiments -- report{quick}");
     let path = out.join("report.md");
     write(&path, &lab, &sections, &command, &settings)?;
     bar.finish_and_clear();
