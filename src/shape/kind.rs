@@ -177,8 +177,8 @@ mod tests {
             assert!(kind.may_meet(plane.as_slice(), &Block { min: p - 1e-3, max: p + 1e-3 }));
         }
         if let Some(inner) = kind.inner(origin, 0.0) {
-            let inside = (0..200).map(|_| point(state)).filter(|p| contains(&inner, *p - origin));
-            assert!(inside.fold(true, |all, p| all && kind.contains_point(p + (center - p) * 1e-6)));
+            let mut inside = (0..200).map(|_| point(state)).filter(|p| contains(&inner, *p - origin));
+            assert!(inside.all(|p| kind.contains_point(p + (center - p) * 1e-6)));
         }
         let beyond = HalfSpace { normal: along, offset: -(center.dot(along) + 2.0 * radius + 1.0) };
         assert!(!kind.may_reach(&[beyond]));
