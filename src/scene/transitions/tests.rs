@@ -1,0 +1,237 @@
+//! Each row of the table of transitions, played.
+
+use glam::{UVec3, Vec3};
+
+use super::*;
+use crate::geometry::{Aabb, Plane, Sphere};
+use crate::grid::GridSpec;
+use crate::id::ObjectId;
+use crate::object::ObjectDesc;
+use crate::query::Query;
+use crate::view::View;
+
+/// A state without its numbers; `Gone` for objects that were removed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Listed,
+    Overdue,
+    Hidden,
+    Unlocated { volume: bool },
+    Gone,
+}
+use Kind::{Gone, Hidden as InVolume, Listed, Overdue, Unlocated};
+
+const EXPIRED: Kind = Unlocated { volume: true };
+const REVEALED: Kind = Unlocated { volume: false };
+/// Before the wall, with the eye; behind it; and outside the grid.
+const BEFORE: f32 = 5.5;
+const BEHIND: f32 = 20.0;
+const OUTSIDE: f32 = 40.0;
+
+/// A wall that parts the grid, and a ball.
+struct World {
+    scene: Scene,
+    ball: ObjectId,
+    /// The volume of the ball when it was prepared.
+    volume: Option<Tbv>,
+}
+
+fn ball(x: f32) -> Sphere {
+    Sphere::new(Vec3::new(x, 16.5, 16.5), 0.5)
+}
+
+impl World {
+    fn new(x: f32, on_expiry: bool) -> Self {
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
+        let mut scene = Scene::new(&spec).unwrap();
+        let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
+        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        let desc = ObjectDesc::dynamic(ball(x));
+        let desc = if on_expiry { desc.max_speed(1.0).reported_on_expiry() } else { desc };
+        let ball = scene.insert(desc).unwrap();
+        Self { scene, ball, volume: None }
+    }
+
+    /// A world whose ball is hidden.
+    fn hidden(on_expiry: bool) -> Self {
+        let mut world = Self::new(BEHIND, on_expiry).seen_from(2.5);
+        world.volume = Some(world.hiding().tbv);
+        world
+    }
+
+    fn begin(mut self, now: f64) -> Self {
+        self.scene.begin_frame(now).unwrap();
+        self
+    }
+
+    fn update(mut self, x: f32) -> Self {
+        self.scene.update(self.ball, ball(x), None).unwrap();
+        self
+    }
+
+    fn end(mut self, view: &View) -> Self {
+        let mut query = Query::new();
+        query.run(&self.scene, view);
+        self.scene.end_frame([query.pvs()]).unwrap();
+        self
+    }
+
+    /// Ends a frame with a view all around a point on the axis of the ball's motion.
+    fn seen_from(self, x: f32) -> Self {
+        self.end(&View::around(Vec3::new(x, 16.5, 16.5)).unwrap())
+    }
+
+    /// Ends a frame with a view of the half-space beyond `x` only, which has no occluders before the ball.
+    fn seen_beyond(self, x: f32) -> Self {
+        let plane = Plane { normal: Vec3::X, offset: -x };
+        self.end(&View::from_planes(Vec3::new(28.5, 16.5, 16.5), &[plane]).unwrap())
+    }
+
+    fn remove(mut self) -> Self {
+        self.scene.remove(self.ball).unwrap();
+        self
+    }
+
+    fn hiding(&self) -> Hidden {
+        match self.scene.find(self.ball).unwrap().state() {
+            State::Hidden(hidden) => hidden,
+            other => panic!("it is in no volume: {other:?}"),
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        match self.scene.find(self.ball).map(|object| object.state()) {
+            Err(_) => Gone,
+            Ok(State::Listed) => Listed,
+            Ok(State::Overdue) => Overdue,
+            Ok(State::Hidden(_)) => InVolume,
+            Ok(State::Unlocated { volume }) => Unlocated { volume: volume.is_some() },
+        }
+    }
+
+    /// Whether the ball is in the volume that it had when it was prepared.
+    fn keeps_its_volume(&self) -> bool {
+        Some(self.hiding().tbv) == self.volume
+    }
+}
+
+fn plain_listed() -> World {
+    World::new(BEFORE, false)
+}
+
+fn listed() -> World {
+    World::new(BEFORE, true)
+}
+
+fn overdue() -> World {
+    listed().begin(1.0)
+}
+
+fn hidden() -> World {
+    World::hidden(true)
+}
+
+fn plain_hidden() -> World {
+    World::hidden(false)
+}
+
+fn expired() -> World {
+    hidden().begin(100.0)
+}
+
+fn revealed() -> World {
+    hidden().begin(0.01).seen_from(28.5)
+}
+
+/// A world whose ball was reported nearer to the middle of its volume than before: its expiry is put off.
+fn put_off() -> World {
+    let world = hidden();
+    let first = world.hiding().expires;
+    let world = world.begin(0.5 * first).update(BEHIND - 0.001);
+    let hiding = world.hiding();
+    assert!(hiding.queued == first && hiding.expires > first);
+    world.begin(first.next_up())
+}
+
+#[test]
+fn every_call_changes_states_as_the_table_says() {
+    /// Name, world before with the state of its ball, the call, and the state after it.
+    type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
+    let table: [Row; 29] = [
+        ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
+        ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
+        ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
+        ("begin: not yet due", hidden, InVolume, |w| w.begin(0.01), InVolume),
+        ("begin: put off", put_off, InVolume, |w| w, InVolume),
+        ("begin: due", hidden, InVolume, |w| w.begin(100.0), EXPIRED),
+        ("begin: backwards", hidden, InVolume, |w| w.begin(-1.0), EXPIRED),
+        ("begin: never due", plain_hidden, InVolume, |w| w.begin(100.0), InVolume),
+        ("begin: expired before", expired, EXPIRED, |w| w.begin(200.0), EXPIRED),
+        ("begin: revealed before", revealed, REVEALED, |w| w.begin(200.0), REVEALED),
+        ("update: overdue", overdue, Overdue, |w| w.update(BEFORE), Listed),
+        ("update: listed", listed, Listed, |w| w.update(BEHIND), Listed),
+        ("update: inside", hidden, InVolume, |w| w.update(BEHIND + 0.1), InVolume),
+        ("update: outside", hidden, InVolume, |w| w.update(14.0), InVolume),
+        ("update: no volume fits", plain_hidden, InVolume, |w| w.update(OUTSIDE), Listed),
+        ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
+        ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
+        ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
+        ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), InVolume),
+        ("end: unseen", || World::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
+        ("end: unseen, no volume fits", || World::new(OUTSIDE, false), Listed, |w| w.seen_from(2.5), Listed),
+        ("end: seen", listed, Listed, |w| w.seen_from(2.5), Listed),
+        ("end: overdue", overdue, Overdue, |w| w.seen_from(28.5), Overdue),
+        ("end: not revealed", hidden, InVolume, |w| w.seen_from(2.5), InVolume),
+        ("end: revealed, on expiry", hidden, InVolume, |w| w.seen_from(28.5), REVEALED),
+        ("end: revealed, seen", plain_hidden, InVolume, |w| w.seen_from(28.5), Listed),
+        ("end: revealed, unseen", plain_hidden, InVolume, |w| w.seen_beyond(21.2), InVolume),
+        ("end: expired", expired, EXPIRED, |w| w.seen_from(2.5), EXPIRED),
+        ("end: revealed before", revealed, REVEALED, |w| w.seen_from(2.5), REVEALED),
+    ];
+    for (name, prepare, from, act, to) in table {
+        let world = prepare();
+        assert_eq!(world.kind(), from, "{name}: before");
+        let world = act(world);
+        assert_eq!(world.kind(), to, "{name}: after");
+    }
+    for prepare in [listed, overdue, hidden, plain_hidden, expired, revealed] {
+        assert_eq!(prepare().remove().kind(), Gone);
+    }
+}
+
+#[test]
+fn volumes_are_kept_while_they_serve() {
+    assert!(put_off().keeps_its_volume());
+    assert!(hidden().update(BEHIND + 0.1).keeps_its_volume());
+    assert!(!hidden().update(14.0).keeps_its_volume());
+    assert!(expired().update(BEHIND).keeps_its_volume());
+    assert!(!expired().update(14.0).keeps_its_volume());
+    assert!(!plain_hidden().seen_beyond(21.2).keeps_its_volume());
+}
+
+#[test]
+fn nothing_is_left_of_a_removed_object() {
+    for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
+        let World { scene, .. } = prepare().remove();
+        assert_eq!((scene.ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
+        assert!(scene.listed.as_slice().is_empty() && scene.always().is_empty());
+        assert_eq!((scene.listed_on_expiry, scene.overdue_occluders), (0, 0));
+    }
+}
+
+/// Entries of I for the wall alone.
+fn wall_entries() -> usize {
+    World::new(BEFORE, false).remove().scene.ids.entries()
+}
+
+#[test]
+fn an_expiry_is_void_once_its_slot_has_another_object() {
+    let mut world = hidden().remove();
+    let next = world.scene.insert(ObjectDesc::dynamic(ball(BEHIND))).unwrap();
+    assert_eq!(next.index(), world.ball.index());
+    world.ball = next;
+    let mut world = world.seen_from(2.5);
+    assert_eq!(world.kind(), InVolume);
+    assert_eq!(world.scene.begin_frame(100.0).unwrap(), []);
+    assert_eq!(world.kind(), InVolume);
+}
