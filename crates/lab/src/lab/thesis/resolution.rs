@@ -255,7 +255,7 @@ impl Found {
         let (frame, query) = (|p: &Point| p.frame, |p: &Point| p.query);
         let (cell_best, point_best) = (best(cell, frame), best(point, query));
         let at = |n: f64| between(&curve(cell, |p| p.ratio), n);
-        // As good as VFC: within a hundredth of it.
+        // As good as frustum culling: within a hundredth of it.
         let useless = cell.iter().take_while(|p| p.ratio > 0.99 * self.vfc).last();
         vec![
             Finding::new(
