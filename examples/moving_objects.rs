@@ -37,8 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let view = View::around(Vec3::new(32.0, 6.0, 55.0))?;
-    let mut query = Query::new();
-    let mut reports = 0;
+    let (mut query, mut reports) = (Query::new(), 0);
     for frame in 0..FRAMES {
         let seconds = frame as f32 / 60.0;
         let due = scene.begin_frame(f64::from(seconds))?;

@@ -1,4 +1,4 @@
-//! Plays the attack of the harness by the bytes of the fuzzer: no set lacks an object that a ray reaches.
+//! Plays the attack of `casca-lab` by the bytes of the fuzzer: no set lacks an object that a ray reaches.
 #![no_main]
 
 use casca_lab::attack::{Habits, play_bytes};

@@ -4,9 +4,9 @@ use super::*;
 use crate::import;
 use crate::scenes::{self, SceneKind, SceneOptions};
 
-/// What is read back from the file of a scene.
-fn read_back(world: &mut World) -> World {
-    let folder = std::env::temp_dir().join(format!("casca-export-{}-{}", std::process::id(), world.name));
+/// Writes a scene to a file in a folder for one test, and reads it back.
+fn read_back(world: &mut World, test: &str) -> World {
+    let folder = std::env::temp_dir().join(format!("casca-export-{}-{test}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("level.glb");
     save(world, &file).unwrap();
@@ -46,7 +46,7 @@ fn scenes_are_read_back_as_they_were_in_every_frame() {
     for kind in [SceneKind::Rooms, SceneKind::City, SceneKind::Forest] {
         let options = SceneOptions { frames: 12, scale: 0.3, ..SceneOptions::default() };
         let mut world = scenes::build(kind, &options);
-        let mut read = read_back(&mut world);
+        let mut read = read_back(&mut world, "frames");
         assert_eq!((read.frames, read.objects.len()), (world.frames, world.objects.len()));
         for frame in 0..world.frames {
             world.set_frame(frame);
@@ -70,7 +70,7 @@ fn meshes_and_roles_are_written_and_moving_meshes_refused() {
     world.objects[0].shape = Shape::Mesh { mesh: mesh.clone(), transform };
     world.objects[0].occludes = false;
     world.objects[1].tested = false;
-    let read = read_back(&mut world);
+    let read = read_back(&mut world, "roles");
     for (a, b) in world.objects.iter().zip(&read.objects).take(2) {
         assert!(same(a, b), "{a:?} was read as {b:?}");
     }
