@@ -325,7 +325,7 @@ impl Writer {
     }
 }
 
-/// The extras of a node that says what it does.
+/// The extras of a node that names its role.
 fn role(role: &str) -> Result<Box<RawValue>, ExportError> {
     Ok(to_raw_value(&json!({ "role": role })).map_err(gltf::Error::Deserialize)?)
 }

@@ -1,4 +1,4 @@
-//! One frame: what is seen and what is hidden, and the occlusion buffers behind that.
+//! One frame: the objects seen and hidden, and the occlusion buffers behind that.
 
 use std::path::Path;
 

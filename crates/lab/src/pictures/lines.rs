@@ -39,7 +39,7 @@ impl Line {
 pub struct Axis {
     /// The quantity and its unit.
     pub label: String,
-    /// Whether equal ways mean equal ratios; only what is greater than 0 is drawn then.
+    /// Whether equal ways mean equal ratios; only values greater than 0 are drawn then.
     pub log: bool,
     /// Values that the axis holds in any case.
     pub holds: Vec<f64>,
@@ -84,7 +84,7 @@ pub(super) const SIZE: (u32, u32) = (1000, 480);
 /// Marks on a line; longer ones have a mark at some points only.
 const MARKS: usize = 18;
 
-/// Draws lines as an SVG. The title says the finding, the subtitle what is drawn.
+/// Draws lines as an SVG. The title states the finding, the subtitle names the quantities.
 ///
 /// # Errors
 /// If the file cannot be written.

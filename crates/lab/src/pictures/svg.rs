@@ -95,7 +95,7 @@ pub(super) enum Sample {
     Frame(RGBColor),
 }
 
-/// The head of a chart: its finding, what is drawn, and the legend.
+/// The head of a chart: its finding, its quantities, and the legend.
 pub(super) struct Head {
     title: Vec<String>,
     subtitle: Vec<String>,

@@ -23,7 +23,7 @@ const ASPECT: f32 = 16.0 / 9.0;
 /// Losses that are printed one by one.
 const LOSSES_SHOWN: usize = 10;
 
-/// Walks, prints what was found, and writes the pictures and the file of results.
+/// Walks, prints the results, and writes the pictures and the file of results.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // A walk takes minutes: what cannot be written is said before it.
     try_writing_into(&options.out, &PICTURES)?;
