@@ -9,27 +9,21 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use casca::{
-    Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Settings, Sphere, TriMesh,
-};
+use casca::{Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, TriMesh};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use casca_lab::world::FRAME_SECONDS;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Affine3A, Vec3};
 
-const METHODS: [Method; 3] = [Method::Point, Method::Cell, Method::Frustum];
+const METHODS: [Method; 3] = [Method::point(), Method::cell(), Method::Frustum];
 
 /// Frames of a walk, and every how many of them is pinned.
 const FRAMES: usize = 60;
 const STEP: usize = 5;
 
 fn queries() -> [Query; 3] {
-    METHODS.map(|method| {
-        let mut settings = Settings::default();
-        settings.method = method;
-        Query::with_settings(settings).unwrap()
-    })
+    METHODS.map(|method| Query::with_method(method).unwrap())
 }
 
 /// FNV-1a of the objects in their order and of the revealed ones.
