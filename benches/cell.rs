@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
-use casca::{Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca::{CellOptions, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::measure::{Settled, median, ratio};
 use casca_lab::scenes::{SceneKind, SceneOptions, build};
@@ -20,14 +20,8 @@ fn spheres(hidden_extra: usize) -> World {
     world
 }
 
-fn cell() -> Settings {
-    let mut settings = Settings::default();
-    settings.method = Method::Cell;
-    settings
-}
-
 fn settled(hidden_extra: usize) -> Settled {
-    Settled::new(&spheres(hidden_extra), cell()).unwrap()
+    Settled::new(&spheres(hidden_extra), Method::cell()).unwrap()
 }
 
 /// Masks against the thesis' caps, both in all directions.
@@ -37,13 +31,12 @@ fn against_the_thesis(c: &mut Criterion) {
     let scene = &driver.scene;
     let eye = world.camera(75, 1.0).eye;
     let viewer = scene.grid().cell_of(eye.as_dvec3());
-    let view = View::around(eye).unwrap();
+    let view = View::omnidirectional(eye).unwrap();
     let mut group = c.benchmark_group("occlusion 100x60x100");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
     for resolution in [128, 256, 512, 1024] {
-        let mut settings = cell();
-        settings.mask_resolution = resolution;
-        let mut query = Query::with_settings(settings).unwrap();
+        let options = CellOptions::default().mask_resolution(resolution);
+        let mut query = Query::with_method(Method::Cell(options)).unwrap();
         group.bench_function(format!("masks {resolution}"), |b| b.iter(|| query.run(scene, &view).len()));
     }
     let opaque = scene.static_opacity();
@@ -58,7 +51,7 @@ fn hidden_objects(c: &mut Criterion) {
     let mut group = c.benchmark_group("walk of 150 queries");
     group.sample_size(10).measurement_time(Duration::from_secs(7)).warm_up_time(Duration::from_secs(1));
     for (n, s) in &scenes {
-        let mut query = Query::with_settings(cell()).unwrap();
+        let mut query = Query::with_method(Method::cell()).unwrap();
         group.bench_function(format!("{n} hidden"), |b| {
             b.iter(|| s.views.iter().map(|v| query.run(&s.driver.scene, v).len()).sum::<usize>());
         });
@@ -126,7 +119,7 @@ impl<'a> Upkeep<'a> {
             ids,
             first,
             on_expiry,
-            query: Query::with_settings(cell()).unwrap(),
+            query: Query::with_method(Method::cell()).unwrap(),
             view,
             frame: 0,
         };

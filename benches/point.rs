@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use casca::{Query, Settings};
+use casca::{Method, Query};
 use casca_lab::measure::{Settled, median, ratio};
 use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use criterion::Criterion;
@@ -16,7 +16,7 @@ const WALK: &str = "point, walk of 50 queries";
 fn measure(c: &mut Criterion, name: &str, options: SceneOptions) -> f64 {
     let mut world = build(SceneKind::Spheres, &SceneOptions { frames: 50, ..options });
     world.set_frame(0);
-    let settled = Settled::new(&world, Settings::default()).expect("a plain scene");
+    let settled = Settled::new(&world, Method::default()).expect("a plain scene");
     let mut group = c.benchmark_group(WALK);
     group.sample_size(20).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
     let mut query = Query::new();

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{
-    Aabb, Bounds, Convex, GridSpec, Method, Obb, ObjectDesc, ObjectId, Occluder, Preparation, Query, Scene,
-    Settings, Sphere, TriMesh, View,
+    Aabb, Bounds, Convex, GridSpec, MeshOptions, Method, Obb, ObjectDesc, ObjectId, Occluder, Query, Scene,
+    Sphere, TriMesh, View,
 };
 use criterion::Criterion;
 use glam::{Quat, UVec3, Vec3};
@@ -20,9 +20,7 @@ fn scene(cells: u32) -> Scene {
 }
 
 fn with(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).expect("settings within their ranges")
+    Query::with_method(method).expect("settings within their ranges")
 }
 
 /// Puts an object in and takes it out.
@@ -84,7 +82,7 @@ fn crowd(c: &mut Criterion) {
     let mut group = c.benchmark_group("100000 objects in one brick");
     group.sample_size(10).measurement_time(Duration::from_secs(8)).warm_up_time(Duration::from_millis(500));
     let wall = Aabb::new(Vec3::new(6.0, 0.0, 0.0), Vec3::new(7.0, 32.0, 32.0));
-    let view = View::around(Vec3::splat(4.5)).expect("a finite eye");
+    let view = View::omnidirectional(Vec3::splat(4.5)).expect("a finite eye");
     group.bench_function("insert, move, hide, remove", |b| {
         b.iter(|| {
             let mut scene = scene(32);
@@ -118,8 +116,8 @@ fn emptiness(c: &mut Criterion) {
         }
         let what = if filled { "a ball in each corner" } else { "nothing" };
         for (name, eye) in [("inside", Vec3::splat(4096.3)), ("outside", Vec3::new(-900.0, 2000.3, 5000.0))] {
-            let view = View::around(eye).expect("a finite eye");
-            for method in [Method::Point, Method::Cell] {
+            let view = View::omnidirectional(eye).expect("a finite eye");
+            for method in [Method::point(), Method::cell()] {
                 let mut query = with(method);
                 group.bench_function(format!("{method:?}, {what}, eye {name}"), |b| {
                     b.iter(|| query.run(&scene, &view).len());
@@ -182,7 +180,7 @@ fn meshes(c: &mut Criterion) {
     }
     group.bench_function("a comb of 1000 teeth, prepared", |b| {
         b.iter(|| {
-            let how = Preparation::default();
+            let how = MeshOptions::default();
             let mesh = TriMesh::prepare(comb.clone(), strips.clone(), &how, &mut |_| ());
             black_box(mesh.expect("triangles").sides())
         });

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let id = scene.insert(ObjectDesc::dynamic(shut.clone()).occluder(shut))?;
     let lamp = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(10.0, 1.5, 5.0), 0.1)))?;
 
-    let view = View::around(Vec3::new(10.0, 1.6, 15.0))?;
+    let view = View::omnidirectional(Vec3::new(10.0, 1.6, 15.0))?;
     let mut query = Query::new();
     let mut seen = Vec::new();
     for frame in 0..3u8 {

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         birds.push(scene.insert(desc.reported_on_expiry())?);
     }
 
-    let view = View::around(Vec3::new(32.0, 6.0, 55.0))?;
+    let view = View::omnidirectional(Vec3::new(32.0, 6.0, 55.0))?;
     let (mut query, mut reports) = (Query::new(), 0);
     for frame in 0..FRAMES {
         let seconds = frame as f32 / 60.0;

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let id = scene.insert(ObjectDesc::dynamic(runner(0.0)).max_speed(5.1))?;
 
     let eyes = [Vec3::new(32.0, 2.0, 56.0), Vec3::new(32.0, 2.0, 8.0)];
-    let views = [View::around(eyes[0])?, View::around(eyes[1])?];
+    let views = [View::omnidirectional(eyes[0])?, View::omnidirectional(eyes[1])?];
     let mut queries = [Query::new(), Query::new()];
     // The second player leaves half way.
     for frame in 0..60u8 {

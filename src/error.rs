@@ -98,7 +98,7 @@ pub enum Error {
         vertices: usize,
     },
     /// A mesh that hides nothing was given as an occluder.
-    #[error("the occluder is a mesh that was prepared as bounds only, with Preparation::occludes = false")]
+    #[error("the occluder is a mesh that was prepared as bounds only, with MeshOptions::occludes = false")]
     BoundsOnly,
     /// An object that may go unreported needs a promised greatest speed.
     #[error("an object that is only reported on expiry needs a greatest speed")]

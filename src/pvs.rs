@@ -91,7 +91,7 @@ impl Pvs {
             scene: 0,
             revision: 0,
             moves: 0,
-            method: Method::Cell,
+            method: Method::Frustum,
             aggressive: false,
             view: None,
             cell: None,
@@ -119,7 +119,7 @@ impl Pvs {
     /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
     /// # let id = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(4.0), 1.0)))?;
     /// # let mut query = Query::new();
-    /// for id in query.run(&scene, &View::around(Vec3::splat(9.5))?) {
+    /// for id in query.run(&scene, &View::omnidirectional(Vec3::splat(9.5))?) {
     ///     println!("draw {}", id.index());
     /// }
     /// # assert!(query.pvs().iter().eq([id]));

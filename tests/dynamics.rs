@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_lab::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, Mat4, UVec3, Vec3};
@@ -208,7 +208,7 @@ fn play(steps: Vec<Step>) -> Result<(), TestCaseError> {
                         let seen = seen_point(*eye, &view_matrix(*eye, *direction), &movers[i], &walls);
                         prop_assert!(seen.is_none(), "{:?} is seen at {seen:?} from {eye}", movers[i]);
                     }
-                    prop_assert!(pvs.holds(&scene, &view));
+                    prop_assert!(pvs.is_valid_for(&scene, &view));
                 }
                 scene.end_frame(queries.iter().take(eyes.len()).map(Query::pvs)).unwrap();
             }
@@ -283,9 +283,7 @@ proptest! {
             m.id = scene.insert(ObjectDesc::fixed(m.bounds())).unwrap();
             m
         }).collect();
-        let mut settings = Settings::default();
-        settings.method = Method::Frustum;
-        let mut query = Query::with_settings(settings).unwrap();
+        let mut query = Query::with_method(Method::Frustum).unwrap();
         let pvs = query.run(&scene, &view_of(eye, direction));
         // Brute force on the clip volume: points of each object against it, and its planes one by one.
         let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
@@ -324,7 +322,7 @@ fn foreign_and_removed_ids_are_errors() {
     assert_eq!(again.index(), x.index());
     assert!(a.remove(x).is_err() && a.bounds(again).is_ok());
     let mut query = Query::new();
-    query.run(&b, &View::around(Vec3::splat(8.0)).unwrap());
+    query.run(&b, &View::omnidirectional(Vec3::splat(8.0)).unwrap());
     assert!(query.pvs().contains(y) && !query.pvs().contains(again));
     assert!(a.end_frame([query.pvs()]).is_err());
 }
@@ -342,7 +340,7 @@ fn hidden_objects_leave_no_trace_in_the_cells() {
         })
         .collect();
     let mut query = Query::new();
-    let view = View::around(Vec3::new(2.5, 12.5, 12.5)).unwrap();
+    let view = View::omnidirectional(Vec3::new(2.5, 12.5, 12.5)).unwrap();
     for _ in 0..3 {
         query.run(&scene, &view);
         scene.end_frame([query.pvs()]).unwrap();

@@ -1,20 +1,17 @@
-//! Sets that are kept over frames: while [`Pvs::holds`] says so, they have all that a new query finds; and copies of
+//! Sets that are kept over frames: while [`Pvs::is_valid_for`] says so, they have all that a new query finds; and copies of
 //! a scene, whose sets and ids are their own.
 
 use std::collections::BTreeSet;
 
 use casca::{
-    Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Settings, Sphere,
-    View,
+    Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, View,
 };
 use casca_lab::cases;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
 fn query(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(method).unwrap()
 }
 
 fn ball(x: f32) -> Sphere {
@@ -32,22 +29,25 @@ fn scene() -> (Scene, ObjectId) {
 
 #[test]
 fn a_set_does_not_hold_once_what_is_in_a_revealed_volume_moves() {
-    for method in [Method::Point, Method::Cell] {
+    for method in [Method::point(), Method::cell()] {
         let (mut scene, id) = scene();
         let mut kept = query(method);
-        let view = View::around(Vec3::new(30.5, 32.5, 10.5)).unwrap();
+        let view = View::omnidirectional(Vec3::new(30.5, 32.5, 10.5)).unwrap();
         scene.begin_frame(0.0).unwrap();
         kept.run(&scene, &view);
         scene.end_frame([kept.pvs()]).unwrap();
         scene.begin_frame(0.1).unwrap();
         let pvs = kept.run(&scene, &view);
-        assert!(!pvs.contains(id) && pvs.revealed().contains(&id) && pvs.holds(&scene, &view), "{method:?}");
+        assert!(
+            !pvs.contains(id) && pvs.revealed().contains(&id) && pvs.is_valid_for(&scene, &view),
+            "{method:?}"
+        );
         let mut appeared = false;
         for i in 1..16 {
             scene.update(id, ball(30.5 + 0.25 * i as f32), None).unwrap();
             let found = query(method).run(&scene, &view).contains(id);
             let pvs = kept.pvs();
-            assert!(pvs.contains(id) || !found || !pvs.holds(&scene, &view), "{method:?} step {i}");
+            assert!(pvs.contains(id) || !found || !pvs.is_valid_for(&scene, &view), "{method:?} step {i}");
             appeared |= found && scene.tbv(id).unwrap().is_some();
         }
         assert!(appeared, "{method:?}: it came into sight inside of its volume");
@@ -57,18 +57,18 @@ fn a_set_does_not_hold_once_what_is_in_a_revealed_volume_moves() {
 #[test]
 fn a_set_that_another_camera_outlives_does_not_hold_either() {
     let (mut scene, id) = scene();
-    let (mut main, mut client) = (Query::new(), query(Method::Cell));
-    let here = View::around(Vec3::new(12.5, 32.5, 4.5)).unwrap();
-    let there = View::around(Vec3::new(30.5, 32.5, 10.5)).unwrap();
+    let (mut main, mut client) = (Query::new(), query(Method::cell()));
+    let here = View::omnidirectional(Vec3::new(12.5, 32.5, 4.5)).unwrap();
+    let there = View::omnidirectional(Vec3::new(30.5, 32.5, 10.5)).unwrap();
     for (frame, x) in [30.5f32, 30.5, 30.7, 31.2, 31.8, 32.6, 33.4].into_iter().enumerate() {
         scene.begin_frame(frame as f64 * 0.1).unwrap();
         scene.update(id, ball(x), None).unwrap();
         main.run(&scene, &here);
-        if !client.pvs().holds(&scene, &there) {
+        if !client.pvs().is_valid_for(&scene, &there) {
             client.run(&scene, &there);
         }
         scene.end_frame([main.pvs()]).unwrap();
-        let found = query(Method::Cell).run(&scene, &there).contains(id);
+        let found = query(Method::cell()).run(&scene, &there).contains(id);
         assert!(client.pvs().contains(id) || !found, "frame {frame}");
     }
 }
@@ -77,8 +77,8 @@ fn a_set_that_another_camera_outlives_does_not_hold_either() {
 #[test]
 fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
     let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) }).unwrap();
-    let view = View::around(Vec3::new(4.5, 32.5, 32.5)).unwrap();
-    let away = View::around(Vec3::new(60.5, 2.5, 2.5)).unwrap();
+    let view = View::omnidirectional(Vec3::new(4.5, 32.5, 32.5)).unwrap();
+    let away = View::omnidirectional(Vec3::new(60.5, 2.5, 2.5)).unwrap();
     let screen = Aabb::new(Vec3::new(50.0, 0.0, 0.0), Vec3::new(51.0, 20.0, 20.0));
     let block = |y: f32| Aabb::from_center(Vec3::new(30.0, y, 32.5), Vec3::new(1.0, 3.0, 3.0));
     let mover = scene.insert(ObjectDesc::dynamic(block(32.5)).occluder(block(32.5)).max_speed(8.0)).unwrap();
@@ -98,7 +98,7 @@ fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
     assert!(scene.tbv(mover).unwrap().is_some(), "still in its volume");
     let kept = query.pvs().clone();
     let found = query.run(&scene, &view).contains(behind);
-    assert!(found && !kept.holds(&scene, &view));
+    assert!(found && !kept.is_valid_for(&scene, &view));
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn copies_of_a_scene_are_scenes_of_their_own() {
     let w = a.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
     let far = a.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0))).unwrap();
     let gone = a.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(3.0, 3.0, 16.0), 0.5))).unwrap();
-    let view = View::around(Vec3::new(2.5, 16.5, 16.5)).unwrap();
+    let view = View::omnidirectional(Vec3::new(2.5, 16.5, 16.5)).unwrap();
     let mut query = Query::new();
     assert!(!query.run(&a, &view).contains(far));
     let mut b = a.clone();
@@ -116,9 +116,9 @@ fn copies_of_a_scene_are_scenes_of_their_own() {
     assert!(a.bounds(far).is_ok() && b.bounds(far).is_ok());
     a.remove(gone).unwrap();
     b.remove(w).unwrap();
-    assert!(!query.pvs().holds(&b, &view), "a set of before");
+    assert!(!query.pvs().is_valid_for(&b, &view), "a set of before");
     query.run(&a, &view);
-    assert!(!query.pvs().holds(&b, &view) && query.pvs().holds(&a, &view));
+    assert!(!query.pvs().is_valid_for(&b, &view) && query.pvs().is_valid_for(&a, &view));
     assert_eq!(b.end_frame([query.pvs()]), Err(Error::ForeignPvs));
     assert_eq!(query.pvs().draw_list(&b, &DrawOptions::default(), &mut Vec::new()), Err(Error::ForeignPvs));
     // What came after is known to one.
@@ -171,7 +171,7 @@ fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
         })
         .collect();
     let views = [Vec3::new(3.5, 12.5, 12.5), Vec3::new(3.5, 3.5, 12.5), Vec3::new(20.5, 12.5, 3.5)]
-        .map(|eye| View::around(eye).unwrap());
+        .map(|eye| View::omnidirectional(eye).unwrap());
     let mut kept: [Option<Pvs>; 3] = [None, None, None];
     let mut given: Vec<Pvs> = Vec::new();
     let mut now = 0.0;
@@ -196,7 +196,7 @@ fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
             }
         }
         for (pvs, view) in kept.iter().zip(&views) {
-            let Some(pvs) = pvs.as_ref().filter(|p| p.holds(&scene, view)) else { continue };
+            let Some(pvs) = pvs.as_ref().filter(|p| p.is_valid_for(&scene, view)) else { continue };
             let mut query = query(method);
             let found: BTreeSet<ObjectId> = query.run(&scene, view).visible().iter().copied().collect();
             let lost: Vec<_> = found.iter().filter(|id| !pvs.contains(**id)).collect();
@@ -211,6 +211,6 @@ proptest! {
 
     #[test]
     fn kept_sets_have_all_that_new_ones_have(steps in prop::collection::vec(step(), 1..60), cell in any::<bool>()) {
-        play(if cell { Method::Cell } else { Method::Point }, steps)?;
+        play(if cell { Method::cell() } else { Method::point() }, steps)?;
     }
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, Error, GridSpec, Instance, ObjectDesc, Query, Scene, Settings, Sphere, TriMesh, View};
+use casca::{
+    Aabb, Error, GridSpec, Instance, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, TriMesh, View,
+};
 use glam::{Affine3A, UVec3, Vec3};
 
 fn scene() -> Scene {
@@ -21,7 +23,7 @@ fn an_update_does_not_take_an_occluder_away_by_silence() {
     let mut scene = scene();
     let wall = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL)).unwrap();
     let ball = scene.insert(ObjectDesc::fixed(BALL)).unwrap();
-    let (mut query, view) = (Query::new(), View::around(Vec3::new(2.5, 16.5, 16.5)).unwrap());
+    let (mut query, view) = (Query::new(), View::omnidirectional(Vec3::new(2.5, 16.5, 16.5)).unwrap());
     assert_eq!(scene.update(wall, WALL, None), Err(Error::OccluderMissing(wall)));
     assert!(text(Error::OccluderMissing(wall)).contains("Scene::set_occluder"));
     assert!(!query.run(&scene, &view).contains(ball));
@@ -84,7 +86,7 @@ fn a_query_that_never_ran_ends_no_frame() {
     let mut query = Query::new();
     assert_eq!(scene.end_frame([query.pvs()]).unwrap(), casca::FrameReport::default());
     assert!(scene.tbv(id).unwrap().is_none(), "nobody looked");
-    query.run(&scene, &View::around(Vec3::splat(3.5)).unwrap());
+    query.run(&scene, &View::omnidirectional(Vec3::splat(3.5)).unwrap());
     assert!(query.pvs().contains(id));
     scene.end_frame([query.pvs(), Query::new().pvs()]).unwrap();
     let mut other = self::scene();
@@ -123,11 +125,10 @@ fn memory_counts_a_shared_mesh_once() {
 #[test]
 fn messages_read_as_they_were_meant() {
     let mut scene = scene();
-    let mut settings = Settings::default();
-    settings.pixel_degrees = 0.01;
+    let fine = PointOptions::default().pixel_degrees(0.01);
     let said = |e: Error| text(e);
     assert_eq!(
-        said(Query::with_settings(settings).unwrap_err()),
+        said(Query::with_method(Method::Point(fine)).unwrap_err()),
         "the width of a pixel in degrees must lie between 0.03 and 11.25, not 0.01"
     );
     let inverted = Aabb::new(Vec3::ONE, Vec3::ZERO);

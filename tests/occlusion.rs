@@ -3,7 +3,7 @@
 
 use casca::matrix::{BitMatrix, OcclusionMatrix};
 use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
-use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, Settings, View};
+use casca::{Aabb, CellOptions, GridSpec, Method, ObjectDesc, Query, Scene, View};
 use casca_lab::cases;
 use glam::{DVec3, IVec3, Vec3};
 use proptest::prelude::*;
@@ -20,12 +20,9 @@ fn scene_of(dims: IVec3, blocks: &[(IVec3, IVec3)]) -> Scene {
 }
 
 fn hidden_by_masks(scene: &Scene, viewer: IVec3, resolution: u32) -> OcclusionMatrix {
-    let mut settings = Settings::default();
-    settings.method = Method::Cell;
-    settings.mask_resolution = resolution;
-    settings.record_cells = true;
-    let mut query = Query::with_settings(settings).unwrap();
-    query.run(scene, &View::around(viewer.as_vec3() + 0.5).unwrap());
+    let options = CellOptions::default().mask_resolution(resolution).record_cells(true);
+    let mut query = Query::with_method(Method::Cell(options)).unwrap();
+    query.run(scene, &View::omnidirectional(viewer.as_vec3() + 0.5).unwrap());
     assert!(!query.pvs().stats().eye_in_occluder);
     let mut hidden = query.hidden_cells().unwrap().clone();
     let visited = query.visited_cells().unwrap();
@@ -147,7 +144,7 @@ fn a_room_is_left_after_its_walls() {
     }
     let scene = scene_of(dims, &blocks);
     let mut query = Query::new();
-    let pvs = query.run(&scene, &View::around(Vec3::new(30.5, 20.5, 33.5)).unwrap());
+    let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(30.5, 20.5, 33.5)).unwrap());
     assert_eq!(pvs.len(), 6);
     assert!(pvs.stats().shells <= 43, "{:?}", pvs.stats());
 }

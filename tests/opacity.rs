@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, Plane, Query, Scene, Settings, Sphere, TriMesh, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, Plane, Query, Scene, Sphere, TriMesh, View};
 use glam::{UVec3, Vec3};
 
 fn scene(cells: u32) -> Scene {
@@ -10,14 +10,12 @@ fn scene(cells: u32) -> Scene {
 }
 
 fn query(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(method).unwrap()
 }
 
 #[test]
 fn occluders_that_nobody_reported_leave_no_opaque_cells() {
-    for method in [Method::Point, Method::Cell] {
+    for method in [Method::point(), Method::cell()] {
         let mut scene = scene(24);
         let at = |x: f32| Aabb::new(Vec3::new(x, 4.0, 10.0), Vec3::new(x + 8.0, 20.0, 14.0));
         let movers = [6.0, 9.0].map(|x| {
@@ -38,7 +36,7 @@ fn occluders_that_nobody_reported_leave_no_opaque_cells() {
             let far = Aabb::new(Vec3::new(1.0, 1.0, 20.0), Vec3::new(2.0, 2.0, 22.0));
             scene.update(id, far, Some(far.into())).unwrap();
         }
-        let pvs = query.run(&scene, &View::around(Vec3::new(11.5, 12.5, 2.5)).unwrap());
+        let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(11.5, 12.5, 2.5)).unwrap());
         assert!(pvs.contains(ball), "{method:?}");
         movers.iter().for_each(|&id| scene.remove(id).unwrap());
         assert_eq!(scene.dynamic_opacity().count(), 0);
@@ -57,7 +55,7 @@ fn shell(min: Vec3, max: Vec3) -> Arc<TriMesh> {
 #[test]
 fn an_eye_in_a_closed_mesh_sees_what_is_in_it_whatever_came_and_went() {
     for (abut, method) in
-        [(false, Method::Point), (true, Method::Point), (false, Method::Cell), (true, Method::Cell)]
+        [(false, Method::point()), (true, Method::point()), (false, Method::cell()), (true, Method::cell())]
     {
         let mut scene = scene(16);
         let mesh = shell(Vec3::splat(2.3), Vec3::splat(12.3));
@@ -76,7 +74,7 @@ fn an_eye_in_a_closed_mesh_sees_what_is_in_it_whatever_came_and_went() {
         assert_eq!(scene.static_opacity().count(), opaque);
         scene.begin_frame(0.1).unwrap();
         let mut query = query(method);
-        let pvs = query.run(&scene, &View::around(Vec3::splat(5.6)).unwrap());
+        let pvs = query.run(&scene, &View::omnidirectional(Vec3::splat(5.6)).unwrap());
         assert!(pvs.contains(inside), "{method:?}, a slab beside it: {abut}");
     }
 }

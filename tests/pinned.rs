@@ -9,27 +9,22 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use casca::{
-    Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Settings, Sphere, TriMesh,
-};
+use casca::{Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, TriMesh};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use casca_lab::world::FRAME_SECONDS;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Affine3A, Vec3};
 
-const METHODS: [Method; 3] = [Method::Point, Method::Cell, Method::Frustum];
+const METHODS: [(&str, Method); 3] =
+    [("Point", Method::point()), ("Cell", Method::cell()), ("Frustum", Method::Frustum)];
 
 /// Frames of a walk, and every how many of them is pinned.
 const FRAMES: usize = 60;
 const STEP: usize = 5;
 
 fn queries() -> [Query; 3] {
-    METHODS.map(|method| {
-        let mut settings = Settings::default();
-        settings.method = method;
-        Query::with_settings(settings).unwrap()
-    })
+    METHODS.map(|(_, method)| Query::with_method(method).unwrap())
 }
 
 /// FNV-1a of the objects in their order and of the revealed ones.
@@ -48,9 +43,9 @@ fn pin(
     queries: &mut [Query],
     at: &mut Scene,
 ) {
-    for (query, method) in queries.iter_mut().zip(METHODS) {
+    for (query, (method, _)) in queries.iter_mut().zip(METHODS) {
         let pvs = query.run(at, view);
-        writeln!(rows, "{scene},{frame},{method:?},{},{:016x}", pvs.len(), hash(pvs)).unwrap();
+        writeln!(rows, "{scene},{frame},{method},{},{:016x}", pvs.len(), hash(pvs)).unwrap();
     }
     at.end_frame(queries.iter().map(Query::pvs)).unwrap();
 }

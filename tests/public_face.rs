@@ -3,11 +3,12 @@
 use casca::matrix::{BitMatrix, IdMatrix, TbvMatrix};
 use casca::reference::{Cap, CapPolygon};
 use casca::{
-    Aabb, AggressiveOpacity, Bounds, CellRun, Convex, DrawItem, DrawOptions, Error, Facing, FileError,
-    FrameReport, Grid, GridSpec, Instance, MemoryUse, Method, Motion, Obb, ObjectDesc, ObjectId, ObjectRef,
-    Occluder, OcclusionImage, Plane, Preparation, Pvs, PvsChanges, Query, Reports, Scene, Settings, Sphere,
-    Stats, TriMesh, View,
+    Aabb, AggressiveOpacity, Bounds, CellOptions, CellRun, Convex, DrawItem, DrawOptions, Error, Facing,
+    FileError, FrameReport, Grid, GridSpec, Instance, MemoryUse, MeshOptions, Method, Motion, Obb,
+    ObjectDesc, ObjectId, ObjectRef, Occluder, OcclusionImage, Plane, PointOptions, Pvs, PvsChanges, Query,
+    Reports, Scene, Sphere, Stats, TriMesh, View,
 };
+use glam::camera::rh::{proj, view::look_at_mat4};
 use glam::{UVec3, Vec3};
 
 fn scene() -> Scene {
@@ -33,6 +34,7 @@ fn every_public_type_crosses_threads() {
         Bounds,
         Cap,
         CapPolygon,
+        CellOptions,
         CellRun,
         Convex,
         DrawItem,
@@ -46,6 +48,7 @@ fn every_public_type_crosses_threads() {
         IdMatrix,
         Instance,
         MemoryUse,
+        MeshOptions,
         Method,
         Motion,
         Obb,
@@ -55,13 +58,12 @@ fn every_public_type_crosses_threads() {
         Occluder,
         OcclusionImage,
         Plane,
-        Preparation,
+        PointOptions,
         Pvs,
         PvsChanges<'static>,
         Query,
         Reports,
         Scene,
-        Settings,
         Sphere,
         Stats,
         TbvMatrix,
@@ -73,7 +75,7 @@ fn every_public_type_crosses_threads() {
 #[test]
 fn a_cleared_scene_is_an_empty_one_that_knows_no_old_id() {
     let mut scene = scene();
-    let (empty, view) = (scene.clone().memory(), View::around(Vec3::new(2.5, 16.5, 16.5)).unwrap());
+    let (empty, view) = (scene.clone().memory(), View::omnidirectional(Vec3::new(2.5, 16.5, 16.5)).unwrap());
     let fill = |scene: &mut Scene| {
         let wall = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL)).unwrap();
         let near = scene.insert(ObjectDesc::dynamic(ball(4.5))).unwrap();
@@ -121,11 +123,11 @@ fn all_objects_are_listed_with_their_data() {
     assert_eq!(object.motion(), Motion::Dynamic { max_speed: Some(2.0), reports: Reports::WhenMoved });
     scene.set_user_data(moving, 9).unwrap();
     assert_eq!((scene.user_data(moving), scene.user_data(wall)), (Ok(9), Ok(u64::MAX)));
-    let view = View::around(Vec3::new(2.5, 16.5, 16.5)).unwrap();
+    let view = View::omnidirectional(Vec3::new(2.5, 16.5, 16.5)).unwrap();
     let mut query = Query::new();
     query.run(&scene, &view);
     scene.set_user_data(moving, 10).unwrap();
-    assert!(query.pvs().holds(&scene, &view), "nothing moved");
+    assert!(query.pvs().is_valid_for(&scene, &view), "nothing moved");
     let unknown = Error::UnknownObject(gone);
     assert_eq!(scene.user_data(gone), Err(unknown));
     assert_eq!(scene.set_user_data(gone, 1), Err(unknown));
@@ -159,7 +161,7 @@ fn changes_are_the_differences_of_two_sets() {
         (0..20).map(|i| scene.insert(ObjectDesc::fixed(ball(1.5 + 1.5 * i as f32))).unwrap()).collect();
     let mut query = Query::new();
     let run = |query: &mut Query, scene: &Scene, x: f32| {
-        query.run(scene, &View::around(Vec3::new(x, 12.5, 16.5)).unwrap()).clone()
+        query.run(scene, &View::omnidirectional(Vec3::new(x, 12.5, 16.5)).unwrap()).clone()
     };
     let never = query.pvs().clone();
     let (low, high) = (run(&mut query, &scene, 2.5), run(&mut query, &scene, 28.5));
@@ -179,4 +181,67 @@ fn changes_are_the_differences_of_two_sets() {
     let later = run(&mut query, &scene, 2.5);
     let changes = later.changes_since(&low);
     assert!(new.index() == balls[0].index() && changes.entered().eq([new]) && changes.left().eq([balls[0]]));
+}
+
+#[test]
+fn an_exact_eye_sees_the_same_with_any_depth() {
+    let mut scene = scene();
+    let wall = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL)).unwrap();
+    let near = scene.insert(ObjectDesc::fixed(ball(5.0))).unwrap();
+    scene.insert(ObjectDesc::fixed(ball(20.0))).unwrap();
+    scene.insert(ObjectDesc::fixed(ball(3.0))).unwrap();
+    let eye = Vec3::new(2.0, 16.5, 16.5);
+    let look = look_at_mat4(eye, eye + Vec3::X, Vec3::Y);
+    // The near plane leaves out the ball at 3, the wall hides the one at 20.
+    let views = [
+        View::perspective(eye, proj::directx::perspective(1.0, 1.5, 1.8, 60.0) * look),
+        View::perspective(eye, proj::directx::perspective_infinite_reverse(1.0, 1.5, 1.8) * look),
+        View::perspective_gl(eye, proj::opengl::perspective(1.0, 1.5, 1.8, 60.0) * look),
+    ];
+    for view in views {
+        let mut query = Query::new();
+        let mut seen = query.run(&scene, &view.unwrap()).visible().to_vec();
+        seen.sort_unstable();
+        assert_eq!(seen, [wall, near]);
+    }
+    let gl = proj::opengl::perspective(1.0, 1.5, 1.8, 60.0) * look;
+    assert!(matches!(View::perspective_gl(eye + Vec3::Y, gl), Err(Error::EyeMismatch { .. })));
+    assert!(View::perspective_gl(Vec3::NAN, gl).is_err());
+}
+
+#[test]
+fn options_are_built_in_one_expression() {
+    let point = PointOptions::new()
+        .min_solid_angle(0.1)
+        .pixel_degrees(0.5)
+        .min_pixels(1)
+        .max_occluders(2)
+        .refine_squares(3)
+        .refine_depth(4)
+        .refine_budget(5)
+        .refine_patches(6);
+    let (angle, pixel) = (point.min_solid_angle, point.pixel_degrees);
+    let numbers = (point.min_pixels, point.max_occluders, point.refine_squares, point.refine_depth);
+    assert_eq!((angle, pixel, numbers), (0.1, 0.5, (1, 2, 3, 4)));
+    assert_eq!((point.refine_budget, point.refine_patches), (5, 6));
+    let cell = CellOptions::new().mask_resolution(64).min_solid_angle(0.2).record_cells(true);
+    assert_eq!((cell.mask_resolution, cell.min_solid_angle, cell.record_cells), (64, 0.2, true));
+    let mesh = MeshOptions::default().tolerance(0.5).min_radius(0.25).max_angle(30.0);
+    let mesh = mesh.facing(Facing::Front).occludes(false);
+    assert_eq!((mesh.tolerance, mesh.min_radius, mesh.max_angle), (Some(0.5), Some(0.25), Some(30.0)));
+    assert_eq!(
+        (mesh.facing, mesh.occludes, DrawOptions::default().min_size(0.5).min_size),
+        (Facing::Front, false, 0.5)
+    );
+    let mut query = Query::with_method(Method::Cell(cell)).unwrap();
+    assert_eq!((query.method(), query.method().name()), (Method::Cell(cell), "cell"));
+    assert!(query.set_method(Method::Point(point.pixel_degrees(f32::NAN))).is_err());
+    assert_eq!(query.method(), Method::Cell(cell), "a query keeps its method where the new one is refused");
+}
+
+#[test]
+fn boxes_know_their_middle_and_their_points() {
+    assert_eq!(WALL.center(), Vec3::new(9.0, 16.0, 16.0));
+    assert!(WALL.contains(WALL.min) && WALL.contains(WALL.max) && WALL.contains(WALL.center()));
+    assert!(!WALL.contains(Vec3::new(7.99, 1.0, 1.0)) && !WALL.contains(Vec3::NAN));
 }

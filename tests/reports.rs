@@ -1,23 +1,21 @@
 //! Objects that are reported on expiry, by applications that report late, early, twice or not at all. The model:
 //! an object may be anywhere within its greatest speed times the time since its last report.
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Settings, Sphere, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Sphere, View};
 use glam::{UVec3, Vec3};
 
-const METHODS: [Method; 3] = [Method::Point, Method::Cell, Method::Frustum];
+const METHODS: [Method; 3] = [Method::point(), Method::cell(), Method::Frustum];
 const EYE: Vec3 = Vec3::new(29.5, 32.5, 10.5);
 
 fn query(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(method).unwrap()
 }
 
 /// All round, but for the frustum method, which sees only what is right of the wall's end.
 fn view(method: Method) -> View {
     match method {
         Method::Frustum => View::from_planes(EYE, &[Plane { normal: Vec3::X, offset: -30.2 }]).unwrap(),
-        _ => View::around(EYE).unwrap(),
+        _ => View::omnidirectional(EYE).unwrap(),
     }
 }
 
@@ -62,9 +60,9 @@ fn a_report_near_the_wall_of_a_volume_makes_it_expire_sooner() {
 fn reports_back_and_forth_keep_one_expiry() {
     let mut scene = scene();
     let id = scene.insert(ObjectDesc::dynamic(ball(20.0)).max_speed(1.0).reported_on_expiry()).unwrap();
-    let mut query = query(Method::Point);
+    let mut query = query(Method::point());
     scene.begin_frame(0.0).unwrap();
-    query.run(&scene, &view(Method::Point));
+    query.run(&scene, &view(Method::point()));
     scene.end_frame([query.pvs()]).unwrap();
     let (low, high) = scene.tbv(id).unwrap().expect("it is hidden");
     let held = scene.memory().objects;
@@ -75,7 +73,7 @@ fn reports_back_and_forth_keep_one_expiry() {
         scene.begin_frame(f64::from(i) * 1e-7).unwrap();
         scene.update(id, ball(x), None).unwrap();
         if i % 64 == 0 {
-            query.run(&scene, &view(Method::Point));
+            query.run(&scene, &view(Method::point()));
             scene.end_frame([query.pvs()]).unwrap();
         }
     }
@@ -107,14 +105,14 @@ fn a_frame_without_end_loses_nobody() {
 
 #[test]
 fn an_occluder_that_nobody_reports_hides_nothing() {
-    for method in [Method::Point, Method::Cell] {
+    for method in [Method::point(), Method::cell()] {
         let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
         let block = |x: f32| Aabb::new(Vec3::new(x, 10.0, 10.0), Vec3::new(x + 4.0, 22.0, 22.0));
         let desc = ObjectDesc::dynamic(block(12.0)).occluder(block(12.0));
         let mover = scene.insert(desc.max_speed(8.0).reported_on_expiry()).unwrap();
         let ball = Sphere::new(Vec3::new(24.0, 16.0, 16.0), 0.5);
         let behind = scene.insert(ObjectDesc::fixed(ball)).unwrap();
-        let view = View::around(Vec3::new(4.5, 16.5, 16.5)).unwrap();
+        let view = View::omnidirectional(Vec3::new(4.5, 16.5, 16.5)).unwrap();
         let mut query = query(method);
         scene.begin_frame(0.0).unwrap();
         let pvs = query.run(&scene, &view);
@@ -124,7 +122,7 @@ fn an_occluder_that_nobody_reports_hides_nothing() {
         assert!(scene.is_opaque(opaque));
         // It was seen, and ought to be reported. It is not, and may have left.
         scene.begin_frame(2.0).unwrap();
-        assert!(!query.pvs().holds(&scene, &view) && !scene.is_opaque(opaque));
+        assert!(!query.pvs().is_valid_for(&scene, &view) && !scene.is_opaque(opaque));
         let pvs = query.run(&scene, &view);
         assert!(pvs.contains(mover) && pvs.contains(behind), "{method:?}");
         // The report is late, but it comes.
@@ -140,12 +138,12 @@ fn an_occluder_that_nobody_reports_hides_nothing() {
 fn what_a_frame_showed_is_not_asked_for() {
     let mut scene = scene();
     let id = scene.insert(ObjectDesc::dynamic(ball(33.0)).max_speed(1.0).reported_on_expiry()).unwrap();
-    let mut query = query(Method::Point);
+    let mut query = query(Method::point());
     for frame in 0..4 {
         let due = scene.begin_frame(f64::from(frame) * 0.1).unwrap();
         assert!(due.is_empty(), "{due:?}");
         scene.update(id, ball(33.0), None).unwrap();
-        assert!(query.run(&scene, &view(Method::Point)).contains(id));
+        assert!(query.run(&scene, &view(Method::point())).contains(id));
         scene.end_frame([query.pvs()]).unwrap();
     }
 }
@@ -159,7 +157,7 @@ fn reports_due(level: Aabb, y: f32, spec: impl Fn(Aabb) -> GridSpec) -> (f64, us
     let ids: Vec<ObjectId> = (0..100)
         .map(|i| scene.insert(ObjectDesc::dynamic(mover(i)).max_speed(2.0).reported_on_expiry()).unwrap())
         .collect();
-    let (mut query, view) = (Query::new(), View::around(Vec3::new(64.0, 3.0, 110.0)).unwrap());
+    let (mut query, view) = (Query::new(), View::omnidirectional(Vec3::new(64.0, 3.0, 110.0)).unwrap());
     let (mut total, mut shown) = (0, 0);
     for frame in 0..120 {
         let due = scene.begin_frame(f64::from(frame) / 60.0).unwrap();
@@ -204,11 +202,11 @@ fn an_unreported_object_may_leave_the_grid() {
         let ball = Sphere::new(Vec3::new(16.5, 0.75, 16.5), 0.5);
         let id = scene.insert(ObjectDesc::dynamic(ball).max_speed(4.0).reported_on_expiry()).unwrap();
         let mut query = query(method);
-        let behind = View::around(Vec3::new(4.5, 3.5, 16.5)).unwrap();
+        let behind = View::omnidirectional(Vec3::new(4.5, 3.5, 16.5)).unwrap();
         scene.begin_frame(0.0).unwrap();
         query.run(&scene, &behind);
         scene.end_frame([query.pvs()]).unwrap();
-        if method == Method::Frustum {
+        if matches!(method, Method::Frustum) {
             continue;
         }
         let (low, high) = scene.tbv(id).unwrap().unwrap_or_else(|| panic!("{method:?}: the wall hides it"));
@@ -218,7 +216,7 @@ fn an_unreported_object_may_leave_the_grid() {
             let down = Plane { normal: -Vec3::Y, offset: -0.2 };
             let view = View::from_planes(eye, &[down]).unwrap();
             assert!(query.run(&scene, &view).contains(id), "{method:?} from {eye}");
-            assert!(!query.pvs().is_empty() && query.pvs().holds(&scene, &view));
+            assert!(!query.pvs().is_empty() && query.pvs().is_valid_for(&scene, &view));
         }
         scene.remove(id).unwrap();
     }

@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Settings, Sphere, TriMesh, View,
+    Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, PointOptions, Query, Scene, Sphere, TriMesh,
+    View,
 };
 use casca_lab::cases;
 use casca_lab::drive::Driver;
@@ -89,15 +90,11 @@ fn camera() -> impl Strategy<Value = (Camera, bool)> {
     )
 }
 
-fn settings() -> impl Strategy<Value = Settings> {
-    let method = prop_oneof![1 => Just(Method::Cell), 1 => Just(Method::Frustum), 6 => Just(Method::Point)];
-    (method, 20.0..640.0f32, prop_oneof![Just(0u32), Just(256)]).prop_map(|(method, pixels, squares)| {
-        let mut settings = Settings::default();
-        settings.method = method;
-        settings.pixel_degrees = 90.0 / pixels;
-        settings.refine_squares = squares;
-        settings
-    })
+fn methods() -> impl Strategy<Value = Method> {
+    let point = (20.0..640.0f32, prop_oneof![Just(0u32), Just(256)]).prop_map(|(pixels, squares)| {
+        Method::Point(PointOptions::default().pixel_degrees(90.0 / pixels).refine_squares(squares))
+    });
+    prop_oneof![1 => Just(Method::cell()), 1 => Just(Method::Frustum), 6 => point]
 }
 
 fn moved_by(shape: &Shape, by: Vec3) -> Shape {
@@ -156,7 +153,7 @@ proptest! {
         mut objects in prop::collection::vec(object(), 1..30),
         twins in 0..4usize,
         frames in prop::collection::vec((vector(-1.0..1.0), camera(), direction(), any::<bool>()), 1..6),
-        settings in [settings(), settings()],
+        methods in [methods(), methods()],
         exact_eye in prop::bool::weighted(0.7),
         cell in prop_oneof![Just(1.0f32), 0.4..2.0f32],
     ) {
@@ -170,7 +167,7 @@ proptest! {
         let mut driver =
             Driver::with(&objects, &GridSpec { min: Vec3::ZERO, cell, dims }, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
-        let [mut query, mut sun] = settings.map(|s| Query::with_settings(s).unwrap());
+        let [mut query, mut sun] = methods.map(|m| Query::with_method(m).unwrap());
         // What is new counts as seen.
         let mut reported: HashSet<usize> = (0..objects.len()).collect();
         for (number, (way, (camera, perspective), light, feed_light)) in frames.iter().enumerate() {
@@ -289,7 +286,7 @@ fn what_lies_behind_all_receivers_casts_nothing_on_them() {
     assert_eq!(casters(&scene, &view, Vec3::Y), [below, seen]);
     // Across, the others are beside the rays.
     assert_eq!(casters(&scene, &view, Vec3::X), [seen]);
-    let mut all = casters(&scene, &View::around(eye).unwrap(), Vec3::NEG_Y);
+    let mut all = casters(&scene, &View::omnidirectional(eye).unwrap(), Vec3::NEG_Y);
     all.sort_unstable();
     assert_eq!(all, [above, seen, below]);
 }
@@ -390,14 +387,14 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
     sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
     assert!(out.is_empty() && sun.pvs().is_empty());
     scene.end_frame([camera.pvs(), sun.pvs()]).unwrap();
-    assert!(!sun.pvs().holds(&scene, &nothing));
+    assert!(!sun.pvs().is_valid_for(&scene, &nothing));
 
     // Huge bounds are taken.
     let huge = scene.insert(ObjectDesc::fixed(huge)).unwrap();
     let everywhere = Aabb::new(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
     let everywhere = scene.insert(ObjectDesc::fixed(everywhere)).unwrap();
     for light in [Vec3::NEG_Y, Vec3::new(0.3, -1.0, 0.2), Vec3::splat(f32::MAX)] {
-        for view in [ahead(), View::around(Vec3::splat(3.0)).unwrap()] {
+        for view in [ahead(), View::omnidirectional(Vec3::splat(3.0)).unwrap()] {
             let found = casters(&scene, &view, light);
             assert!([ground, huge, everywhere].iter().all(|id| found.contains(id)), "{found:?}");
         }

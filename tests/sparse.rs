@@ -1,6 +1,6 @@
 //! Walks pass over parts of the grid that hold nothing, and find the same as where every part holds something.
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 
@@ -56,7 +56,7 @@ fn views(random: &mut Random) -> Vec<View> {
         [random.vec() * size, Vec3::splat(size * 0.5), Vec3::new(-0.4, 0.3, 0.6) * size, Vec3::splat(0.2)];
     let mut views = Vec::new();
     for eye in eyes {
-        views.push(View::around(eye).unwrap());
+        views.push(View::omnidirectional(eye).unwrap());
         let toward = (Vec3::splat(size * 0.5) - eye + random.vec()).normalize();
         let camera = look_to_mat4(eye, toward, Vec3::Y);
         views.push(View::perspective(eye, directx::perspective(0.8, 1.5, 0.1, 2.0 * size) * camera).unwrap());
@@ -74,10 +74,8 @@ fn nothing_is_lost_where_walks_pass_over_emptiness() {
         let (mut scenes, ids) = scenes(seed, objects);
         for round in 0..2 {
             for view in views(&mut random) {
-                for method in [Method::Cell, Method::Point] {
-                    let mut settings = Settings::default();
-                    settings.method = method;
-                    let mut queries = [0, 1].map(|_| Query::with_settings(settings).unwrap());
+                for method in [Method::cell(), Method::point()] {
+                    let mut queries = [0, 1].map(|_| Query::with_method(method).unwrap());
                     for (query, scene) in queries.iter_mut().zip(&scenes) {
                         query.run(scene, &view);
                     }
@@ -87,12 +85,12 @@ fn nothing_is_lost_where_walks_pass_over_emptiness() {
                         if a.contains(*x) { seen += 1 } else { hidden += 1 }
                     }
                     // Of parallel views, portions of what is there are counted.
-                    let walks = view.eye().is_some() || method == Method::Cell;
+                    let walks = view.eye().is_some() || method == Method::cell();
                     assert!(!walks || a.stats().shells == b.stats().shells, "the walk ends where it did");
                 }
             }
             // What nobody saw goes into volumes.
-            let view = View::around(Vec3::splat(31.0 + 200.0 * round as f32)).unwrap();
+            let view = View::omnidirectional(Vec3::splat(31.0 + 200.0 * round as f32)).unwrap();
             for scene in &mut scenes {
                 let mut query = Query::new();
                 query.run(scene, &view);
@@ -122,14 +120,12 @@ fn an_eye_in_a_closed_room_ends_the_walk_in_an_empty_grid() {
             scene.insert(ObjectDesc::fixed(Sphere::new(at, 1.0))).unwrap()
         })
         .collect();
-    for method in [Method::Cell, Method::Point] {
-        let mut settings = Settings::default();
-        settings.method = method;
-        let mut query = Query::with_settings(settings).unwrap();
-        let inside = query.run(&scene, &View::around(Vec3::splat(1020.3)).unwrap());
+    for method in [Method::cell(), Method::point()] {
+        let mut query = Query::with_method(method).unwrap();
+        let inside = query.run(&scene, &View::omnidirectional(Vec3::splat(1020.3)).unwrap());
         assert!(far.iter().all(|&id| !inside.contains(id)) && inside.len() == 6, "{method:?}");
         assert!(inside.stats().shells < 40, "{method:?}: {} shells", inside.stats().shells);
-        let outside = query.run(&scene, &View::around(Vec3::splat(500.3)).unwrap());
+        let outside = query.run(&scene, &View::omnidirectional(Vec3::splat(500.3)).unwrap());
         assert!(far[1..7].iter().all(|&id| outside.contains(id)), "{method:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! What the cell method proves hidden, the point method finds hidden too, but for what `Method::Point` says.
 
-use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Mat4, Quat, UVec3, Vec3};
 
@@ -13,9 +13,7 @@ fn ball(scene: &mut Scene, at: Vec3) -> ObjectId {
 }
 
 fn query(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(method).unwrap()
 }
 
 fn matrix(eye: Vec3, near: f32) -> Mat4 {
@@ -30,7 +28,7 @@ fn views(eye: Vec3, near: f32) -> [View; 2] {
 
 /// Both methods hide the object, and neither finds the eye in an occluder.
 fn both_hide(scene: &Scene, view: &View, id: ObjectId) {
-    for method in [Method::Cell, Method::Point] {
+    for method in [Method::cell(), Method::point()] {
         let mut query = query(method);
         let pvs = query.run(scene, view);
         assert!(!pvs.contains(id) && !pvs.stats().eye_in_occluder, "{method:?} {view:?}");
@@ -59,14 +57,14 @@ fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
         let views = views(eye.into(), 0.05);
         views.iter().for_each(|view| both_hide(&scene, view, behind));
         let boxes = |scene: &Scene| {
-            let mut query = query(Method::Point);
-            query.run(scene, &View::around(eye.into()).unwrap()).stats().cells_drawn
+            let mut query = query(Method::point());
+            query.run(scene, &View::omnidirectional(eye.into()).unwrap()).stats().cells_drawn
         };
         assert!(boxes(&scene) > 0);
         // A half that is gone hides nothing, and leaves no seam to close.
         scene.remove(halves[number % 2]).unwrap();
         scene.begin_frame(1.0).unwrap();
-        assert!(query(Method::Point).run(&scene, &views[0]).contains(behind));
+        assert!(query(Method::point()).run(&scene, &views[0]).contains(behind));
         assert_eq!(boxes(&scene), 0);
     }
 }
@@ -101,7 +99,7 @@ mod laboratory {
     /// solids are shrunk by what it leaves open, which opens seams.
     #[test]
     fn the_point_method_keeps_nothing_that_the_cell_method_hides() {
-        let (mut cell, mut point) = (query(Method::Cell), query(Method::Point));
+        let (mut cell, mut point) = (query(Method::cell()), query(Method::point()));
         for kind in SceneKind::ALL {
             let mut world = build(kind, &SceneOptions::default());
             let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();

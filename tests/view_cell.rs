@@ -4,8 +4,7 @@
 use std::sync::Arc;
 
 use casca::{
-    Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Plane, Pvs, Query, Scene, Settings, Sphere, TriMesh,
-    View,
+    Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Plane, Pvs, Query, Scene, Sphere, TriMesh, View,
 };
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DMat4, DQuat, DVec3, DVec4, Mat4, Quat, UVec3, Vec3};
@@ -305,9 +304,7 @@ fn eyes_of(cell: glam::IVec3, random: &mut Random) -> Vec<DVec3> {
 }
 
 fn cell_query() -> Query {
-    let mut settings = Settings::default();
-    settings.method = Method::Cell;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(Method::cell()).unwrap()
 }
 
 #[test]
@@ -320,7 +317,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
         // What hides from two eyes goes into volumes, and moves in there.
         for frame in 0..2 {
             world.scene.begin_frame(f64::from(frame) * 0.1).unwrap();
-            query.run(&world.scene, &View::around(random.point(0.0, 16.0)).unwrap());
+            query.run(&world.scene, &View::omnidirectional(random.point(0.0, 16.0)).unwrap());
             world.scene.end_frame([query.pvs()]).unwrap();
         }
         for i in 0..world.items.len() {
@@ -363,7 +360,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
                     all.push(Plane { normal: forward, offset: -forward.dot(v) - near });
                     (View::from_planes(v, &all).unwrap(), spaces_of(&all))
                 };
-                if pvs.holds(&world.scene, &next) {
+                if pvs.is_valid_for(&world.scene, &next) {
                     kept += 1;
                     let missed = world.missed(&pvs, v.as_dvec3(), &spaces, true, &mut random);
                     assert!(missed.is_none(), "{missed:?} is seen by {next:?}, not by {view:?}");
@@ -403,7 +400,7 @@ fn an_eye_beside_the_first_sees_past_what_bounds_its_frustum() {
     let pvs = query.run(&scene, &View::from_planes(eye, &planes).unwrap()).clone();
     // At the block's back, z = 6, the line from here to the ball is at y = 7.014.
     let high = Vec3::new(6.5, 6.999, 2.5);
-    assert!(Query::new().run(&scene, &View::around(high).unwrap()).contains(ball));
+    assert!(Query::new().run(&scene, &View::omnidirectional(high).unwrap()).contains(ball));
     assert!(pvs.contains(ball) && pvs.view_cell() == Some(glam::IVec3::new(6, 6, 2)));
 
     // From an eye further ahead, what lies in these half-spaces lies in those.
@@ -415,11 +412,11 @@ fn an_eye_beside_the_first_sees_past_what_bounds_its_frustum() {
         };
         View::from_planes(eye, &spaces.map(plane)).unwrap()
     };
-    assert!(pvs.holds(&scene, &narrower(eye + Vec3::new(0.0, 0.026, 0.4))));
-    assert!(!pvs.holds(&scene, &narrower(eye + Vec3::new(0.0, 0.039, 0.6))), "another cell");
-    assert!(!pvs.holds(&scene, &narrower(eye + Vec3::new(0.0, 0.1, 0.4))), "it sees more");
+    assert!(pvs.is_valid_for(&scene, &narrower(eye + Vec3::new(0.0, 0.026, 0.4))));
+    assert!(!pvs.is_valid_for(&scene, &narrower(eye + Vec3::new(0.0, 0.039, 0.6))), "another cell");
+    assert!(!pvs.is_valid_for(&scene, &narrower(eye + Vec3::new(0.0, 0.1, 0.4))), "it sees more");
     // Its half-spaces cut off the block's front from this eye, which sees through it.
-    assert!(!pvs.holds(&scene, &View::from_planes(high, &planes).unwrap()));
+    assert!(!pvs.is_valid_for(&scene, &View::from_planes(high, &planes).unwrap()));
 }
 
 #[test]

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use casca::{
-    Bounds, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder, Query, Scene, Settings,
-    Sphere, View,
+    Bounds, CellOptions, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder,
+    PointOptions, Query, Scene, Sphere, View,
 };
 use casca_lab::baselines::{Hzb, RayBuffer};
 use casca_lab::cases;
@@ -90,8 +90,8 @@ fn surface_point(shape: &Shape, way: Vec3) -> Vec3 {
     }
 }
 
-fn settings() -> impl Strategy<Value = Settings> {
-    let method = prop_oneof![1 => Just(Method::Cell), 3 => Just(Method::Point)];
+fn methods() -> impl Strategy<Value = Method> {
+    let cell = prop::bool::weighted(0.25);
     let pixels = prop_oneof![1 => 8.0..80.0f32, 3 => 80.0..1280.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(100_000)];
     let limits = prop_oneof![
@@ -99,18 +99,18 @@ fn settings() -> impl Strategy<Value = Settings> {
         1 => (0..12u32, Just(0.0f32)),
         1 => (Just(u32::MAX), 0.0..0.5f32)
     ];
-    (method, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32, limits).prop_map(
-        |(method, mask, pixels, least, squares, depth, (occluders, angle))| {
-            let mut settings = Settings::default();
-            settings.method = method;
-            settings.mask_resolution = 1 << mask;
-            settings.pixel_degrees = 90.0 / pixels;
-            settings.min_pixels = least;
-            settings.refine_squares = squares;
-            settings.refine_depth = depth;
-            settings.max_occluders = occluders;
-            settings.min_solid_angle = angle;
-            settings
+    (cell, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32, limits).prop_map(
+        |(cell, mask, pixels, least, squares, depth, (occluders, angle))| {
+            if cell {
+                let options = CellOptions::default().mask_resolution(1 << mask);
+                return Method::Cell(options.min_solid_angle(angle));
+            }
+            let options = PointOptions::default()
+                .pixel_degrees(90.0 / pixels)
+                .min_pixels(least)
+                .refine_squares(squares)
+                .refine_depth(depth);
+            Method::Point(options.max_occluders(occluders).min_solid_angle(angle))
         },
     )
 }
@@ -173,7 +173,7 @@ proptest! {
         start in prop::collection::vec(object(), 1..40),
         frames in prop::collection::vec((prop::collection::vec(change(), 0..8), camera(), on_surface()), 1..10),
         exact_eye in prop::bool::weighted(0.7),
-        settings in settings(),
+        method in methods(),
         cell in prop_oneof![Just(1.0f32), Just(0.5f32), 0.3..2.0f32],
         offset in prop_oneof![6 => Just(0.0f32), 1 => Just(4096.0f32), 1 => Just(-65536.0f32), 1 => Just(1e6f32)],
     ) {
@@ -182,7 +182,7 @@ proptest! {
         let corner = Vec3::splat(offset);
         let dims = UVec3::splat((SIZE / cell).ceil() as u32);
         let mut scene = Scene::new(&GridSpec { min: corner, cell, dims }).unwrap();
-        let mut query = Query::with_settings(settings).unwrap();
+        let mut query = Query::with_method(method).unwrap();
         let mut objects: Vec<Object> = start.iter().map(shift).collect();
         let mut ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
         for (number, (changes, camera, on_surface)) in frames.iter().enumerate() {
@@ -234,11 +234,11 @@ proptest! {
         objects in prop::collection::vec(object(), 1..40),
         cameras in prop::collection::vec(camera(), 1..4),
         (width, height) in (0.5..30.0f32, 0.5..30.0f32),
-        settings in settings(),
+        method in methods(),
     ) {
         let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
         let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
-        let mut query = Query::with_settings(settings).unwrap();
+        let mut query = Query::with_method(method).unwrap();
         for camera in cameras {
             let (w, h) = (width * 0.5, height * 0.5);
             let camera = Camera { projection: directx::orthographic(-w, w, -h, h, 0.5, 80.0), ..camera };
@@ -256,14 +256,14 @@ proptest! {
     fn nothing_visible_is_lost_in_any_direction(
         objects in prop::collection::vec(object(), 1..40),
         eyes in prop::collection::vec(place(), 1..4),
-        settings in settings(),
+        method in methods(),
     ) {
         let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
         let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
         let oracle = Oracle::new(&objects, OracleOptions { width: 1, height: 1, ..OracleOptions::default() });
-        let mut query = Query::with_settings(settings).unwrap();
+        let mut query = Query::with_method(method).unwrap();
         for eye in eyes {
-            let pvs = query.run(&scene, &View::around(eye).unwrap());
+            let pvs = query.run(&scene, &View::omnidirectional(eye).unwrap());
             let left: Vec<usize> = (0..ids.len()).filter(|&i| !pvs.contains(ids[i])).collect();
             let report = oracle.rays().probe(&objects, eye.as_dvec3(), &left, 200, 1, |_| true);
             prop_assert!(report.seen.is_empty(), "{:?} of {:?}", report.seen[0], objects[report.seen[0].object]);
@@ -305,7 +305,7 @@ proptest! {
     fn turned_solids_lose_nothing(
         boxes in prop::collection::vec((turned(), any::<bool>()), 1..30),
         cameras in prop::collection::vec(camera(), 1..6),
-        settings in settings(),
+        method in methods(),
     ) {
         let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 0.8, dims: UVec3::splat(20) }).unwrap();
         let mut objects = Vec::new();
@@ -330,7 +330,7 @@ proptest! {
                 tested: true,
             });
         }
-        let mut query = Query::with_settings(settings).unwrap();
+        let mut query = Query::with_method(method).unwrap();
         for (number, camera) in cameras.iter().enumerate() {
             let pvs = query.run(&scene, &View::perspective(camera.eye, camera.view_projection()).unwrap());
             let options = OracleOptions { width: 160, height: 120, samples_per_object: 48, max_candidates: 1000, seed: number as u64 };
@@ -387,13 +387,10 @@ fn long_suite_of_all_scenes_and_resolutions() {
             let mut world = build(kind, &SceneOptions { seed, ..SceneOptions::default() });
             let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
             let mut queries = PIXELS.map(|pixels| {
-                let mut settings = Settings::default();
-                settings.pixel_degrees = 90.0 / pixels;
-                Query::with_settings(settings).unwrap()
+                let options = PointOptions::default().pixel_degrees(90.0 / pixels);
+                Query::with_method(Method::Point(options)).unwrap()
             });
-            let mut settings = Settings::default();
-            settings.method = Method::Frustum;
-            let mut frustum = Query::with_settings(settings).unwrap();
+            let mut frustum = Query::with_method(Method::Frustum).unwrap();
             let (mut hzb, mut cast) = (Hzb::new(640, 360), RayBuffer::new(&world.objects, 256, 144));
             let options = OracleOptions {
                 width: 960,
@@ -458,8 +455,8 @@ fn a_solid_that_the_near_plane_cuts_hides_nothing() {
     assert!(cut.contains(behind) && cut.stats().eye_in_occluder);
     let clear = query.run(&scene, &view(0.05)).clone();
     assert!(!clear.contains(behind) && !clear.stats().eye_in_occluder);
-    let around = query.run(&scene, &View::around(eye).unwrap()).clone();
-    assert!(around.holds(&scene, &view(0.05)) && !around.holds(&scene, &view(0.35)));
+    let around = query.run(&scene, &View::omnidirectional(eye).unwrap()).clone();
+    assert!(around.is_valid_for(&scene, &view(0.05)) && !around.is_valid_for(&scene, &view(0.35)));
 }
 
 #[test]
@@ -522,26 +519,24 @@ fn memory_follows_occupied_cells() {
 fn a_result_for_a_cell_holds_while_the_eye_stays_in_it() {
     let world = build(SceneKind::City, &SceneOptions::default());
     let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
-    let mut settings = Settings::default();
-    settings.method = Method::Cell;
-    let mut query = Query::with_settings(settings).unwrap();
+    let mut query = Query::with_method(Method::cell()).unwrap();
     let camera = world.camera(40, 1.5);
-    let pvs = query.run(&driver.scene, &View::around(camera.eye).unwrap()).clone();
+    let pvs = query.run(&driver.scene, &View::omnidirectional(camera.eye).unwrap()).clone();
     let view = view_of(&camera).unwrap();
-    assert!(pvs.holds(&driver.scene, &view));
+    assert!(pvs.is_valid_for(&driver.scene, &view));
     for frame in 41..44 {
         let mut next = world.camera(frame, 1.5);
         next.eye = camera.eye + (next.eye - camera.eye) * 0.01;
         next.view = look_to_mat4(next.eye, Vec3::NEG_Z, Vec3::Y);
         let view = view_of(&next).unwrap();
-        assert!(pvs.holds(&driver.scene, &view));
+        assert!(pvs.is_valid_for(&driver.scene, &view));
         // What the narrow view sees by itself is in the result for all around.
         query.run(&driver.scene, &view).visible().iter().for_each(|&id| assert!(pvs.contains(id)));
     }
-    assert!(!pvs.holds(&driver.scene, &View::around(camera.eye + Vec3::X * 2.0).unwrap()));
+    assert!(!pvs.is_valid_for(&driver.scene, &View::omnidirectional(camera.eye + Vec3::X * 2.0).unwrap()));
     let car = driver.id(world.objects.len() - 1);
     driver.scene.translate(car, Vec3::Y * 0.5).unwrap();
-    assert!(!pvs.holds(&driver.scene, &view));
+    assert!(!pvs.is_valid_for(&driver.scene, &view));
 }
 
 #[test]
@@ -573,18 +568,14 @@ fn refused_calls_leave_the_scene_as_it_was() {
         scene.translate(id, Vec3::splat(f32::MAX)).and(scene.translate(id, Vec3::splat(f32::MAX))).is_err()
     );
     scene.update(id, ball, Some(ball.into())).unwrap();
-    let mut settings = Settings::default();
-    settings.mask_resolution = 100;
-    assert!(Query::with_settings(settings).is_err());
+    let masks = CellOptions::default().mask_resolution(100);
+    assert!(Query::with_method(Method::Cell(masks)).is_err());
     for degrees in [0.0, -1.0, 20.0, f32::NAN, f32::INFINITY] {
-        settings = Settings::default();
-        settings.pixel_degrees = degrees;
-        let message = Query::with_settings(settings).unwrap_err().to_string();
+        let options = PointOptions::default().pixel_degrees(degrees);
+        let message = Query::with_method(Method::Point(options)).unwrap_err().to_string();
         assert!(message.contains("pixel"), "{message}");
     }
-    settings = Settings::default();
-    settings.refine_depth = 17;
-    assert!(Query::with_settings(settings).is_err());
+    assert!(Query::with_method(Method::Point(PointOptions::default().refine_depth(17))).is_err());
     let nowhere = glam::Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
     assert!(scene.insert(ObjectDesc::fixed(Obb::new(Vec3::ZERO, Vec3::ONE, nowhere))).is_err());
     let negative = Obb::new(Vec3::ZERO, Vec3::NEG_ONE, Quat::IDENTITY);
@@ -597,7 +588,7 @@ fn refused_calls_leave_the_scene_as_it_was() {
     let everywhere = casca::Aabb::new(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
     let boxy = scene.insert(ObjectDesc::fixed(everywhere)).unwrap();
     let mut query = Query::new();
-    let pvs = query.run(&scene, &View::around(Vec3::splat(1.0)).unwrap());
+    let pvs = query.run(&scene, &View::omnidirectional(Vec3::splat(1.0)).unwrap());
     assert!(pvs.contains(huge) && pvs.contains(boxy) && pvs.contains(id));
     assert!(scene.remove(huge).is_ok() && scene.remove(boxy).is_ok());
 }
@@ -634,9 +625,7 @@ fn long_solids_seen_end_on_cover_no_more_than_their_silhouette() {
     let direction = Vec3::new(slope, slope, 1.0).normalize();
     let look = look_to_mat4(Vec3::new(0.0, 32.0, -10.0), direction, Vec3::Y);
     let matrix = directx::orthographic(-0.05, 0.05, -0.05, 0.05, 0.1, 500.0) * look;
-    let mut settings = Settings::default();
-    settings.refine_depth = 12;
-    let mut query = Query::with_settings(settings).unwrap();
+    let mut query = Query::with_method(Method::Point(PointOptions::default().refine_depth(12))).unwrap();
     assert!(query.run(&scene, &View::orthographic(direction, matrix).unwrap()).contains(ball));
 }
 
@@ -679,10 +668,8 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
         let matrix = directx::orthographic(-0.5, 0.5, -0.5, 0.5, 0.1, 90.0) * look;
         View::orthographic(Vec3::NEG_Z, matrix).unwrap()
     };
-    for method in [Method::Point, Method::Cell, Method::Frustum] {
-        let mut settings = Settings::default();
-        settings.method = method;
-        query.set_settings(settings).unwrap();
+    for method in [Method::point(), Method::cell(), Method::Frustum] {
+        query.set_method(method).unwrap();
         assert!(query.run(&scene, &from(50.5)).contains(hidden), "{method:?}");
         assert!(query.run(&scene, &from(37.5)).contains(low), "{method:?}");
     }
@@ -722,5 +709,5 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
     assert_eq!(pvs.len(), 3000, "they are far apart");
     // Each direction goes through long lists of occluders, and pays for it.
     assert!(stats.refined > 0 && stats.refine_squares > 30 * u64::from(stats.refined), "{stats:?}");
-    assert!(stats.refine_squares <= u64::from(query.settings().refine_budget));
+    assert!(stats.refine_squares <= u64::from(PointOptions::default().refine_budget));
 }

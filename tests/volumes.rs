@@ -1,15 +1,13 @@
 //! Temporal bounding volumes where a view shows their inside but not their surface.
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 
 const EYE: Vec3 = Vec3::new(20.5, 20.5, 38.5);
 
 fn query(method: Method) -> Query {
-    let mut settings = Settings::default();
-    settings.method = method;
-    Query::with_settings(settings).unwrap()
+    Query::with_method(method).unwrap()
 }
 
 fn view(eye: Vec3, forward: Vec3, degrees: f32, near: f32) -> View {
@@ -47,7 +45,7 @@ fn a_volume_whose_front_the_near_plane_cuts_away_hides_nothing_in_it() {
             scene.update(id, Sphere::new(Vec3::new(20.5, 20.5, 23.5), 0.3), None).unwrap();
             assert!(scene.tbv(id).unwrap().is_some());
         }
-        for method in [Method::Frustum, Method::Cell, Method::Point] {
+        for method in [Method::Frustum, Method::cell(), Method::point()] {
             // The near plane lies at z = 24, within the volume and before the object.
             let mut query = query(method);
             let pvs = query.run(&scene, &view(EYE, Vec3::NEG_Z, 10.0, EYE.z - 24.0));
@@ -63,7 +61,7 @@ fn an_unreported_object_is_in_every_frustum_that_its_volume_meets() {
     scene.begin_frame(0.3).unwrap();
     // It may be 4 m beside its old place, where this view looks.
     let beside = view(Vec3::new(24.5, 20.5, 2.5), Vec3::Z, 10.0, 0.1);
-    for method in [Method::Frustum, Method::Cell, Method::Point] {
+    for method in [Method::Frustum, Method::cell(), Method::point()] {
         let mut query = query(method);
         assert!(query.run(&scene, &beside).contains(id), "{method:?}");
     }
@@ -76,15 +74,15 @@ fn a_flat_object_may_lie_on_the_wall_of_its_volume() {
         let plate = |y: f32| Aabb::new(Vec3::new(12.6, y - flat, 1.6), Vec3::new(12.8, y, 1.8));
         let id = scene.insert(ObjectDesc::dynamic(plate(4.5)).max_speed(1.0)).unwrap();
         let past = casca::Plane { normal: Vec3::Z, offset: -20.0 };
-        let mut elsewhere = query(Method::Point);
+        let mut elsewhere = query(Method::point());
         elsewhere.run(&scene, &View::from_planes(Vec3::new(5.5, 18.5, 20.5), &[past]).unwrap());
         scene.end_frame([elsewhere.pvs()]).unwrap();
         let (_, high) = scene.tbv(id).unwrap().expect("nobody looked");
         // Nothing else is in the scene: it is in plain sight from above.
         scene.update(id, plate(high.y as f32), None).unwrap();
-        for method in [Method::Cell, Method::Point] {
+        for method in [Method::cell(), Method::point()] {
             let mut query = query(method);
-            let view = View::around(Vec3::new(12.5, 18.5, 1.5)).unwrap();
+            let view = View::omnidirectional(Vec3::new(12.5, 18.5, 1.5)).unwrap();
             assert!(query.run(&scene, &view).contains(id), "{method:?}, {flat} thick");
         }
     }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Bounds, Error, Facing, GridSpec, Instance, Method, ObjectDesc, Occluder, Preparation, Query, Scene,
-    Settings, TriMesh, View,
+    Aabb, Bounds, Error, Facing, GridSpec, Instance, Method, ObjectDesc, Occluder, MeshOptions, Query, Scene,
+    PointOptions, TriMesh, View,
 };
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
@@ -152,9 +152,9 @@ fuzz_target!(|play: Play| {
             (positions, triangles) = worst.make();
         }
         let n = positions.len() as u32;
-        let mut how = Preparation::default();
+        let mut how = MeshOptions::default();
         how.tolerance = mesh.tolerance.map(Coordinate::value);
-        how.least_radius = mesh.least.map(Coordinate::value);
+        how.min_radius = mesh.least.map(Coordinate::value);
         how.max_angle = mesh.angle.map(Coordinate::value);
         how.facing = if mesh.front { Facing::Front } else { Facing::Both };
         how.occludes = !mesh.bounds_only;
@@ -164,7 +164,7 @@ fuzz_target!(|play: Play| {
         let length = |v: Option<f32>| v.is_none_or(|v| v >= 0.0 && v.is_finite());
         let badly = how.max_angle.is_some_and(|a| !(0.0..=80.0).contains(&a))
             || !length(how.tolerance)
-            || !length(how.least_radius);
+            || !length(how.min_radius);
         let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ());
         assert_eq!(made.is_err(), broken || badly, "{made:?}");
         let Ok(made) = made else { continue };
@@ -212,15 +212,12 @@ fuzz_target!(|play: Play| {
         let pick = |i: u32| DVec3::select(glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), min, max);
         points.push((0..8).map(pick).chain([(min + max) * 0.5]).collect());
     }
-    let mut settings = Settings::default();
-    settings.pixel_degrees = 0.5 + f32::from(play.pixels % 16) * 0.25;
-    settings.min_pixels = 0;
-    settings.refine_squares = u32::from(play.pixels) * 4;
+    let options = PointOptions::default().pixel_degrees(0.5 + f32::from(play.pixels % 16) * 0.25);
+    let options = options.min_pixels(0).refine_squares(u32::from(play.pixels) * 4);
     for eye in play.eyes.iter().take(3) {
-        let Ok(view) = View::around(eye.value()) else { continue };
-        for method in [Method::Point, Method::Cell] {
-            settings.method = method;
-            let mut query = Query::with_settings(settings).expect("settings in range");
+        let Ok(view) = View::omnidirectional(eye.value()) else { continue };
+        for method in [Method::Point(options), Method::cell()] {
+            let mut query = Query::with_method(method).expect("settings in range");
             let pvs = query.run(&scene, &view);
             let eye = eye.value().as_dvec3();
             if eye.abs().max_element() > 1e4 {

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use arbitrary::Arbitrary;
 use casca::{
-    Facing, GridSpec, Instance, Method, ObjectDesc, Plane, Preparation, Query, Scene, Settings, Sphere,
+    Facing, GridSpec, Instance, Method, ObjectDesc, Plane, MeshOptions, PointOptions, Query, Scene, Sphere,
     TriMesh, View,
 };
 use glam::{Affine3A, Mat3, UVec3, Vec3};
@@ -93,11 +93,11 @@ fn originals() -> &'static [Vec<u8>] {
         let bent =
             (0..64).map(|i| i / 8 * 9 + i % 8).flat_map(|v| [[v, v + 9, v + 1], [v + 1, v + 9, v + 10]]);
         let bent: Vec<[u32; 3]> = bent.collect();
-        let mut front = Preparation::default();
+        let mut front = MeshOptions::default();
         front.facing = Facing::Front;
         front.tolerance = Some(0.2);
-        let plain = Preparation::default();
-        let mut bounds = Preparation::default();
+        let plain = MeshOptions::default();
+        let mut bounds = MeshOptions::default();
         bounds.occludes = false;
         let all = [
             (square, vec![[0, 1, 2], [0, 2, 3]], plain),
@@ -186,11 +186,8 @@ fn use_it(mesh: TriMesh, play: &Play) {
     let normal = near(play.plane.0);
     let planes = [Plane { normal, offset: f32::from(play.plane.1) }];
     for (round, &eye) in play.eyes.iter().enumerate() {
-        for method in [Method::Point, Method::Cell] {
-            let mut settings = Settings::default();
-            settings.method = method;
-            settings.pixel_degrees = 1.0;
-            query.set_settings(settings).expect("plain settings");
+        for method in [Method::Point(PointOptions::default().pixel_degrees(1.0)), Method::cell()] {
+            query.set_method(method).expect("plain options");
             let planes = if round == 0 { &[][..] } else { &planes[..] };
             if let Ok(view) = View::from_planes(near(eye), planes) {
                 query.run(&scene, &view);
@@ -215,7 +212,7 @@ fuzz_target!(|play: Play| {
             file(&contents)
         }
         Input::Prepared { positions, any, triangles, tolerance, front } => {
-            let mut how = Preparation::default();
+            let mut how = MeshOptions::default();
             how.tolerance = (*tolerance >= 0.0).then_some(*tolerance);
             how.facing = if *front { Facing::Front } else { Facing::Both };
             let positions: Vec<Vec3> =

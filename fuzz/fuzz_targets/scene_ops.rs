@@ -5,7 +5,7 @@
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Settings, Sphere,
+    Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere,
     View,
 };
 use casca_lab::oracle::RayOracle;
@@ -148,20 +148,18 @@ fuzz_target!(|play: Play| {
                 assert!(!query.pvs().contains(id) || scene.len() == count);
             }
             Op::Look { eye, planes, frustum } => {
-                let mut settings = Settings::default();
-                settings.method = if frustum {
+                query.set_method(if frustum {
                     Method::Frustum
                 } else if planes.len() % 2 == 0 {
-                    Method::Point
+                    Method::point()
                 } else {
-                    Method::Cell
-                };
-                query.set_settings(settings).expect("default settings");
+                    Method::cell()
+                }).expect("default settings");
                 let planes: Vec<Plane> =
                     planes.iter().map(|(n, d)| Plane { normal: n.value(), offset: d.value() }).collect();
                 let Ok(view) = View::from_planes(eye.value(), &planes) else { continue };
                 let pvs = query.run(&scene, &view);
-                assert!(pvs.holds(&scene, &view));
+                assert!(pvs.is_valid_for(&scene, &view));
                 let objects: Vec<Object> = known.iter().map(|k| k.object.clone()).collect();
                 let left: Vec<usize> = (0..known.len())
                     .filter(|&i| !pvs.contains(known[i].id) && !known[i].unreported)

@@ -8,6 +8,7 @@ use glam::{DVec3, IVec3};
 
 use crate::error::Error;
 use crate::matrix::bits::BitMatrix;
+use crate::method::Method;
 use crate::pvs::Pvs;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -21,7 +22,7 @@ const SAMPLES: i32 = 4;
 /// objects.**
 ///
 /// ```
-/// use casca::{Aabb, AggressiveOpacity, GridSpec, Method, ObjectDesc, Query, Scene, Settings, Sphere, View};
+/// use casca::{Aabb, AggressiveOpacity, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
@@ -30,10 +31,8 @@ const SAMPLES: i32 = 4;
 /// let wall = Aabb::new(Vec3::new(0.0, 0.0, 8.0), Vec3::new(16.0, 16.0, 8.75));
 /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 /// let ball = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(8.0, 8.0, 14.0), 0.5)))?;
-/// let mut settings = Settings::default();
-/// settings.method = Method::Cell;
-/// let mut query = Query::with_settings(settings)?;
-/// let view = View::around(Vec3::new(8.5, 8.5, 4.5))?;
+/// let mut query = Query::with_method(Method::cell())?;
+/// let view = View::omnidirectional(Vec3::new(8.5, 8.5, 4.5))?;
 /// assert!(query.run(&scene, &view).contains(ball));
 /// let opacity = AggressiveOpacity::new(&scene, 0.7)?;
 /// assert!(!query.run_aggressive(&scene, &view, &opacity)?.contains(ball));
@@ -128,7 +127,7 @@ impl Query {
         if opacity.scene != scene.tag() {
             return Err(Error::ForeignOpacity);
         }
-        if self.settings().method != crate::method::Method::Cell {
+        if !matches!(self.method(), Method::Cell(_)) {
             return Err(Error::AggressiveMethod);
         }
         Ok(self.run_with(scene, view, Some(&opacity.cells)))
@@ -142,7 +141,6 @@ mod tests {
     use super::*;
     use crate::geometry::{Aabb, Sphere};
     use crate::grid::GridSpec;
-    use crate::method::{Method, Settings};
     use crate::object::ObjectDesc;
 
     fn scene() -> Scene {
@@ -176,17 +174,17 @@ mod tests {
             assert!(AggressiveOpacity::new(&one, share).is_err());
         }
         let opacity = AggressiveOpacity::new(&one, 1.0).unwrap();
-        let view = View::around(Vec3::splat(8.5)).unwrap();
+        let view = View::omnidirectional(Vec3::splat(8.5)).unwrap();
         let mut query = Query::new();
         assert_eq!(query.run_aggressive(&one, &view, &opacity).unwrap_err(), Error::AggressiveMethod);
-        query.set_settings(Settings { method: Method::Cell, ..Settings::default() }).unwrap();
+        query.set_method(Method::cell()).unwrap();
         assert_eq!(query.run_aggressive(&other, &view, &opacity).unwrap_err(), Error::ForeignOpacity);
         let ball = one.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(3.0), 0.5))).unwrap();
         assert!(query.run_aggressive(&one, &view, &opacity).unwrap().is_aggressive());
         assert!(query.pvs().contains(ball));
         assert!(!query.run(&one, &view).is_aggressive());
-        assert!(query.pvs().holds(&one, &view));
+        assert!(query.pvs().is_valid_for(&one, &view));
         query.run_aggressive(&one, &view, &opacity).unwrap();
-        assert!(!query.pvs().holds(&one, &view), "an aggressive result stands for no other");
+        assert!(!query.pvs().is_valid_for(&one, &view), "an aggressive result stands for no other");
     }
 }

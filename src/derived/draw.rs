@@ -49,7 +49,7 @@ impl DrawItem {
     /// let ball = |x| ObjectDesc::fixed(Sphere::new(Vec3::new(x, 32.0, 32.0), 1.0));
     /// let (far, near) = (scene.insert(ball(60.0))?, scene.insert(ball(8.0))?);
     /// let mut query = Query::new();
-    /// let pvs = query.run(&scene, &View::around(Vec3::new(4.0, 32.0, 31.0))?);
+    /// let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(4.0, 32.0, 31.0))?);
     /// let mut items = Vec::new();
     /// pvs.draw_list(&scene, &DrawOptions::default(), &mut items)?;
     /// // Full detail from 200 pixels on, half of it from 50, in a picture 1080 pixels and 1 radian high.
@@ -73,7 +73,16 @@ pub struct DrawOptions {
     ///
     /// **Not conservative**: objects that are left out can be seen, if small. Objects that go unreported while hidden are
     /// never left out, since nobody knows how near they are.
-    pub least_size: f32,
+    pub min_size: f32,
+}
+
+impl DrawOptions {
+    /// Sets [`DrawOptions::min_size`], in radians.
+    #[must_use]
+    pub const fn min_size(mut self, radians: f32) -> Self {
+        self.min_size = radians;
+        self
+    }
 }
 
 impl Pvs {
@@ -94,10 +103,10 @@ impl Pvs {
     /// # let cube = Aabb::new(Vec3::splat(8.0), Vec3::splat(9.0));
     /// # let id = scene.insert(ObjectDesc::fixed(cube))?;
     /// # let mut query = Query::new();
-    /// # let view = View::around(Vec3::new(2.0, 8.5, 8.5))?;
+    /// # let view = View::omnidirectional(Vec3::new(2.0, 8.5, 8.5))?;
     /// let mut items = Vec::new();
-    /// let mut options = DrawOptions::default();
-    /// options.least_size = 2.0 / 1080.0; // Two pixels: smaller objects are not drawn, though they can be seen.
+    /// // Two pixels: smaller objects are not drawn, though they can be seen.
+    /// let options = DrawOptions::default().min_size(2.0 / 1080.0);
     /// query.run(&scene, &view).draw_list(&scene, &options, &mut items)?;
     /// assert_eq!((items[0].id, items[0].distance), (id, 6.0));
     /// # Ok(())
@@ -113,7 +122,7 @@ impl Pvs {
         options: &DrawOptions,
         out: &mut Vec<DrawItem>,
     ) -> Result<(), Error> {
-        not_negative("the least size", f64::from(options.least_size))?;
+        not_negative("the least size", f64::from(options.min_size))?;
         if self.scene != scene.tag() {
             return Err(Error::ForeignPvs);
         }
@@ -124,7 +133,7 @@ impl Pvs {
             let (distance, size) = measure(object, view);
             let item = DrawItem { id, distance: distance as f32, size: size as f32 };
             let known = !object.is_unlocated() && object.unreported_volume().is_none();
-            if !(known && item.size < options.least_size) {
+            if !(known && item.size < options.min_size) {
                 out.push(item);
             }
         }
@@ -189,7 +198,7 @@ mod tests {
 
     fn list(scene: &Scene, view: &View, least: f32) -> Vec<DrawItem> {
         let mut out = Vec::new();
-        Query::new().run(scene, view).draw_list(scene, &DrawOptions { least_size: least }, &mut out).unwrap();
+        Query::new().run(scene, view).draw_list(scene, &DrawOptions { min_size: least }, &mut out).unwrap();
         out
     }
 
@@ -204,7 +213,7 @@ mod tests {
         let obb = scene.insert(ObjectDesc::fixed(obb)).unwrap();
         let room = Aabb::new(Vec3::splat(-30.0), Vec3::splat(30.0));
         let room = scene.insert(ObjectDesc::fixed(room)).unwrap();
-        let items = list(&scene, &View::around(Vec3::ZERO).unwrap(), 0.0);
+        let items = list(&scene, &View::omnidirectional(Vec3::ZERO).unwrap(), 0.0);
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
         // The ball and the cube are 5 away.
         assert_eq!(ids, [room, ball, cube, obb]);
@@ -242,7 +251,7 @@ mod tests {
         let ids: Vec<_> = (1..20)
             .map(|i| scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * i as f32 * 1.5, 0.1))).unwrap())
             .collect();
-        let view = View::around(Vec3::ZERO).unwrap();
+        let view = View::omnidirectional(Vec3::ZERO).unwrap();
         assert_eq!(list(&scene, &view, 0.0).iter().map(|i| i.id).collect::<Vec<_>>(), ids);
         // The ball at 15 looks about 0.2 / 15 = 0.01333 wide.
         assert_eq!(list(&scene, &view, 0.0133).iter().map(|i| i.id).collect::<Vec<_>>(), ids[..10]);
@@ -263,7 +272,7 @@ mod tests {
         query.run(&scene, &away);
         scene.end_frame([query.pvs()]).unwrap();
         let (lo, hi) = scene.tbv(id).unwrap().expect("nobody saw it");
-        let view = View::around(Vec3::ZERO).unwrap();
+        let view = View::omnidirectional(Vec3::ZERO).unwrap();
         // Whatever its size, it is not left out.
         let item = list(&scene, &view, f32::MAX)[0];
         assert_eq!((item.id, f64::from(item.distance)), (id, lo.x));
@@ -278,7 +287,7 @@ mod tests {
     fn levels_count_the_thresholds_above() {
         let mut scene = scene();
         scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * 2f32.sqrt(), 1.0))).unwrap();
-        let item = list(&scene, &View::around(Vec3::ZERO).unwrap(), 0.0)[0];
+        let item = list(&scene, &View::omnidirectional(Vec3::ZERO).unwrap(), 0.0)[0];
         assert!((item.size - FRAC_PI_2).abs() < 1e-6);
         for (thresholds, level) in [
             (&[][..], 0),
@@ -299,15 +308,15 @@ mod tests {
         let far = Aabb::new(Vec3::splat(3e38), Vec3::splat(f32::MAX));
         let far = scene.insert(ObjectDesc::fixed(far)).unwrap();
         let mut query = Query::new();
-        let mut out = list(&scene, &View::around(Vec3::ZERO).unwrap(), 0.0);
+        let mut out = list(&scene, &View::omnidirectional(Vec3::ZERO).unwrap(), 0.0);
         assert_eq!(out.iter().map(|i| i.id).collect::<Vec<_>>(), [huge, id, far]);
         assert_eq!((out[0].distance, out[2].distance), (0.0, f32::INFINITY));
         assert!(out.iter().all(|i| i.size > 0.0 && i.size <= TAU));
         let before = out.clone();
         assert_eq!(query.pvs().draw_list(&scene, &DrawOptions::default(), &mut out), Err(Error::ForeignPvs));
-        query.run(&scene, &View::around(Vec3::ZERO).unwrap());
-        for least_size in [-1.0, f32::NAN, f32::INFINITY] {
-            assert!(query.pvs().draw_list(&scene, &DrawOptions { least_size }, &mut out).is_err());
+        query.run(&scene, &View::omnidirectional(Vec3::ZERO).unwrap());
+        for min_size in [-1.0, f32::NAN, f32::INFINITY] {
+            assert!(query.pvs().draw_list(&scene, &DrawOptions { min_size }, &mut out).is_err());
         }
         let other = super::tests::scene();
         assert_eq!(query.pvs().draw_list(&other, &DrawOptions::default(), &mut out), Err(Error::ForeignPvs));

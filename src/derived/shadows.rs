@@ -180,7 +180,7 @@ impl Query {
     /// receives. `out` is emptied first; casters come roughly as the light reaches them, as in [`Pvs::visible`].
     ///
     /// This is a query of its own, the light's: [`Query::pvs`] then is the set of objects before receivers that
-    /// the light sees, and the settings are those of that view (with [`crate::Method::Frustum`] and
+    /// the light sees, and its method and options are those of that view (with [`crate::Method::Frustum`] and
     /// [`crate::Method::Cell`] casters in the shadow of others are kept). Give that PVS to [`Scene::end_frame`], too, if
     /// casters should count as seen: each frame costs less if dynamic ones that the camera does not see stay out of
     /// temporal bounding volumes. Call this before `end_frame`.

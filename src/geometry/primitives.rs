@@ -29,6 +29,16 @@ impl Aabb {
         points.into_iter().map(|p| Self::new(p, p)).reduce(|a, b| a.union(&b))
     }
 
+    /// The middle.
+    pub fn center(&self) -> Vec3 {
+        self.min + (self.max - self.min) * 0.5
+    }
+
+    /// Whether a point lies inside or on the surface.
+    pub fn contains(&self, point: Vec3) -> bool {
+        self.min.cmple(point).all() && point.cmple(self.max).all()
+    }
+
     /// The least box around both.
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }

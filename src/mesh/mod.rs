@@ -16,5 +16,5 @@ mod tri_mesh;
 mod triangle;
 
 pub use instance::Instance;
-pub use preparation::{Facing, Preparation};
+pub use preparation::{Facing, MeshOptions};
 pub use tri_mesh::TriMesh;

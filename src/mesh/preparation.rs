@@ -1,4 +1,4 @@
-//! How meshes are prepared.
+//! The options by which meshes are prepared.
 
 use crate::error::{Error, not_negative};
 use crate::mesh::surface::Rules;
@@ -6,12 +6,11 @@ use crate::mesh::surface::Rules;
 /// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
 ///
 /// ```
-/// use casca::{Preparation, TriMesh};
+/// use casca::{MeshOptions, TriMesh};
 /// use glam::Vec3;
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut how = Preparation::default();
-/// how.tolerance = Some(0.002);
+/// let how = MeshOptions::default().tolerance(0.002);
 /// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 /// let mesh = TriMesh::prepare(corners, faces, &how, &mut |_| ())?;
@@ -21,14 +20,14 @@ use crate::mesh::surface::Rules;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct Preparation {
+pub struct MeshOptions {
     /// How far the outlines of patches may leave the edges of triangles, in world units. The distance
     /// is added as a margin when they are drawn: a larger one is faster, and hides less near
     /// outlines. `None` is a 2000th of the mesh's diagonal.
     pub tolerance: Option<f32>,
     /// Patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
     /// mesh's diagonal.
-    pub least_radius: Option<f32>,
+    pub min_radius: Option<f32>,
     /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. `None`
     /// is 80, or 40 for triangles that hide from their front only: a patch of those hides only where
     /// all of it is seen from the front.
@@ -51,13 +50,48 @@ pub enum Facing {
     Front,
 }
 
-impl Default for Preparation {
+impl Default for MeshOptions {
     fn default() -> Self {
-        Self { tolerance: None, least_radius: None, max_angle: None, facing: Facing::Both, occludes: true }
+        Self { tolerance: None, min_radius: None, max_angle: None, facing: Facing::Both, occludes: true }
     }
 }
 
-impl Preparation {
+impl MeshOptions {
+    /// Sets [`MeshOptions::tolerance`], in world units.
+    #[must_use]
+    pub const fn tolerance(mut self, distance: f32) -> Self {
+        self.tolerance = Some(distance);
+        self
+    }
+
+    /// Sets [`MeshOptions::min_radius`], in world units.
+    #[must_use]
+    pub const fn min_radius(mut self, radius: f32) -> Self {
+        self.min_radius = Some(radius);
+        self
+    }
+
+    /// Sets [`MeshOptions::max_angle`], in degrees.
+    #[must_use]
+    pub const fn max_angle(mut self, degrees: f32) -> Self {
+        self.max_angle = Some(degrees);
+        self
+    }
+
+    /// Sets [`MeshOptions::facing`].
+    #[must_use]
+    pub const fn facing(mut self, facing: Facing) -> Self {
+        self.facing = facing;
+        self
+    }
+
+    /// Sets [`MeshOptions::occludes`].
+    #[must_use]
+    pub const fn occludes(mut self, occludes: bool) -> Self {
+        self.occludes = occludes;
+        self
+    }
+
     /// The rules for a mesh with a diagonal of this length.
     pub(crate) fn rules(&self, diagonal: f64) -> Result<Rules, Error> {
         let length = |what, given: Option<f32>, share: f64| match given {
@@ -74,7 +108,7 @@ impl Preparation {
         }
         Ok(Rules {
             tolerance: length("the tolerance of outlines", self.tolerance, 1.0 / 2000.0)?,
-            least: length("the least radius of a patch", self.least_radius, 1.0 / 1000.0)?,
+            least: length("the least radius of a patch", self.min_radius, 1.0 / 1000.0)?,
             cosine: degrees.to_radians().cos(),
             front: self.facing == Facing::Front,
         })

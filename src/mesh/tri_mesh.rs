@@ -10,7 +10,7 @@ use crate::grid::Grid;
 use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::index::Index;
 use crate::mesh::parts;
-use crate::mesh::preparation::Preparation;
+use crate::mesh::preparation::MeshOptions;
 use crate::mesh::surface::Surface;
 use crate::mesh::topology::{is_closed, is_wound_alike};
 use crate::shape::convex::Convex;
@@ -36,18 +36,18 @@ pub struct TriMesh {
 
 impl TriMesh {
     /// Takes positions in world units and triangles as indices of three
-    /// positions, and prepares them as [`Preparation::default`] says. Vertices at equal positions count as one.
+    /// positions, and prepares them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
     /// Costs a few sorts of the triangles: about a second for a million.
     ///
     /// # Errors
     /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
-        Self::prepare(positions, triangles, &Preparation::default(), &mut |_| ())
+        Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ())
     }
 
     /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested only (see
-    /// [`Preparation::occludes`]).
+    /// [`MeshOptions::occludes`]).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -67,7 +67,7 @@ impl TriMesh {
     /// # Errors
     /// As [`TriMesh::new`].
     pub fn bounds_only(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
-        let how = Preparation { occludes: false, ..Preparation::default() };
+        let how = MeshOptions { occludes: false, ..MeshOptions::default() };
         Self::prepare(positions, triangles, &how, &mut |_| ())
     }
 
@@ -78,7 +78,7 @@ impl TriMesh {
     pub fn prepare(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
-        how: &Preparation,
+        how: &MeshOptions,
         progress: &mut dyn FnMut(f32),
     ) -> Result<Self, Error> {
         for (triangle, corners) in triangles.iter().enumerate() {
@@ -140,7 +140,7 @@ impl TriMesh {
         self.closed
     }
 
-    /// Whether it was prepared to hide others (see [`Preparation::occludes`]).
+    /// Whether it was prepared to hide others (see [`MeshOptions::occludes`]).
     pub fn occludes(&self) -> bool {
         self.occludes
     }

@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn a_box_hides_only_what_rays_find_behind_it() {
         let mut random = Random(3);
-        let view = View::around(glam::Vec3::ZERO).unwrap();
+        let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let mut buffers = OcclusionBuffers::default();
         let mut hidden = 0;
         for _ in 0..400 {

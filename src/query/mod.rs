@@ -9,7 +9,7 @@ pub(crate) mod validity;
 
 use crate::error::Error;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
-use crate::method::{Method, Settings};
+use crate::method::{CellOptions, Method};
 use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::query::cell::scratch::CellScratch;
@@ -22,11 +22,11 @@ use crate::view::View;
 /// Finds the objects that a view can see.
 ///
 /// A query keeps its memory and its last result: use one for each view (camera, light) and run it again every frame.
-/// Any number of queries can run on one scene at the same time, each in its own thread. A clone has the same settings
+/// Any number of queries can run on one scene at the same time, each in its own thread. A clone has the same method
 /// and result, and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Query {
-    settings: Settings,
+    method: Method,
     pvs: Pvs,
     marks: Marks,
     cell: CellScratch,
@@ -43,14 +43,13 @@ impl Default for Query {
 }
 
 impl Query {
-    /// A query with default settings.
+    /// A query by the default method: [`Method::Point`] with its default options.
     pub fn new() -> Self {
-        let settings = Settings::default();
         Self {
-            settings,
+            method: Method::default(),
             pvs: Pvs::empty(),
             marks: Marks::default(),
-            cell: CellScratch::new(settings.mask_resolution),
+            cell: CellScratch::new(CellOptions::default().mask_resolution),
             point: PointScratch::default(),
             visited: None,
             hidden: None,
@@ -58,33 +57,35 @@ impl Query {
         }
     }
 
-    /// A query with the settings given.
+    /// A query by the method given.
     ///
     /// # Errors
-    /// [`Error::Setting`] if one of them is out of its range.
-    pub fn with_settings(settings: Settings) -> Result<Self, Error> {
+    /// [`Error::Setting`] if one of its options is out of its range.
+    pub fn with_method(method: Method) -> Result<Self, Error> {
         let mut query = Self::new();
-        query.set_settings(settings)?;
+        query.set_method(method)?;
         Ok(query)
     }
 
-    /// The settings.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
+    /// The method, with its options.
+    pub fn method(&self) -> Method {
+        self.method
     }
 
-    /// Changes the settings from the next run on.
+    /// Changes the method and its options from the next run on.
     ///
     /// # Errors
-    /// [`Error::Setting`] if one of them is out of its range. The query then keeps the old ones.
-    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
-        settings.check()?;
-        self.cell.set_resolution(settings.mask_resolution);
-        self.settings = settings;
+    /// [`Error::Setting`] if one of the options is out of its range. The query then keeps the old ones.
+    pub fn set_method(&mut self, method: Method) -> Result<(), Error> {
+        method.check()?;
+        if let Method::Cell(options) = &method {
+            self.cell.set_resolution(options.mask_resolution);
+        }
+        self.method = method;
         Ok(())
     }
 
-    /// Finds the objects that a view can see: a superset of them, by the method of the settings.
+    /// Finds the objects that a view can see: a superset of them, by its method.
     ///
     /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
@@ -97,24 +98,24 @@ impl Query {
         pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
-        pvs.method = self.settings.method;
+        pvs.method = self.method;
         pvs.aggressive = more.is_some();
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
-        match self.settings.method {
+        match &self.method {
             Method::Frustum => run_frustum(scene, view, pvs),
-            Method::Cell => {
+            Method::Cell(options) => {
                 pvs.revision = scene.revision();
                 let dims = scene.grid().dims();
-                let record = self.settings.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
+                let record = options.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
-                let walk = cell::Walk::new(scene, view, &self.settings, pvs, &mut self.marks, &mut self.cell);
+                let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
                 walk.with_more(more).with_record(record).run();
             }
-            Method::Point => {
+            Method::Point(options) => {
                 pvs.revision = scene.revision();
-                point::Walk::new(scene, view, &self.settings, pvs, &mut self.marks, &mut self.point).run();
+                point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point).run();
             }
         }
         match &mut pvs.view {
@@ -128,7 +129,7 @@ impl Query {
     pub(crate) fn run_nothing(&mut self, scene: &Scene) {
         self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
-        self.pvs.method = self.settings.method;
+        self.pvs.method = self.method;
         self.pvs.aggressive = false;
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
@@ -151,7 +152,7 @@ impl Query {
         &self.pvs
     }
 
-    /// The cells that the last run of [`Method::Cell`] found hidden (H), if [`Settings::record_cells`] was set.
+    /// The cells that the last run of [`Method::Cell`] found hidden (H), if [`CellOptions::record_cells`] was set.
     ///
     /// Cells behind the last shell of the walk are hidden too, and not in it.
     pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
@@ -163,7 +164,7 @@ impl Query {
         self.point.buffers.images()
     }
 
-    /// The cells inside the frustum that the last run of [`Method::Cell`] visited, if [`Settings::record_cells`] was
+    /// The cells inside the frustum that the last run of [`Method::Cell`] visited, if [`CellOptions::record_cells`] was
     /// set.
     pub fn visited_cells(&self) -> Option<&BitMatrix> {
         self.visited.as_ref()

@@ -15,11 +15,11 @@ impl Pvs {
     /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
     /// - [`Method::Point`]: the new eye is at the same point.
     ///
-    /// So a result of [`Method::Cell`] in all directions ([`View::around`]) holds for every view from its cell.
+    /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for every view from its cell.
     /// Aggressive results never hold. Costs the planes of both views, and the cells before the near plane.
-    pub fn holds(&self, scene: &Scene, view: &View) -> bool {
+    pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
-        let revision = if self.method == Method::Frustum { scene.moves() } else { scene.revision() };
+        let revision = if matches!(self.method, Method::Frustum) { scene.moves() } else { scene.revision() };
         if self.aggressive || scene.tag() != self.scene || revision != self.revision {
             return false;
         }
@@ -37,13 +37,13 @@ impl Pvs {
         match self.method {
             Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
-            Method::Point => {
+            Method::Point(_) => {
                 own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view)
             }
             // Nothing was taken to be hidden.
-            Method::Cell if self.stats.eye_in_occluder => true,
+            Method::Cell(_) if self.stats.eye_in_occluder => true,
             // The half-spaces were widened to contain the whole cell: every point of it will do.
-            Method::Cell => {
+            Method::Cell(_) => {
                 let Origin::Eye { at, error } = view.origin else { return false };
                 let cell_of = |p| Some(scene.grid().cell_of(p));
                 cell_of(at - error) == self.cell

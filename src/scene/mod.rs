@@ -26,7 +26,7 @@
 //! # Results and revisions
 //!
 //! `revision` counts the changes that a result may depend on; motion inside a volume is none of them. `moves` counts
-//! the moves of hidden objects. [`crate::Pvs::holds`] compares both.
+//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both.
 
 mod cells;
 mod containing;
@@ -91,7 +91,7 @@ pub use objects::ObjectRef;
 /// let near = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(4.0, 16.0, 16.0), 1.0)))?;
 /// let far = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0)))?;
 /// let mut query = Query::new();
-/// let pvs = query.run(&scene, &View::around(Vec3::new(2.5, 16.5, 16.5))?);
+/// let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(2.5, 16.5, 16.5))?);
 /// assert!(pvs.contains(wall) && pvs.contains(near) && !pvs.contains(far));
 /// # Ok(())
 /// # }

@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_large_solid_beside_a_splinter_does_not_meet_it() {
-        let region = View::around(Vec3::ZERO).unwrap();
+        let region = View::omnidirectional(Vec3::ZERO).unwrap();
         let around = Block { min: DVec3::splat(-0.01), max: DVec3::splat(0.01) };
         let meets = |o: Occluder| may_meet(&o, &region, &around);
         let turn = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);

@@ -64,7 +64,7 @@ impl View {
         Frustum::new(matrix, true, None).map(Self::from)
     }
 
-    /// The view of a perspective camera whose eye is known exactly; depth 0 to 1.
+    /// The view of a perspective camera whose eye is known exactly; depth 0 to 1, also reversed or with an infinite far plane.
     ///
     /// Visibility is that from the given eye. Planes are moved outwards until the eye lies inside. Where it differs
     /// from the matrix's eye by more than products of matrices in single precision usually explain (a millionth of
@@ -78,6 +78,15 @@ impl View {
     pub fn perspective(eye: Vec3, matrix: Mat4) -> Result<Self, Error> {
         finite3("the eye", eye)?;
         Frustum::new(matrix, false, Some(eye.as_dvec3())).map(Self::from)
+    }
+
+    /// As [`View::perspective`], for depth from -1 to 1 (OpenGL).
+    ///
+    /// # Errors
+    /// As [`View::perspective`].
+    pub fn perspective_gl(eye: Vec3, matrix: Mat4) -> Result<Self, Error> {
+        finite3("the eye", eye)?;
+        Frustum::new(matrix, true, Some(eye.as_dvec3())).map(Self::from)
     }
 
     /// The view of an orthographic camera that looks along `forward` (of any length); depth 0 to 1, also reversed.
@@ -119,7 +128,7 @@ impl View {
     ///
     /// # Errors
     /// Refuses an eye that is not finite.
-    pub fn around(eye: Vec3) -> Result<Self, Error> {
+    pub fn omnidirectional(eye: Vec3) -> Result<Self, Error> {
         Self::from_planes(eye, &[])
     }
 

@@ -73,7 +73,7 @@ fn refuses_what_is_no_camera() {
     for m in [Mat4::ZERO, Mat4::NAN, Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))] {
         assert!(View::from_view_projection(m).is_err(), "{m}");
     }
-    assert!(View::around(Vec3::INFINITY).is_err());
+    assert!(View::omnidirectional(Vec3::INFINITY).is_err());
     let flat = Plane { normal: Vec3::ZERO, offset: 1.0 };
     assert_eq!(View::from_planes(Vec3::ZERO, &[flat]), Err(Error::Plane(0)));
     let up = Plane { normal: Vec3::Y, offset: 1.0 };
@@ -91,7 +91,7 @@ fn a_narrower_view_is_held_and_a_turned_one_is_not() {
     assert!(wide.contains(&wide, min, max) && wide.contains(&narrow, min, max));
     assert!(!narrow.contains(&wide, min, max));
     assert!(!wide.contains(&view(0.8, 0.2, Vec3::X), min, max));
-    let around = View::around(Vec3::ZERO).unwrap();
+    let around = View::omnidirectional(Vec3::ZERO).unwrap();
     assert!(around.contains(&wide, min, max) && !wide.contains(&around, min, max));
 }
 

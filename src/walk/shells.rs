@@ -62,13 +62,13 @@ mod tests {
         let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(10, 20, 30) };
         let grid = Grid::new(&spec).unwrap();
         let range = |eye: Vec3| {
-            let view = View::around(eye).unwrap();
+            let view = View::omnidirectional(eye).unwrap();
             Shells::around_eye(&grid, &view, Start::Cell).map(|s| (s.cell, s.nearest, s.farthest))
         };
         assert_eq!(range(Vec3::splat(2.5)), Some((IVec3::splat(2), 0, 27)));
         assert_eq!(range(Vec3::new(-3.5, 5.5, 5.5)), Some((IVec3::new(-4, 5, 5), 4, 24)));
         assert_eq!(range(Vec3::new(4e6, 5.5, 5.5)), None);
-        let middle = Shells::around_middle(&grid, &View::around(Vec3::splat(2.5)).unwrap());
+        let middle = Shells::around_middle(&grid, &View::omnidirectional(Vec3::splat(2.5)).unwrap());
         assert_eq!((middle.cell, middle.nearest, middle.farthest), (IVec3::new(5, 10, 15), 0, 15));
     }
 }

@@ -9,8 +9,8 @@ mod walls;
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Facing, GridSpec, Instance, Method, ObjectDesc, ObjectId, Occluder, Preparation, Query,
-    Scene, Settings, TriMesh, View,
+    Aabb, Bounds, CellOptions, Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, ObjectId,
+    Occluder, PointOptions, Query, Scene, TriMesh, View,
 };
 use casca_lab::cases;
 use casca_lab::world::Camera;
@@ -135,18 +135,15 @@ fn look() -> impl Strategy<Value = Look> {
     )
 }
 
-fn settings() -> impl Strategy<Value = Settings> {
+/// Options of both methods.
+fn options() -> impl Strategy<Value = [Method; 2]> {
     let degrees = prop_oneof![1 => 0.1..0.4f32, 3 => 0.4..2.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(4000)];
     (degrees, prop_oneof![Just(0u32), Just(128)], squares, 0..10u32, 6..9u32).prop_map(
         |(degrees, least, squares, depth, mask)| {
-            let mut settings = Settings::default();
-            settings.pixel_degrees = degrees;
-            settings.min_pixels = least;
-            settings.refine_squares = squares;
-            settings.refine_depth = depth;
-            settings.mask_resolution = 1 << mask;
-            settings
+            let point = PointOptions::default().pixel_degrees(degrees).min_pixels(least);
+            let point = point.refine_squares(squares).refine_depth(depth);
+            [Method::Point(point), Method::Cell(CellOptions::default().mask_resolution(1 << mask))]
         },
     )
 }
@@ -168,9 +165,9 @@ fn prepared(made: &Made, solid: &Solid) -> Arc<TriMesh> {
     let points =
         made.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |b, &p| (b.0.min(p), b.1.max(p)));
     let size = f64::from((points.1 - points.0).length());
-    let mut preparation = Preparation::default();
+    let mut preparation = MeshOptions::default();
     preparation.tolerance = how.0.map(|v| (v * size) as f32);
-    preparation.least_radius = how.1.map(|v| (v * size) as f32);
+    preparation.min_radius = how.1.map(|v| (v * size) as f32);
     preparation.max_angle = how.2;
     preparation.facing = if how.3 { Facing::Front } else { Facing::Both };
     preparation.occludes = solid.occludes;
@@ -278,7 +275,7 @@ fn eye_of(look: &Look, at: Vec3, frame: Frame) -> Eye {
 
 fn view_of(eye: &Eye) -> Result<View, casca::Error> {
     match eye {
-        Eye::Around(at) => View::around(*at),
+        Eye::Around(at) => View::omnidirectional(*at),
         Eye::Camera(c) => View::perspective(c.eye, c.view_projection()),
         Eye::Parallel(c, forward) => View::orthographic(*forward, c.view_projection()),
     }
@@ -399,7 +396,7 @@ proptest! {
         looks in prop::collection::vec(look(), 1..4),
         frame in frame(),
         cells in prop_oneof![Just(16u32), Just(64)],
-        settings in settings(),
+        methods in options(),
         seed in any::<u64>(),
     ) {
         let World { mut scene, mut things, meshes, made } = world(&solids, frame, cells);
@@ -408,11 +405,7 @@ proptest! {
             let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
             things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
         }
-        let mut queries = [Method::Point, Method::Cell].map(|method| {
-            let mut settings = settings;
-            settings.method = method;
-            (method, Query::with_settings(settings).unwrap())
-        });
+        let mut queries = methods.map(|method| (method, Query::with_method(method).unwrap()));
         for (number, look) in looks.iter().enumerate() {
             scene.begin_frame(number as f64 / 30.0).unwrap();
             if number > 0 {
@@ -503,11 +496,9 @@ proptest! {
             let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
             things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
         }
-        let mut settings = Settings::default();
-        settings.pixel_degrees = degrees;
-        settings.min_pixels = 0;
-        let mut query = Query::with_settings(settings).unwrap();
-        let view = View::around(at).unwrap();
+        let options = PointOptions::default().pixel_degrees(degrees).min_pixels(0);
+        let mut query = Query::with_method(Method::Point(options)).unwrap();
+        let view = View::omnidirectional(at).unwrap();
         let pvs = query.run(&scene, &view);
         let lost = lost(&things, &Eye::Around(at), |id| !pvs.contains(id), 6, seed);
         prop_assert!(lost.is_none(), "{lost:?}");

@@ -116,7 +116,7 @@ fn sound_solids_are_found_inside() {
 fn solids_that_hide_from_their_front_are_wound_outwards() {
     let (points, faces) = crate::forms::cuboid();
     let positions: Vec<Vec3> = points.iter().map(|p| (p * 6.0 + 8.0).as_vec3()).collect();
-    let mut how = casca::Preparation::default();
+    let mut how = casca::MeshOptions::default();
     how.facing = casca::Facing::Front;
     let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
     let cells = |triangles: Vec<[u32; 3]>| {

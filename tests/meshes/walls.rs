@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, Instance, ObjectDesc, ObjectId, Query, Scene, Settings, Sphere, TriMesh, View};
+use casca::{
+    Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View,
+};
 use glam::{Affine3A, UVec3, Vec3};
 
 use crate::rays::Random;
@@ -37,11 +39,9 @@ fn seen_behind(gap: f32) -> usize {
         let low = Vec3::new(9.0 + 0.5 * i as f32, 12.0 - 0.1, 20.0);
         row.push(scene.insert(ObjectDesc::fixed(Aabb::new(low, low + Vec3::new(0.2, 0.2, 0.2)))).unwrap());
     }
-    let mut settings = Settings::default();
-    settings.pixel_degrees = 1.0;
-    settings.min_pixels = 0;
-    let mut query = Query::with_settings(settings).unwrap();
-    let pvs = query.run(&scene, &View::around(Vec3::new(24.1, 12.2, 6.0)).unwrap());
+    let options = PointOptions::default().pixel_degrees(1.0).min_pixels(0);
+    let mut query = Query::with_method(Method::Point(options)).unwrap();
+    let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(24.1, 12.2, 6.0)).unwrap());
     row.iter().filter(|&&id| pvs.contains(id)).count()
 }
 
@@ -80,7 +80,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
             (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
         for _ in 0..2 {
             let eye = random.vector(0.0, 24.0).as_vec3();
-            let view = View::around(eye).unwrap();
+            let view = View::omnidirectional(eye).unwrap();
             let seen: Vec<bool> = {
                 let pvs = query.run(&scene, &view);
                 ids.iter().map(|id| id.is_some_and(|id| pvs.contains(id))).collect()
@@ -123,7 +123,7 @@ fn what_moves_may_change_its_mesh() {
     let instance = |mesh: &Arc<TriMesh>, x: f32| {
         Instance::new(mesh.clone(), Affine3A::from_translation(Vec3::X * x)).unwrap()
     };
-    let view = View::around(Vec3::new(8.3, 8.2, 1.1)).unwrap();
+    let view = View::omnidirectional(Vec3::new(8.3, 8.2, 1.1)).unwrap();
     let mut scene = Scene::new(&spec).unwrap();
     fixed(&mut scene);
     let ball = Sphere::new(Vec3::splat(8.0), 0.5);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Error, GridSpec, Instance, ObjectDesc, ObjectId, Occluder, Preparation, Pvs, Scene, Sphere,
+    Aabb, Bounds, Error, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
     TriMesh, View,
 };
 use glam::{UVec3, Vec3};
@@ -30,12 +30,12 @@ struct Shaper {
     /// Meshes that move are prepared once, with and without what hides; they are kept so that none takes the place
     /// of another.
     moving: HashMap<(*const Mesh, bool), Prepared>,
-    how: Preparation,
+    how: MeshOptions,
 }
 
 impl Shaper {
     fn new(grid: &GridSpec) -> Self {
-        let mut how = Preparation::default();
+        let mut how = MeshOptions::default();
         how.tolerance = Some(grid.cell * TOLERANCE);
         Self { moving: HashMap::new(), how }
     }

@@ -6,13 +6,13 @@
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`export`]: scenes written as such files.
 //! - [`oracle`]: exact visibility, which shares no code with the library.
-//! - [`attack`]: random operations on small scenes, against a model of the truth.
+//! - `attack` (a feature): random operations on small scenes, against a model of the truth.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`command_line`]: what the command lines share.
-//! - [`lab`]: the experiments of the report.
+//! - `lab` (the feature `experiments`): the experiments of the report.
 //! - [`measure`]: what benches share.
-//! - [`pictures`]: charts and views from above.
+//! - `pictures` (a feature): charts and views from above.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

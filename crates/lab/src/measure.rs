@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use casca::{Error, Query, Settings, View};
+use casca::{Error, Method, Query, View};
 
 use crate::drive::{Driver, grid_for, view_of};
 use crate::world::World;
@@ -28,12 +28,12 @@ impl Settled {
     /// Inserts a world and walks through it once.
     ///
     /// # Errors
-    /// As [`Driver::new`], [`view_of`] and [`Query::with_settings`].
-    pub fn new(world: &World, settings: Settings) -> Result<Self, Error> {
+    /// As [`Driver::new`], [`view_of`] and [`Query::with_method`].
+    pub fn new(world: &World, method: Method) -> Result<Self, Error> {
         let mut driver = Driver::new(world, &grid_for(&world.grid, None)?, |_| ())?;
         let views: Result<Vec<View>, Error> =
             (0..world.frames).map(|f| view_of(&world.camera(f, 16.0 / 9.0))).collect();
-        let (mut query, views) = (Query::with_settings(settings)?, views?);
+        let (mut query, views) = (Query::with_method(method)?, views?);
         driver.scene.begin_frame(0.0)?;
         for view in &views {
             query.run(&driver.scene, view);

@@ -42,7 +42,7 @@ impl Panel {
         self.paint(gpu, target, output);
     }
 
-    fn paint(&mut self, gpu: &Gpu, target: &Target, output: egui::FullOutput) {
+    fn paint(&mut self, gpu: &Gpu, target: &Target, mut output: egui::FullOutput) {
         let (width, height) = target.size();
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [width, height],
@@ -73,6 +73,7 @@ impl Panel {
         for id in &output.textures_delta.free {
             self.renderer.free_texture(id);
         }
+        output.textures_delta.clear();
     }
 }
 

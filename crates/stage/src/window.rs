@@ -78,13 +78,13 @@ impl Screen {
         self.window.scale_factor() as f32
     }
 
-    fn new(settings: &Settings, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
-        let size = PhysicalSize::new(settings.size.0, settings.size.1);
-        let attributes = Window::default_attributes().with_title(&settings.title).with_inner_size(size);
+    fn new(options: &WindowOptions, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
+        let size = PhysicalSize::new(options.size.0, options.size.1);
+        let attributes = Window::default_attributes().with_title(&options.title).with_inner_size(size);
         let window = Arc::new(event_loop.create_window(attributes)?);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let surface = instance.create_surface(window.clone())?;
-        let gpu = Gpu::on(&instance, Some(&surface), settings.software)?;
+        let gpu = Gpu::on(&instance, Some(&surface), options.software)?;
         let (width, height) = gpu.clamp(window.inner_size().into());
         let mut config = surface
             .get_default_config(&gpu.adapter, width, height)
@@ -129,7 +129,7 @@ impl Screen {
 
 /// The window to open.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub struct WindowOptions {
     /// Its title.
     pub title: String,
     /// Width and height in pixels.
@@ -142,16 +142,19 @@ pub struct Settings {
 ///
 /// # Errors
 /// There is no display or no adapter, and those of the program.
-pub fn open<D: Demo>(settings: &Settings, start: impl FnOnce(&Screen) -> Result<D, Box<dyn Error>>) -> Done {
+pub fn open<D: Demo>(
+    options: &WindowOptions,
+    start: impl FnOnce(&Screen) -> Result<D, Box<dyn Error>>,
+) -> Done {
     let event_loop =
         EventLoop::new().map_err(|e| format!("no window can be opened (try --headless): {e}"))?;
-    let mut program = Program { settings, start: Some(start), running: None, failed: None };
+    let mut program = Program { options, start: Some(start), running: None, failed: None };
     event_loop.run_app(&mut program)?;
     program.failed.map_or(Ok(()), Err)
 }
 
 struct Program<'a, D, F> {
-    settings: &'a Settings,
+    options: &'a WindowOptions,
     start: Option<F>,
     running: Option<(Screen, D)>,
     failed: Option<Box<dyn Error>>,
@@ -170,7 +173,7 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         // It is called again when a suspended program goes on.
         let Some(start) = self.start.take() else { return };
-        let started = Screen::new(self.settings, event_loop).and_then(|screen| {
+        let started = Screen::new(self.options, event_loop).and_then(|screen| {
             self.running = Some((start(&screen).map(|demo| (screen, demo)))?);
             Ok(())
         });

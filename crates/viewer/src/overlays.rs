@@ -4,7 +4,7 @@ use std::thread::{self, JoinHandle};
 
 use casca::matrix::BitMatrix;
 use casca::reference::{Cap, occlusion_by_caps};
-use casca::{Query, Scene, Settings};
+use casca::{CellOptions, Query, Scene};
 use casca_lab::drive::view_of;
 use casca_lab::world::{Camera, Object, Shape};
 use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
@@ -113,7 +113,7 @@ impl Overlays {
     /// The marks of all layers that are on, and of objects that were lost.
     ///
     /// # Errors
-    /// As [`view_of`] and [`Query::with_settings`].
+    /// As [`view_of`] and [`Query::with_method`].
     pub fn marks(&mut self, frame: &Frame<'_>, lost: &[usize]) -> Result<Marks, casca::Error> {
         let mut marks = Marks::default();
         if self.is_on(Layer::Hidden) {
@@ -141,11 +141,9 @@ impl Overlays {
     }
 
     fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let mut settings = Settings::default();
-        settings.method = casca::Method::Frustum;
         let query = match self.frustum.take() {
             Some(query) => query,
-            None => Query::with_settings(settings)?,
+            None => Query::with_method(casca::Method::Frustum)?,
         };
         let query = self.frustum.insert(query);
         for id in query.run(frame.scene, &view_of(&frame.camera)?).visible() {
@@ -157,12 +155,10 @@ impl Overlays {
     }
 
     fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let mut settings = Settings::default();
-        settings.method = casca::Method::Cell;
-        settings.record_cells = true;
+        let recorded = casca::Method::Cell(CellOptions::default().record_cells(true));
         let query = match self.recorder.take() {
             Some(query) => query,
-            None => Query::with_settings(settings)?,
+            None => Query::with_method(recorded)?,
         };
         let query = self.recorder.insert(query);
         query.run(frame.scene, &view_of(&frame.camera)?);

@@ -5,7 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use casca::{Query, Scene, Settings};
+use casca::{Query, Scene};
 use casca_lab::baselines::{Hzb, RayBuffer};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::measure::timed;
@@ -116,18 +116,13 @@ impl Playback {
     pub fn new(mut world: World) -> Result<Self, Box<dyn Error>> {
         world.set_frame(0);
         let driver = Driver::new(&world, &grid_for(&world.grid, None)?, |_| ())?;
-        let query = |method| {
-            let mut settings = Settings::default();
-            settings.method = method;
-            Query::with_settings(settings)
-        };
         Ok(Self {
             geometry: Geometry::new(&world.objects),
             driver,
             ticks: 0,
-            point: query(casca::Method::Point)?,
-            cell: query(casca::Method::Cell)?,
-            frustum: query(casca::Method::Frustum)?,
+            point: Query::with_method(casca::Method::point())?,
+            cell: Query::with_method(casca::Method::cell())?,
+            frustum: Query::with_method(casca::Method::Frustum)?,
             hzb: Hzb::new(HZB.0, HZB.1),
             rays: RayBuffer::new(&world.objects, RAYS.0, RAYS.1),
             world,

@@ -11,7 +11,7 @@ use casca_stage::fly::{Fly, way};
 use casca_stage::gpu::Gpu;
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::TextureFormat;
-use casca_stage::window::{Demo, Done, Screen, Settings};
+use casca_stage::window::{Demo, Done, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
@@ -38,8 +38,8 @@ pub fn open(
     method: Method,
     (size, software): ((u32, u32), bool),
 ) -> Done {
-    let settings = Settings { title: "casca".to_owned(), size, software };
-    casca_stage::window::open(&settings, |screen| Viewer::new(screen, scenes, *options, method))
+    let window = WindowOptions { title: "casca".to_owned(), size, software };
+    casca_stage::window::open(&window, |screen| Viewer::new(screen, scenes, *options, method))
 }
 
 struct Viewer {

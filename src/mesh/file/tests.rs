@@ -13,7 +13,7 @@ use crate::geometry::Sphere;
 use crate::grid::GridSpec;
 use crate::mesh::instance::Instance;
 use crate::mesh::surface::NONE;
-use crate::mesh::{Facing, Preparation, TriMesh};
+use crate::mesh::{Facing, MeshOptions, TriMesh};
 use crate::object::ObjectDesc;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -33,7 +33,7 @@ fn corner() -> TriMesh {
 }
 
 /// A ball, so coarse that outlines leave the edges of triangles; closed unless rings are left out.
-fn ball(center: Vec3, rings: std::ops::Range<u32>, how: &Preparation) -> TriMesh {
+fn ball(center: Vec3, rings: std::ops::Range<u32>, how: &MeshOptions) -> TriMesh {
     let point = |ring: u32, step: u32| {
         let (tilt, angle) = (ring as f32 * 0.196_349_55, (step % 24) as f32 * 0.261_799_4);
         let flat = if ring.is_multiple_of(16) { 0.0 } else { tilt.sin() };
@@ -50,14 +50,14 @@ fn ball(center: Vec3, rings: std::ops::Range<u32>, how: &Preparation) -> TriMesh
 }
 
 fn meshes() -> Vec<TriMesh> {
-    let front = Preparation { facing: Facing::Front, tolerance: Some(0.1), ..Preparation::default() };
+    let front = MeshOptions { facing: Facing::Front, tolerance: Some(0.1), ..MeshOptions::default() };
     let scaled = |s: f32| {
         let positions = corner().positions.iter().map(|&p| (p - 3.5) * s).collect();
         TriMesh::new(positions, corner().triangles).unwrap()
     };
     vec![
         corner(),
-        ball(Vec3::splat(8.0), 0..16, &Preparation::default()),
+        ball(Vec3::splat(8.0), 0..16, &MeshOptions::default()),
         ball(Vec3::new(3.0, 8.0, 8.0), 0..11, &front),
         // Nothing to hide with, the zeros of both signs, and the largest and least numbers.
         TriMesh::new(vec![Vec3::ONE; 3], vec![[0, 1, 2]]).unwrap(),
@@ -157,7 +157,7 @@ fn a_loaded_mesh_hides_what_the_prepared_one_hides() {
 
 #[test]
 fn bounds_only_stay_bounds_only() {
-    let whole = ball(Vec3::splat(8.0), 0..16, &Preparation::default());
+    let whole = ball(Vec3::splat(8.0), 0..16, &MeshOptions::default());
     let mesh = TriMesh::bounds_only(whole.positions.clone(), whole.triangles.clone()).unwrap();
     let loaded = read(&bytes(&mesh)).unwrap();
     assert!(!loaded.occludes() && loaded.is_closed() && !loaded.solid);

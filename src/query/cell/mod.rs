@@ -10,7 +10,7 @@ mod side_cells;
 mod spans;
 
 use crate::matrix::bits::BitMatrix;
-use crate::method::Settings;
+use crate::method::CellOptions;
 use crate::pvs::{Pvs, Stats};
 use crate::query::cell::scratch::CellScratch;
 use crate::query::cell::shell_scale::ShellScale;
@@ -33,7 +33,7 @@ pub(crate) type Record<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;
 pub(crate) struct Walk<'a> {
     scene: &'a Scene,
     view: &'a View,
-    settings: &'a Settings,
+    options: &'a CellOptions,
     pvs: &'a mut Pvs,
     marks: &'a mut Marks,
     scratch: &'a mut CellScratch,
@@ -55,7 +55,7 @@ impl<'a> Walk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         view: &'a View,
-        settings: &'a Settings,
+        options: &'a CellOptions,
         pvs: &'a mut Pvs,
         marks: &'a mut Marks,
         scratch: &'a mut CellScratch,
@@ -67,7 +67,7 @@ impl<'a> Walk<'a> {
         Self {
             scene,
             view,
-            settings,
+            options,
             pvs,
             marks,
             scratch,
@@ -177,9 +177,9 @@ impl<'a> Walk<'a> {
         }
         self.complete(index, m, scale);
         let cells = &self.scratch.sides[index];
-        if self.settings.min_solid_angle > 0.0 {
+        if self.options.min_solid_angle > 0.0 {
             let angle = blocked_cells(cells) as f64 / (scale.shell() as f64).powi(2);
-            if angle < f64::from(self.settings.min_solid_angle) {
+            if angle < f64::from(self.options.min_solid_angle) {
                 self.stats.caps_skipped += 1;
                 return;
             }

@@ -21,7 +21,7 @@ impl Walk<'_> {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
         let mut left =
-            Left { squares: u64::from(self.settings.refine_budget), patches: self.settings.refine_patches };
+            Left { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
         for slot in candidates.drain(..) {
             let object = self.scene.object(slot);
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
@@ -36,8 +36,8 @@ impl Walk<'_> {
             }
             self.pvs.push(self.scene.id(slot));
         }
-        self.stats.refine_squares = u64::from(self.settings.refine_budget) - left.squares;
-        self.stats.refine_patches = self.settings.refine_patches - left.patches;
+        self.stats.refine_squares = u64::from(self.options.refine_budget) - left.squares;
+        self.stats.refine_patches = self.options.refine_patches - left.patches;
         self.scratch.candidates = candidates;
         self.scratch.magnifier = magnifier;
     }
@@ -45,7 +45,7 @@ impl Walk<'_> {
     /// Whether no point of an object can be seen, with all occluders drawn.
     fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, left: &mut Left) -> bool {
         let buffers = &self.scratch.buffers;
-        let effort = Effort { squares: self.settings.refine_squares, depth: self.settings.refine_depth };
+        let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
         let drawable = |id: u32| {
             let (slot, patch) = self.scratch.patches[id as usize];
             self.drawable(slot, patch)

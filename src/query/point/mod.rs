@@ -16,7 +16,7 @@ mod volumes;
 
 use crate::geometry::Block;
 use crate::grid::Grid;
-use crate::method::Settings;
+use crate::method::PointOptions;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
@@ -32,7 +32,7 @@ const NEAREST: f64 = 0.02;
 pub(crate) struct Walk<'a> {
     scene: &'a Scene,
     view: &'a View,
-    settings: &'a Settings,
+    options: &'a PointOptions,
     pvs: &'a mut Pvs,
     marks: &'a mut Marks,
     scratch: &'a mut PointScratch,
@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         view: &'a View,
-        settings: &'a Settings,
+        options: &'a PointOptions,
         pvs: &'a mut Pvs,
         marks: &'a mut Marks,
         scratch: &'a mut PointScratch,
@@ -65,7 +65,7 @@ impl<'a> Walk<'a> {
         Self {
             scene,
             view,
-            settings,
+            options,
             pvs,
             marks,
             scratch,
@@ -82,8 +82,8 @@ impl<'a> Walk<'a> {
     pub(crate) fn run(mut self) {
         let (min, max) = self.scene.extent();
         let pitch = Pitch {
-            pixels: 90.0 / f64::from(self.settings.pixel_degrees),
-            least: f64::from(self.settings.min_pixels),
+            pixels: 90.0 / f64::from(self.options.pixel_degrees),
+            least: f64::from(self.options.min_pixels),
             nearest: NEAREST * self.scene.grid().cell_size(),
             reach: (max - min).length() * 0.5,
             middle: (min + max) * 0.5,

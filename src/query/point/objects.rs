@@ -35,7 +35,7 @@ impl Walk<'_> {
     /// where only some may be drawn, the largest of the shell first.
     pub(super) fn settle(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.found);
-        let limited = self.settings.max_occluders < u32::MAX;
+        let limited = self.options.max_occluders < u32::MAX;
         let mut seen: Vec<(f64, u32)> = Vec::new();
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, slot) in found.drain(..) {

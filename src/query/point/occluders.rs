@@ -22,9 +22,9 @@ impl Walk<'_> {
             return;
         }
         let Some(occluder) = self.scene.object(slot).occluder() else { return };
-        let least = f64::from(self.settings.min_solid_angle);
+        let least = f64::from(self.options.min_solid_angle);
         let small = least > 0.0 && self.solid_angle(slot) < least;
-        if small || self.stats.occluders_drawn >= self.settings.max_occluders {
+        if small || self.stats.occluders_drawn >= self.options.max_occluders {
             self.stats.occluders_skipped += 1;
             return;
         }

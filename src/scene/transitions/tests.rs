@@ -78,7 +78,7 @@ impl World {
 
     /// Ends a frame with a view all around a point on the axis of the ball's motion.
     fn seen_from(self, x: f32) -> Self {
-        self.end(&View::around(Vec3::new(x, 16.5, 16.5)).unwrap())
+        self.end(&View::omnidirectional(Vec3::new(x, 16.5, 16.5)).unwrap())
     }
 
     /// Ends a frame with a view of the half-space beyond `x` only, which has no occluders before the ball.

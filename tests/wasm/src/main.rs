@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use casca::{Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Settings};
+use casca::{Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene};
 use casca::{Sphere, TriMesh, View};
 use glam::Vec3;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
@@ -54,12 +54,10 @@ impl Level {
 
     /// Two frames: the bird is beyond the wall, then before it. Whether each shows the right objects.
     fn shows(&mut self, method: Method) -> Result<bool, Error> {
-        let mut settings = Settings::default();
-        settings.method = method;
-        let mut query = Query::with_settings(settings)?;
+        let mut query = Query::with_method(method)?;
         let matrix = perspective(0.8, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(EYE, EYE - Vec3::Z, Vec3::Y);
         let view = View::perspective(EYE, matrix)?;
-        let culls = method != Method::Frustum;
+        let culls = !matches!(method, Method::Frustum);
         let mut right = true;
         for (time, z) in [(0.0, 12.0), (0.1, 47.0)] {
             self.scene.begin_frame(time)?;
@@ -100,7 +98,7 @@ fn box_mesh(b: Aabb) -> Result<TriMesh, Error> {
 fn first_wrong() -> Result<u8, Error> {
     let mut number = 0;
     for of_triangles in [false, true] {
-        for method in [Method::Frustum, Method::Cell, Method::Point] {
+        for method in [Method::Frustum, Method::cell(), Method::point()] {
             number += 1;
             if !Level::new(of_triangles)?.shows(method)? {
                 return Ok(number);

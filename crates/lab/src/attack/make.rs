@@ -153,7 +153,7 @@ impl<'a> Maker<'a> {
     /// One eye looks for some frames, while hidden objects are reported nearer to the walls of their volumes.
     fn run_out(&mut self) {
         let from = From::Camera(self.dice.pick(&[0, 0, 0, 1, 2]));
-        let method = self.dice.pick(&[Method::Point, Method::Point, Method::Cell]);
+        let method = self.dice.pick(&[Method::point(), Method::point(), Method::cell()]);
         for frame in 0..4 {
             let due = if frame < 2 { Due::All } else { Due::None };
             let dt = f64::from(self.dice.between(0.02, 0.3));
@@ -276,8 +276,8 @@ impl<'a> Maker<'a> {
         *ran |= 1 << query;
         let method = match self.dice.below(8) {
             0 => Method::Frustum,
-            1..=3 => Method::Cell,
-            _ => Method::Point,
+            1..=3 => Method::cell(),
+            _ => Method::point(),
         };
         let (from, toward, limits) = (self.from(), self.toward(), self.limits());
         let keep = self.habits.kept && self.dice.once_in(3);
@@ -287,7 +287,7 @@ impl<'a> Maker<'a> {
     /// Keeps a set, moves an object step by step, and asks for the set each time.
     fn stalk(&mut self, ran: &mut u8) {
         let from = From::Camera(0);
-        let method = self.dice.pick(&[Method::Point, Method::Cell, Method::Cell, Method::Frustum]);
+        let method = self.dice.pick(&[Method::point(), Method::cell(), Method::cell(), Method::Frustum]);
         let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
         self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, seed });
         *ran |= 1;

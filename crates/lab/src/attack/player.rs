@@ -3,7 +3,7 @@
 mod frame;
 mod look;
 
-use casca::{DrawOptions, Error, GridSpec, ObjectDesc, Pvs, Query, Scene, Settings, View};
+use casca::{CellOptions, DrawOptions, Error, GridSpec, ObjectDesc, PointOptions, Pvs, Query, Scene, View};
 use glam::{DVec3, Vec3};
 
 use super::api;
@@ -88,6 +88,8 @@ pub struct Player {
     worlds: Vec<World>,
     active: usize,
     queries: [(Query, Option<Origin>); 3],
+    /// Of each query.
+    options: [(PointOptions, CellOptions); 3],
     kept: Vec<Kept>,
     effort: Effort,
     parting: u32,
@@ -108,17 +110,13 @@ impl Player {
     /// As the library's constructors.
     pub fn new(config: &Config, thorough: bool) -> Result<Self, Error> {
         let scene = Scene::new(&GridSpec { min: config.min, cell: config.cell, dims: config.dims })?;
-        let mut settings = [Settings::default(); 3];
-        for (settings, (degrees, mask)) in settings.iter_mut().zip([(1.0, 64), (8.0, 64), (3.0, 128)]) {
-            if !config.fine {
-                settings.pixel_degrees = degrees;
-                settings.mask_resolution = mask;
-                settings.min_pixels = 16;
-                settings.refine_squares = 64;
-                settings.refine_patches = 100;
+        let options = |degrees, mask| {
+            if config.fine {
+                return (PointOptions::default(), CellOptions::default());
             }
-        }
-        let query = |settings| Query::with_settings(settings).map(|q| (q, None));
+            let point = PointOptions::default().pixel_degrees(degrees).min_pixels(16);
+            (point.refine_squares(64).refine_patches(100), CellOptions::default().mask_resolution(mask))
+        };
         let world = World {
             number: 1,
             scene,
@@ -134,7 +132,8 @@ impl Player {
             shelf: Shelf::new()?,
             worlds: vec![world],
             active: 0,
-            queries: [query(settings[0])?, query(settings[1])?, query(settings[2])?],
+            queries: std::array::from_fn(|_| (Query::new(), None)),
+            options: [options(1.0, 64), options(8.0, 64), options(3.0, 128)],
             kept: Vec::new(),
             effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
             parting: 0,
@@ -227,7 +226,7 @@ impl Player {
                     (&self.worlds[self.active], &self.queries[usize::from(*query % 3)]);
                 if origin.is_some_and(|o| o.world == world.number) {
                     let mut options = DrawOptions::default();
-                    options.least_size = *least;
+                    options.min_size = *least;
                     let listed = query.pvs().draw_list(&world.scene, &options, &mut Vec::new());
                     listed.map_err(refused("a list"))?;
                 }

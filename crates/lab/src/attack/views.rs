@@ -123,7 +123,7 @@ pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView
     let around = TrueView { eye: Some(eye.as_dvec3()), direction: forward.as_dvec3(), planes: Vec::new() };
     let mirror = |mirrored: bool| Mat4::from_scale(Vec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
     match limits {
-        Limits::Around => Ok((View::around(eye)?, around)),
+        Limits::Around => Ok((View::omnidirectional(eye)?, around)),
         Limits::Planes(planes) => {
             let planes: Vec<Plane> = planes
                 .iter()

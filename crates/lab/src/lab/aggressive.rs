@@ -1,6 +1,6 @@
 //! The aggressive mode: what share of the pixels is lost for what gain.
 
-use casca::{AggressiveOpacity, Method, Query, Settings};
+use casca::{AggressiveOpacity, Method, Query};
 
 use super::walker::{Walker, item_buffer};
 use super::worlds::{Place, places};
@@ -48,8 +48,6 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             "pixels lost, %",
         ],
     );
-    let mut settings = Settings::default();
-    settings.method = Method::Cell;
     let frames = lab.pick(30, 2);
     let mut found = Vec::new();
     let (mut spared, mut large) = (Vec::new(), Vec::new());
@@ -78,7 +76,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             spared.push(walker.world.name.clone());
             continue;
         }
-        let mut query = Query::with_settings(settings)?;
+        let mut query = Query::with_method(Method::cell())?;
         let mut exact = item_buffer(lab.pick(1920, 320));
         let mut sums: Vec<Sum> = opacities.iter().map(|_| Sum::default()).collect();
         let (mut visible_sum, mut pixels) = (0usize, 0u64);

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use casca::{Error, Method, Query, Settings};
+use casca::{Error, Method, Query};
 
 use crate::baselines::{Hzb, RayBuffer};
 use crate::drive::{Driver, view_of};
@@ -42,17 +42,12 @@ impl Contender {
         Self { method, setting, engine, found: Vec::new() }
     }
 
-    /// The library with these settings.
+    /// The library by a method, whose options `setting` describes.
     ///
     /// # Errors
-    /// As [`Query::with_settings`].
-    pub fn casca(setting: impl Into<String>, settings: Settings) -> Result<Self, Error> {
-        let method = match settings.method {
-            Method::Frustum => "frustum",
-            Method::Cell => "cell",
-            _ => "point",
-        };
-        Ok(Self::new(method, setting.into(), Engine::Casca(Box::new(Query::with_settings(settings)?))))
+    /// As [`Query::with_method`].
+    pub fn casca(setting: impl Into<String>, method: Method) -> Result<Self, Error> {
+        Ok(Self::new(method.name(), setting.into(), Engine::Casca(Box::new(Query::with_method(method)?))))
     }
 
     /// A rasterised depth buffer of `width` by `height` pixels.

@@ -1,6 +1,6 @@
 //! Shadow casters: how many objects a shadow map has to draw.
 
-use casca::{Method, Query, Settings, View};
+use casca::{Method, Query, View};
 use glam::{Mat4, Vec3, camera};
 
 use super::walker::Walker;
@@ -49,10 +49,8 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
         let mut walker = Walker::new(world)?;
-        let mut settings = Settings::default();
-        settings.method = Method::Point;
-        let (mut eye, mut sun) = (Query::with_settings(settings)?, Query::with_settings(settings)?);
-        let mut all = Query::with_settings(settings)?;
+        let (mut eye, mut sun) = (Query::with_method(Method::point())?, Query::with_method(Method::point())?);
+        let mut all = Query::with_method(Method::point())?;
         let mut casters = Vec::new();
         let (mut eye_ms, mut sun_ms) = (Vec::new(), Vec::new());
         let (mut seen, mut lit, mut cast) = (0, 0, 0);

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use casca::{GridSpec, ObjectDesc, ObjectId, Query, Settings, View};
+use casca::{GridSpec, Method, ObjectDesc, ObjectId, Query, View};
 
 use super::LabError;
 use crate::drive::Driver;
@@ -43,11 +43,11 @@ impl Stage {
     /// Inserts all objects of a world as they are now.
     ///
     /// # Errors
-    /// As [`Driver::with`] and [`Query::with_settings`].
+    /// As [`Driver::with`] and [`Query::with_method`].
     pub(super) fn new(
         world: &World,
         grid: &GridSpec,
-        settings: Settings,
+        method: Method,
         telling: Telling,
     ) -> Result<Self, LabError> {
         let unreported = |o: &Object| telling == Telling::OnExpiry && o.motion != Motion::Static;
@@ -61,7 +61,7 @@ impl Stage {
             objects[slot] = i;
         }
         driver.scene.begin_frame(0.0)?;
-        Ok(Self { driver, query: Query::with_settings(settings)?, objects, telling })
+        Ok(Self { driver, query: Query::with_method(method)?, objects, telling })
     }
 
     /// Sets the clock and reports what moved; returns the milliseconds that took.
@@ -146,7 +146,7 @@ impl Stage {
         self.query.pvs().visible().iter().map(|id| self.objects[id.index()])
     }
 
-    /// The query, for its settings and statistics.
+    /// The query, for its options and statistics.
     pub(super) fn query(&self) -> &Query {
         &self.query
     }

@@ -1,6 +1,6 @@
 //! Speed against accuracy: every method at several settings on every scene.
 
-use casca::{Aabb, GridSpec, Method, Settings};
+use casca::{Aabb, CellOptions, GridSpec, Method, PointOptions};
 
 use super::front::{Cost, distance, front};
 use super::walker::{Walker, item_buffer};
@@ -52,7 +52,7 @@ fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
     let mut entries = Vec::new();
     let mut add =
         |contender, grid| entries.push(Entry { contender, grid, ms: Vec::new(), found: 0, lost: 0 });
-    add(Contender::casca(AUTOMATIC, Settings::default())?, 1);
+    add(Contender::casca(AUTOMATIC, Method::default())?, 1);
     for (pixels, squares, patches) in [
         (80.0, 0, 0),
         (160.0, 0, 0),
@@ -62,18 +62,14 @@ fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
         (640.0, 256, 6000),
         (1280.0, 4096, 16_000),
     ] {
-        let mut settings = Settings::default();
-        settings.pixel_degrees = 90.0 / pixels;
-        settings.refine_squares = squares;
-        settings.refine_patches = patches;
-        settings.refine_budget = settings.refine_budget.max(squares << 8);
-        add(Contender::casca(format!("{pixels} px a side, refined {squares}/{patches}"), settings)?, 0);
+        let options = PointOptions::default().pixel_degrees(90.0 / pixels);
+        let options = options.refine_squares(squares).refine_patches(patches);
+        let method = Method::Point(options.refine_budget(options.refine_budget.max(squares << 8)));
+        add(Contender::casca(format!("{pixels} px a side, refined {squares}/{patches}"), method)?, 0);
     }
     for mask in [64, 256, 1024] {
-        let mut settings = Settings::default();
-        settings.method = Method::Cell;
-        settings.mask_resolution = mask;
-        add(Contender::casca(format!("mask {mask}"), settings)?, 0);
+        let method = Method::Cell(CellOptions::default().mask_resolution(mask));
+        add(Contender::casca(format!("mask {mask}"), method)?, 0);
     }
     for (w, h) in [(320, 180), (640, 360), (1280, 720), (2560, 1440)] {
         add(Contender::hzb(w, h), 0);

@@ -1,6 +1,6 @@
 //! A walk through a world, frame by frame, with the library's scene kept up to date.
 
-use casca::{Error, GridSpec, Method, Query, Settings};
+use casca::{Error, GridSpec, Method, Query};
 
 use super::{ASPECT, FrameInput};
 use crate::drive::{Driver, grid_for, view_of};
@@ -29,9 +29,7 @@ impl Walker {
     pub(super) fn new(mut world: World) -> Result<Self, Error> {
         world.set_frame(0);
         let grid = grid_for(&world.grid, None)?;
-        let mut settings = Settings::default();
-        settings.method = Method::Frustum;
-        let mut walker = Self { world, grids: Vec::new(), frustum: Query::with_settings(settings)? };
+        let mut walker = Self { world, grids: Vec::new(), frustum: Query::with_method(Method::Frustum)? };
         walker.add(&grid)?;
         Ok(walker)
     }

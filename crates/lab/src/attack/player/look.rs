@@ -69,10 +69,14 @@ impl Player {
     ) -> Played {
         let origin = self.origin();
         let world = &mut self.worlds[self.active];
+        let (point, cell) = self.options[query];
         let (query, from) = &mut self.queries[query];
-        let mut settings = *query.settings();
-        settings.method = method;
-        query.set_settings(settings).map_err(refused("a method"))?;
+        let method = match method {
+            Method::Point(_) => Method::Point(point),
+            Method::Cell(_) => Method::Cell(cell),
+            other => other,
+        };
+        query.set_method(method).map_err(refused("a method"))?;
         let pvs = query.run(&world.scene, &view);
         *from = Some(origin);
         world.looked = true;
@@ -140,7 +144,7 @@ impl Player {
     pub(super) fn ask_one(&mut self, k: usize, other: Option<(View, TrueView)>, seed: u32) -> Played {
         let (world, kept) = (&self.worlds[self.active], &self.kept[k]);
         let (view, truth) = other.as_ref().map_or((&kept.view, &kept.truth), |(v, t)| (v, t));
-        if !kept.pvs.holds(&world.scene, view) {
+        if !kept.pvs.is_valid_for(&world.scene, view) {
             return Ok(());
         }
         let away = kept.origin.world != world.number;

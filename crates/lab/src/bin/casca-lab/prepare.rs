@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use casca::{FileError, Preparation, TriMesh};
+use casca::{FileError, MeshOptions, TriMesh};
 use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use casca_lab::import;
 use casca_lab::measure::timed;
@@ -86,7 +86,7 @@ fn meshes_of(path: &Path) -> Result<Vec<(String, Arc<Mesh>)>, import::ImportErro
 
 /// Prepares meshes, with a bar that counts their triangles.
 fn prepare(meshes: &[(String, Arc<Mesh>)], options: &Options) -> Result<Vec<TriMesh>, casca::Error> {
-    let mut how = Preparation::default();
+    let mut how = MeshOptions::default();
     how.tolerance = options.tolerance;
     let bar = progress::bar(options.quiet, triangles(meshes), "", "triangle");
     let mut done = 0;

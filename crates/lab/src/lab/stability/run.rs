@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca::{Method, ObjectDesc, Settings};
+use casca::{CellOptions, Method, ObjectDesc, PointOptions};
 use glam::DVec3;
 
 use super::case::{ASPECT, Case};
@@ -90,25 +90,19 @@ impl Finding {
 
 /// The methods at the settings of a case; the frustum first, `point` next.
 fn contenders(case: &Case) -> Result<Vec<(Contender, usize)>, LabError> {
-    let casca = |method, setting: String| {
-        let mut settings = Settings::default();
-        settings.method = method;
-        if let Some(n) = case.resolution {
-            settings.pixel_degrees = (90.0 / n as f32).clamp(0.03, 11.25);
-            settings.min_pixels = 0;
-            settings.mask_resolution = n.clamp(64, 4096).next_power_of_two() as u32;
-        }
-        Contender::casca(setting, settings).map(|c| (c, 0))
-    };
-    let (point, cell) = match case.resolution {
-        None => ("default".to_owned(), "default".to_owned()),
-        Some(n) => (format!("{n} pixels a side"), format!("mask {}", n.clamp(64, 4096).next_power_of_two())),
-    };
+    let (mut points, mut cells) = (PointOptions::default(), CellOptions::default());
+    let (mut point, mut cell) = ("default".to_owned(), "default".to_owned());
+    if let Some(n) = case.resolution {
+        points = points.pixel_degrees((90.0 / n as f32).clamp(0.03, 11.25)).min_pixels(0);
+        cells = cells.mask_resolution(n.clamp(64, 4096).next_power_of_two() as u32);
+        (point, cell) = (format!("{n} pixels a side"), format!("mask {}", cells.mask_resolution));
+    }
+    let casca = |method, setting: String| Contender::casca(setting, method).map(|c| (c, 0));
     let (hzb, rays) = (case.resolution.unwrap_or(HZB), case.resolution.unwrap_or(RAYS));
     Ok(vec![
         casca(Method::Frustum, String::new())?,
-        casca(Method::Point, point)?,
-        casca(Method::Cell, cell)?,
+        casca(Method::Point(points), point)?,
+        casca(Method::Cell(cells), cell)?,
         (Contender::hzb(hzb, rows(hzb)), hzb),
         (Contender::rays(&case.objects, rays, rows(rays)), rays),
     ])

@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3};
 
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError, Section, Table};
-use super::{COARSE, FINE, Finding, grid, ratio, settings};
+use super::{COARSE, FINE, Finding, grid, ratio};
 use crate::pictures::palette::{CELL, Marker, POINT, Style, THESIS, method, other};
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::{SceneKind, SceneOptions, build};
@@ -81,9 +81,9 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let mut runs = Vec::new();
     for (scene, world) in [("empty", &empty), ("spheres", &full)] {
         for (size, dims) in [("50x30x50", COARSE), ("100x60x100", FINE)] {
-            for (method, kind) in [("cell", Method::Cell), ("point", Method::Point)] {
+            for (method, kind) in [("cell", Method::cell()), ("point", Method::point())] {
                 let row = Row { name: format!("{scene}: {method}, {size}"), time: vec![], cells: vec![] };
-                runs.push((row, stage(world, dims)?, Query::with_settings(settings(kind))?));
+                runs.push((row, stage(world, dims)?, Query::with_method(kind)?));
             }
         }
     }
@@ -108,7 +108,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
 }
 
 fn stage(world: &World, dims: UVec3) -> Result<Stage, LabError> {
-    Stage::new(world, &grid(world, dims)?, settings(Method::Cell), Telling::Always)
+    Stage::new(world, &grid(world, dims)?, Method::cell(), Telling::Always)
 }
 
 fn draw(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabError> {
@@ -244,7 +244,7 @@ mod tests {
             ObjectDesc::fixed(Sphere::new(Vec3::new(cos, 0.0, sin) * 20.0, 0.01))
         };
         let ids: Vec<_> = [0.0, 30.0, -60.0, 89.0, 91.0].map(|d| scene.insert(at(d)).unwrap()).to_vec();
-        let mut query = Query::with_settings(settings(Method::Frustum)).unwrap();
+        let mut query = Query::with_method(Method::Frustum).unwrap();
         for (degrees, inside) in [(1.0, 1), (59.0, 1), (61.0, 2), (121.0, 3), (180.0, 4)] {
             let pvs = query.run(&scene, &opening(Vec3::ZERO, degrees).unwrap());
             let seen: Vec<bool> = ids.iter().map(|&id| pvs.contains(id)).collect();

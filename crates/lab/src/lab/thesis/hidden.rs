@@ -4,7 +4,7 @@ use casca::{Method, View};
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
 use super::super::{Lab, LabError, Section, Table, grouped, median};
-use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, settings, style};
+use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::pictures::palette::{CELL, Marker, Style, THESIS as GIVEN, other};
@@ -39,11 +39,11 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let counts: Vec<usize> = lab.pick(vec![0, 125, 250, 500, 1000, 2000, 5000, 10_000], vec![0, 500, 10_000]);
     let (settle, frames) = (lab.pick(60, 8), lab.pick(31, 3));
     let ways = [
-        ("cell, 50x30x50", Method::Cell, COARSE, Telling::OnExpiry),
-        ("cell, 100x60x100", Method::Cell, FINE, Telling::OnExpiry),
-        ("cell, 100x60x100, all reported", Method::Cell, FINE, Telling::Always),
-        ("point, 50x30x50", Method::Point, COARSE, Telling::OnExpiry),
-        ("point, 100x60x100", Method::Point, FINE, Telling::OnExpiry),
+        ("cell, 50x30x50", Method::cell(), COARSE, Telling::OnExpiry),
+        ("cell, 100x60x100", Method::cell(), FINE, Telling::OnExpiry),
+        ("cell, 100x60x100, all reported", Method::cell(), FINE, Telling::Always),
+        ("point, 50x30x50", Method::point(), COARSE, Telling::OnExpiry),
+        ("point, 100x60x100", Method::point(), FINE, Telling::OnExpiry),
         ("frustum, all reported", Method::Frustum, FINE, Telling::Always),
     ];
     let mut rows: Vec<Row> =
@@ -59,7 +59,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         let view: View = view_of(&camera)?;
         let mut stages = Vec::new();
         for (_, method, dims, telling) in ways {
-            stages.push(Stage::new(&world, &grid(&world, dims)?, settings(method), telling)?);
+            stages.push(Stage::new(&world, &grid(&world, dims)?, method, telling)?);
         }
         let mut upkeep = vec![Vec::new(); ways.len()];
         let mut query = vec![Vec::new(); ways.len()];

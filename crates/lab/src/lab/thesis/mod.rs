@@ -10,7 +10,7 @@ mod profile;
 mod resolution;
 mod walk;
 
-use casca::{GridSpec, Method, Settings};
+use casca::GridSpec;
 use glam::UVec3;
 
 use super::{ASPECT, Lab, LabError, Section, Table};
@@ -37,12 +37,6 @@ impl Finding {
     fn new(place: &'static str, thesis: impl Into<String>, here: impl Into<String>) -> Self {
         Self { place, thesis: thesis.into(), here: here.into() }
     }
-}
-
-fn settings(method: Method) -> Settings {
-    let mut settings = Settings::default();
-    settings.method = method;
-    settings
 }
 
 /// The style of a way; dashed on the coarse grid.

@@ -4,7 +4,7 @@ use casca::{GridSpec, Method, Query};
 
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, Finding, ratio, settings};
+use super::{ASPECT, Finding, ratio};
 use crate::drive::view_of;
 use crate::pictures::{Bar, bars};
 use crate::scenes::{SceneKind, SceneOptions, build};
@@ -40,8 +40,8 @@ impl Cost {
     fn of(stage: &Stage, query: &mut Query, view: &casca::View, times: usize) -> Self {
         let time = stage.ask(query, view, times);
         let s = query.pvs().stats();
-        let (steps, objects) = match query.settings().method {
-            Method::Cell => (s.cells_visited as f64, f64::from(s.objects_tested)),
+        let (steps, objects) = match query.method() {
+            Method::Cell(_) => (s.cells_visited as f64, f64::from(s.objects_tested)),
             _ => (0.0, f64::from(s.occlusion_tests)),
         };
         Self { time, steps, objects }
@@ -68,15 +68,17 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let mut empty = build(SceneKind::Spheres, &SceneOptions { scale: 0.0, ..options });
     empty.objects.clear();
     let grid = GridSpec::with_cells(casca::Aabb::new(world.grid.min, world.grid.max), 70)?;
-    let stage = |w: &World, method| Stage::new(w, &grid, settings(method), Telling::Always);
+    let stage = |w: &World, method| Stage::new(w, &grid, method, Telling::Always);
     let mut totals = [[0.0; 8]; 2];
     let mut sizes = [0.0; 2];
-    for (method, total) in [Method::Cell, Method::Point].into_iter().zip(&mut totals) {
+    for (method, total) in [Method::cell(), Method::point()].into_iter().zip(&mut totals) {
         let (mut real, mut bare, none) =
             (stage(&world, method)?, stage(&open, method)?, stage(&empty, method)?);
-        let mut unrefined = settings(method);
-        (unrefined.refine_squares, unrefined.refine_patches) = (0, 0);
-        let mut rough = Query::with_settings(unrefined)?;
+        let unrefined = match method {
+            Method::Point(options) => Method::Point(options.refine_squares(0).refine_patches(0)),
+            other => other,
+        };
+        let mut rough = Query::with_method(unrefined)?;
         for frame in 0..frames + WARM {
             (lab.progress)(&format!("profile, frame {frame}"));
             let moved = world.set_frame(frame);
@@ -88,7 +90,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             let mut whole = real.look(&view, repeats);
             let rest = Cost::of(&real, &mut rough, &view, repeats);
             // Only `point` refines: both are the same query otherwise.
-            whole = if method == Method::Cell { whole.min(rest.time) } else { whole };
+            whole = if method == Method::cell() { whole.min(rest.time) } else { whole };
             let time = rest.time.min(whole);
             let empty = Cost::of(&none, &mut rough, &view, repeats);
             bare.look(&view, 1);
@@ -99,7 +101,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             if frame < WARM {
                 continue;
             }
-            sizes[usize::from(method == Method::Point)] += real.query().pvs().len() as f64;
+            sizes[usize::from(method == Method::point())] += real.query().pvs().len() as f64;
             for (sum, part) in
                 total.iter_mut().zip([visible, hidden + feedback, walk, 0.0, time - walk, whole - time])
             {

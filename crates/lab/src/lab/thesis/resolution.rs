@@ -7,7 +7,7 @@ use casca::{Aabb, GridSpec, Method, View};
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, settings, style};
+use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
@@ -43,7 +43,7 @@ struct Point {
     lost: f64,
 }
 
-const METHODS: [(&str, Method); 2] = [("cell", Method::Cell), ("point", Method::Point)];
+const METHODS: [(&str, Method); 2] = [("cell", Method::cell()), ("point", Method::point())];
 
 /// The point where a value is least.
 fn best(points: &[Point], value: fn(&Point) -> f64) -> Point {
@@ -84,13 +84,13 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         (lab.progress)(&format!("{cells} cells along the longest axis"));
         let grid = GridSpec::with_cells(region, cells)?;
         for (method, (_, kind)) in METHODS.iter().enumerate() {
-            let stage = Stage::new(&world, &grid, settings(*kind), Telling::Always)?;
+            let stage = Stage::new(&world, &grid, *kind, Telling::Always)?;
             let none = || vec![f64::INFINITY; views.len()];
             runs.push(Run { cells, method, stage, query: none(), drawing: none(), found: none(), lost: 0 });
         }
     }
     let mut frustum =
-        Stage::new(&world, &GridSpec::with_cells(region, 64)?, settings(Method::Frustum), Telling::Always)?;
+        Stage::new(&world, &GridSpec::with_cells(region, 64)?, Method::Frustum, Telling::Always)?;
     let mut in_frustum = vec![0.0; views.len()];
     let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
     for round in 0..repeats {

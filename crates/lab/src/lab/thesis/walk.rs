@@ -8,7 +8,7 @@ use casca::Method;
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table, median};
-use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, settings, style};
+use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, style};
 use crate::baselines::Hzb;
 use crate::drive::view_of;
 use crate::oracle::ItemBuffer;
@@ -60,16 +60,16 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let mut world =
         build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, frames, ..SceneOptions::default() });
     let ways = [
-        ("cell, 50x30x50", Method::Cell, COARSE),
-        ("cell, 100x60x100", Method::Cell, FINE),
-        ("point, 50x30x50", Method::Point, COARSE),
-        ("point, 100x60x100", Method::Point, FINE),
+        ("cell, 50x30x50", Method::cell(), COARSE),
+        ("cell, 100x60x100", Method::cell(), FINE),
+        ("point, 50x30x50", Method::point(), COARSE),
+        ("point, 100x60x100", Method::point(), FINE),
         ("frustum", Method::Frustum, FINE),
     ];
     let mut rows: Vec<Row> = ways.iter().map(|w| Row { name: w.0, ..Row::default() }).collect();
     let mut stages = Vec::new();
     for (_, method, dims) in ways {
-        stages.push(Stage::new(&world, &grid(&world, dims)?, settings(method), Telling::Always)?);
+        stages.push(Stage::new(&world, &grid(&world, dims)?, method, Telling::Always)?);
     }
     let mut hzb = Row { name: "hzb, 1280x720", ..Row::default() };
     let (mut alone, mut visible, mut at) = (Vec::new(), Vec::new(), Vec::new());

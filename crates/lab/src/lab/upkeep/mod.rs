@@ -10,7 +10,7 @@ mod tests;
 
 use std::time::Instant;
 
-use casca::{Aabb, GridSpec, Method, Settings};
+use casca::{Aabb, GridSpec, Method};
 
 use super::stage::{Stage, Telling, frame_of, ms};
 use super::{Lab, LabError, Section, Table, grouped, median};
@@ -29,9 +29,9 @@ const ASPECT: f32 = 16.0 / 9.0;
 const STRIDE: usize = 30;
 /// The library's ways: name, method and how motion is told.
 const WAYS: [(&str, Method, Telling); 4] = [
-    ("casca point", Method::Point, Telling::Always),
-    ("casca point, on expiry", Method::Point, Telling::OnExpiry),
-    ("casca cell", Method::Cell, Telling::Always),
+    ("casca point", Method::point(), Telling::Always),
+    ("casca point, on expiry", Method::point(), Telling::OnExpiry),
+    ("casca cell", Method::cell(), Telling::Always),
     ("casca frustum", Method::Frustum, Telling::Always),
 ];
 
@@ -110,9 +110,7 @@ fn measure(arena: Arena, effort: Effort, progress: &dyn Fn(&str)) -> Result<Vec<
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), arena.count)?;
     let mut stages = Vec::new();
     for (_, method, telling) in WAYS {
-        let mut settings = Settings::default();
-        settings.method = method;
-        stages.push(Stage::new(&world, &grid, settings, telling)?);
+        stages.push(Stage::new(&world, &grid, method, telling)?);
     }
     let mut buffer = ItemBuffer::new(effort.width, (effort.width as f32 / ASPECT) as usize);
     let mut structures = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use casca::{MAX_CELLS_PER_AXIS, Method, Query, Settings};
+use casca::{CellOptions, MAX_CELLS_PER_AXIS, Method, PointOptions, Query};
 use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTHS};
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
@@ -62,16 +62,16 @@ pub struct Options {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Pixels along each side of the direction masks: a power of two from 64 to 4096
-    #[arg(long, default_value_t = Settings::default().mask_resolution, value_parser = parse_mask)]
+    #[arg(long, default_value_t = CellOptions::default().mask_resolution, value_parser = parse_mask)]
     pub mask: u32,
     /// Width of a pixel of the occlusion buffers in degrees, 0.03 to 11.25
-    #[arg(long, default_value_t = Settings::default().pixel_degrees, value_parser = parse_pixel)]
+    #[arg(long, default_value_t = PointOptions::default().pixel_degrees, value_parser = parse_pixel)]
     pub pixel: f32,
     /// Squares examined again for one undecided object, at most
-    #[arg(long, default_value_t = Settings::default().refine_squares)]
+    #[arg(long, default_value_t = PointOptions::default().refine_squares)]
     pub refine: u32,
     /// Patches of triangles drawn again in undecided pixels, in one query, at most
-    #[arg(long, default_value_t = Settings::default().refine_patches)]
+    #[arg(long, default_value_t = PointOptions::default().refine_patches)]
     pub patches: u32,
     /// Rays to each object that the PVS leaves out, in every frame, up to 10000
     #[arg(long, default_value_t = 16, value_parser = value_parser!(u32).range(..=MOST_SAMPLES))]
@@ -120,23 +120,21 @@ fn parse_grid(text: &str) -> Result<GridChoice, String> {
     }
 }
 
-/// The number in a text, if the library takes the settings that `set` makes of it.
-fn setting<T: Copy + std::str::FromStr>(text: &str, set: fn(&mut Settings, T)) -> Result<T, String>
+/// The number in a text, if the library accepts the method that `with` makes of it.
+fn option<T: Copy + std::str::FromStr>(text: &str, with: fn(T) -> Method) -> Result<T, String>
 where
     T::Err: ToString,
 {
     let value = text.parse::<T>().map_err(|e| e.to_string())?;
-    let mut settings = Settings::default();
-    set(&mut settings, value);
-    Query::with_settings(settings).map(|_| value).map_err(|e| e.to_string())
+    Query::with_method(with(value)).map(|_| value).map_err(|e| e.to_string())
 }
 
 fn parse_mask(text: &str) -> Result<u32, String> {
-    setting(text, |settings, n| settings.mask_resolution = n)
+    option(text, |n| Method::Cell(CellOptions::default().mask_resolution(n)))
 }
 
 fn parse_pixel(text: &str) -> Result<f32, String> {
-    setting(text, |settings, degrees| settings.pixel_degrees = degrees)
+    option(text, |degrees| Method::Point(PointOptions::default().pixel_degrees(degrees)))
 }
 
 fn parse_width(text: &str) -> Result<u32, String> {
@@ -154,19 +152,21 @@ impl Options {
         Ok(())
     }
 
-    /// Settings of the query.
-    pub fn settings(&self) -> Settings {
-        let mut settings = Settings::default();
-        settings.mask_resolution = self.mask;
-        settings.pixel_degrees = self.pixel;
-        settings.refine_squares = self.refine;
-        settings.refine_patches = self.patches;
-        settings.method = match self.method {
+    /// Options of the cell method.
+    pub fn cell_options(&self) -> CellOptions {
+        CellOptions::default().mask_resolution(self.mask)
+    }
+
+    /// The method of the query, with its options.
+    pub fn query_method(&self) -> Method {
+        match self.method {
             MethodName::Frustum => Method::Frustum,
-            MethodName::Cell => Method::Cell,
-            _ => Method::Point,
-        };
-        settings
+            MethodName::Cell => Method::Cell(self.cell_options()),
+            _ => {
+                let options = PointOptions::default().pixel_degrees(self.pixel);
+                Method::Point(options.refine_squares(self.refine).refine_patches(self.patches))
+            }
+        }
     }
 }
 
@@ -235,11 +235,11 @@ mod tests {
             "--grid 1x1x8192 --seed 18446744073709551615",
         ] {
             let options = options(line).expect(line);
-            assert!(Query::with_settings(options.settings()).is_ok(), "{line}");
+            assert!(Query::with_method(options.query_method()).is_ok(), "{line}");
         }
         assert_eq!(options("--grid fit").unwrap().grid, Some(GridChoice::Fit));
         assert_eq!(options("--grid 3x2x1").unwrap().grid, Some(GridChoice::Dims(UVec3::new(3, 2, 1))));
-        assert_eq!(options("").unwrap().settings(), Settings::default());
+        assert_eq!(options("").unwrap().query_method(), Method::default());
     }
 
     #[test]

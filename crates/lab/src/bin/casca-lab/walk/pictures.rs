@@ -52,10 +52,8 @@ impl Shot<'_> {
 
     /// The grid from above, with the cells that the method `Cell` visits.
     fn top_view(&self, view: &View) -> Result<(), Failure> {
-        let mut settings = self.options.settings();
-        settings.record_cells = true;
-        settings.method = Method::Cell;
-        let mut recorder = Query::with_settings(settings)?;
+        let recorded = Method::Cell(self.options.cell_options().record_cells(true));
+        let mut recorder = Query::with_method(recorded)?;
         recorder.run(self.scene, view);
         let (Some(visited), Some(hidden)) = (recorder.visited_cells(), recorder.hidden_cells()) else {
             return Ok(());

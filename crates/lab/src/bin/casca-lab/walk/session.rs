@@ -76,8 +76,6 @@ impl<'a> Session<'a> {
     pub fn new(options: &'a Options, mut world: World) -> Result<Self, Failure> {
         world.set_frame(0);
         let (driver, setup) = timed(|| fill(options, &world));
-        let mut frustum = options.settings();
-        frustum.method = Method::Frustum;
         let oracle_options = OracleOptions {
             width: options.width as usize,
             height: height_of(options.width as usize),
@@ -89,8 +87,8 @@ impl<'a> Session<'a> {
             driver: driver?,
             setup,
             options,
-            query: Query::with_settings(options.settings())?,
-            frustum: Query::with_settings(frustum)?,
+            query: Query::with_method(options.query_method())?,
+            frustum: Query::with_method(Method::Frustum)?,
             rival: Rival::of(options.method, &world.objects),
             oracle: Oracle::new(&world.objects, oracle_options),
             path: (0..world.frames).map(|f| world.camera(f, ASPECT).eye).collect(),
