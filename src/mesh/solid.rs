@@ -68,7 +68,7 @@ impl TriMesh {
     /// Whether points beyond these crossings of a line are behind the mesh's triangles as seen
     /// from outside.
     fn is_behind(&self, (count, winding): (u32, i32)) -> bool {
-        count % 2 == 1 && (winding > 0 || self.surface.front.is_none())
+        count % 2 == 1 && (winding > 0 || !self.surface.front)
     }
 }
 
@@ -107,7 +107,7 @@ impl Shape for TriMesh {
         }
         (0..3).any(|axis| {
             let (count, winding) = self.crossings_before(axis, point);
-            count % 2 == 1 || winding != 0 && self.surface.front.is_some()
+            count % 2 == 1 || winding != 0 && self.surface.front
         })
     }
 }

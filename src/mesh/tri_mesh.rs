@@ -109,11 +109,12 @@ impl TriMesh {
         triangles: Vec<[u32; 3]>,
         bounds: Aabb,
         (closed, occludes): (bool, bool),
-        surface: Surface,
+        mut surface: Surface,
         parts: Vec<Convex>,
     ) -> Self {
-        let front = surface.front.is_some();
-        let solid = closed && occludes && (!front || is_wound_alike(&positions, &triangles));
+        let alike = closed && occludes && is_wound_alike(&positions, &triangles);
+        let solid = closed && occludes && (!surface.front || alike);
+        surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
         let middle = middle_of(&parts);
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self { positions, triangles, bounds, closed, solid, occludes, surface, parts, middle, index, cells }
@@ -198,6 +199,13 @@ impl TriMesh {
     pub(crate) fn cache_cells(&self, grid: &Grid) -> Arc<CachedCells> {
         self.cells.cache(grid)
     }
+}
+
+/// Six times the volume inside a closed surface: positive if its triangles run counter-clockwise seen from outside.
+fn signed_volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+    let Some(&first) = positions.first() else { return 0.0 };
+    let at = |v: u32| positions[v as usize].as_dvec3() - first.as_dvec3();
+    triangles.iter().map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2])))).sum()
 }
 
 /// A point of the first, which is the largest.

@@ -10,6 +10,10 @@ pub(crate) const TRIANGLE: f64 = 1e-12;
 /// normal errs by fewer than 4 units in the last place, 1e-15.
 pub(crate) const SLAB: f64 = 1e-12;
 
+/// The sine of the greatest angle between a patch's normal and its triangles is raised by this. A cosine that
+/// rounding made too large by e = 1e-15 makes the sine of a small angle too small by sqrt(2 e) = 5e-8.
+pub(crate) const SINE: f64 = 1e-6;
+
 /// The slack of a simplified side is raised by this share of itself, which covers the roundings of the distance
 /// that it was computed from (below 1e-14) and of the comparison with it.
 pub(crate) const SLACK: f64 = 1e-6;

@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `cascamsh` |
-//! | 4 | version, 2 |
+//! | 4 | version, 3 |
 //! | 8 | length of the contents |
 //! | | contents: the sections below, in this order |
 //! | 8 | checksum of all bytes before: FNV-1a of 64 bits |
@@ -16,16 +16,16 @@
 //! |---|---|---|
 //! | positions | 12 | x, y, z (f32) |
 //! | triangles | 12 | three positions (u32) |
-//! | flags | 10 | one entry: closed (u8, 0 or 1); occludes (u8, 0 or 1); sine of the greatest angle in a patch if triangles hide from their front, else -1 (f64) |
+//! | flags | 3 | one entry: closed, occludes, hides from the front of triangles only (u8 each, 0 or 1) |
 //! | sides | 33 | from, to (f32 x 3), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
-//! | patches | 68 | number of its sides (u32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
-//! | clusters | 4 | number of its patches (u32) |
+//! | patches | 76 | number of its sides (u32), number of patches inside (u32), sine of the greatest angle (f32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
 //! | open sides | 12 | side (u32), chain (u64) |
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces as outward normal and offset (f64 x 4), edges (u16 x 4) |
 //!
-//! Sides come in the order of their patches, patches in that of their clusters. Bounds, slacks and boxes that follow
-//! from the rest are computed when a file is read. A mesh that occludes nothing has no sides, patches, clusters and
-//! open sides. A mesh that is read and written again gives the same bytes.
+//! Sides come in the order of their patches. A group comes before the patches inside, and has no sides of its own; the
+//! first patch contains all others. Groups that are drawn in parts only have the slab lo = infinity, hi = -infinity.
+//! Bounds, slacks and outlines that follow from the rest are computed when a file is read. A mesh that occludes nothing
+//! has no sides, patches and open sides. A mesh that is read and written again gives the same bytes.
 
 mod contents;
 mod read;
@@ -34,7 +34,7 @@ mod tests;
 mod write;
 
 const MAGIC: [u8; 8] = *b"cascamsh";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Bytes before the contents.
 const HEADER: usize = 20;
@@ -47,7 +47,6 @@ const TRIANGLES: &str = "triangles";
 const FLAGS: &str = "flags";
 const SIDES: &str = "sides";
 const PATCHES: &str = "patches";
-const CLUSTERS: &str = "clusters";
 const OPEN: &str = "open sides";
 const PARTS: &str = "parts";
 

@@ -9,10 +9,10 @@ use crate::geometry::Aabb;
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
-    CHECKSUM, CLUSTERS, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION,
+    CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION,
     checksum,
 };
-use crate::mesh::surface::{Cluster, NONE, Patch, Side, Surface, slack};
+use crate::mesh::surface::{NONE, Patch, Side, Surface, slack};
 use crate::mesh::topology::is_closed;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
@@ -88,17 +88,14 @@ impl Contents<'_> {
         let Some(bounds) = Aabb::from_points(corners) else {
             return Err(self.broken(0, "is missing: a mesh has at least one"));
         };
-        let flags = self.section(FLAGS, 10, |c, i| {
+        let flags = self.section(FLAGS, 3, |c, i| {
             c.check(i, i == 0, "is one too many")?;
-            let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.f64()?);
-            let sine = front == -1.0 || (0.0..=1.0).contains(&front);
-            c.check(i, sine, "has a sine that is neither -1 nor in [0, 1]")?;
-            let two_sided = occludes || front == -1.0;
-            c.check(i, two_sided, "has a sine, though the mesh occludes nothing")?;
+            let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.flag(i)?);
+            c.check(i, occludes || !front, "hides from its front, though the mesh occludes nothing")?;
             // Only a mesh that is closed can have opaque cells.
             let holds = !closed || is_closed(&positions, &triangles);
             c.check(i, holds, "says that the mesh is closed, which it is not")?;
-            Ok((closed, occludes, (front != -1.0).then_some(front)))
+            Ok((closed, occludes, front))
         })?;
         let &[(closed, occludes, front)] = flags.as_slice() else {
             return Err(self.broken(0, "is missing"));
@@ -111,7 +108,7 @@ impl Contents<'_> {
         Ok(TriMesh::from_prepared(positions, triangles, bounds, (closed, occludes), surface, parts))
     }
 
-    fn surface(&mut self, bounds: Aabb, front: Option<f64>) -> Result<Surface, FileError> {
+    fn surface(&mut self, bounds: Aabb, front: bool) -> Result<Surface, FileError> {
         let sides = self.section(SIDES, 33, |c, i| {
             let side = Side {
                 from: c.vec3()?,
@@ -125,60 +122,13 @@ impl Contents<'_> {
             c.check(i, !alone, "is opposite to no patch")?;
             Ok(side)
         })?;
-        let mut first = 0u32;
-        let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
-        let room = FILE_ROUNDING * largest;
-        let patches = self.section(PATCHES, 68, |c, i| {
-            let last = c.u32()?.checked_add(first).filter(|&last| first < last);
-            let Some(own) = last.and_then(|last| sides.get(first as usize..last as usize)) else {
-                return Err(c.broken(i, "has no sides, or more than there are"));
-            };
-            let last = first + own.len() as u32;
-            let (normal, lo, hi) = (c.dvec3()?, c.f64()?, c.f64()?);
-            let (min, max) = (c.vec3()?, c.vec3()?);
-            c.check(
-                i,
-                (normal.length() - 1.0).abs() <= FILE_ROUNDING,
-                "has a normal that is not of length 1",
-            )?;
-            let inside = min.cmpge(bounds.min).all() && max.cmple(bounds.max).all() && min.cmple(max).all();
-            c.check(i, inside, "has a box that is inverted or leaves the mesh")?;
-            let (a, b) = (normal * min.as_dvec3(), normal * max.as_dvec3());
-            let (least, most) = (a.min(b).element_sum() - room, a.max(b).element_sum() + room);
-            c.check(
-                i,
-                least <= lo && lo <= hi && hi <= most,
-                "has a slab that is inverted or leaves its box",
-            )?;
-            for side in own {
-                for p in [side.from, side.to] {
-                    let along = normal.dot(p.as_dvec3());
-                    let held = min.cmple(p).all() && max.cmpge(p).all() && lo <= along && along <= hi;
-                    c.check(i, held, "has a side that leaves its box or slab")?;
-                }
-                c.check(i, side.twin != i as u32, "has a side with itself beyond")?;
-            }
-            let patch = Patch { first, last, normal, lo, hi, min, max, slack: slack(own) };
-            first = last;
-            Ok(patch)
-        })?;
-        if first as usize != sides.len() {
-            return Err(self.broken(patches.len(), "is missing: there are sides without a patch"));
-        }
-        let beyond = |s: &Side| s.twin != NONE && s.twin as usize >= patches.len();
+        let patches = self.patches(bounds, &sides)?;
+        let beyond = |s: &Side| {
+            s.twin != NONE
+                && patches.get(s.twin as usize).is_none_or(|p: &Patch| p.next != s.twin + 1)
+        };
         if let Some(entry) = sides.iter().position(beyond) {
             return Err(FileError::Entry { section: SIDES, entry, why: "names a patch that is not there" });
-        }
-        let mut first = 0u32;
-        let clusters = self.section(CLUSTERS, 4, |c, i| {
-            let last = c.u32()?.checked_add(first);
-            match last.filter(|&last| first < last && last as usize <= patches.len()) {
-                Some(last) => Ok(Cluster::new(std::mem::replace(&mut first, last), last, &patches)),
-                None => Err(c.broken(i, "has no patches, or more than there are")),
-            }
-        })?;
-        if first as usize != patches.len() {
-            return Err(self.broken(clusters.len(), "is missing: there are patches without a cluster"));
         }
         let mut next = 0;
         let open = self.section(OPEN, 12, |c, i| {
@@ -189,7 +139,70 @@ impl Contents<'_> {
             next = side as usize + 1;
             Ok((side, chain))
         })?;
-        Ok(Surface { sides, patches, clusters, front, open })
+        let mut surface = Surface { sides, patches, front, open, ..Surface::default() };
+        surface.find_rims();
+        Ok(surface)
+    }
+
+    fn patches(&mut self, bounds: Aabb, sides: &[Side]) -> Result<Vec<Patch>, FileError> {
+        let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
+        let room = FILE_ROUNDING * largest;
+        let mut first = 0u32;
+        // Where the groups end that the next patch is in.
+        let mut ends: Vec<u32> = Vec::new();
+        let patches = self.section(PATCHES, 76, |c, i| {
+            let (count, inside) = (c.u32()?, c.u32()?);
+            let number = i as u32;
+            while ends.pop_if(|end| *end == number).is_some() {}
+            let next = number.checked_add(inside).and_then(|n| n.checked_add(1));
+            let outer = ends.last().copied();
+            let Some(next) = next.filter(|&n| outer.is_none_or(|end| n <= end) && (outer.is_some() || i == 0))
+            else {
+                return Err(c.broken(i, "is outside of the first, or leaves its group"));
+            };
+            let group = inside > 0;
+            if group {
+                ends.push(next);
+            }
+            let own = first.checked_add(count).and_then(|last| sides.get(first as usize..last as usize));
+            let Some(own) = own.filter(|_| !group || count == 0) else {
+                return Err(c.broken(i, "has sides though it is a group, or more than there are"));
+            };
+            let last = first + count;
+            let sine = c.f32()?;
+            c.check(i, (0.0..=1.0).contains(&sine), "has a sine that is not in [0, 1]")?;
+            let (normal, lo, hi) = (c.dvec3()?, c.f64()?, c.f64()?);
+            let (min, max) = (c.vec3()?, c.vec3()?);
+            c.check(
+                i,
+                (normal.length() - 1.0).abs() <= FILE_ROUNDING,
+                "has a normal that is not of length 1",
+            )?;
+            let within = min.cmpge(bounds.min).all() && max.cmple(bounds.max).all() && min.cmple(max).all();
+            c.check(i, within, "has a box that is inverted or leaves the mesh")?;
+            let (a, b) = (normal * min.as_dvec3(), normal * max.as_dvec3());
+            let (least, most) = (a.min(b).element_sum() - room, a.max(b).element_sum() + room);
+            let bundle = group && (lo, hi) == (f64::INFINITY, f64::NEG_INFINITY);
+            let slab = least <= lo && lo <= hi && hi <= most;
+            c.check(i, slab || bundle, "has a slab that is inverted or leaves its box")?;
+            for side in own {
+                for p in [side.from, side.to] {
+                    let along = normal.dot(p.as_dvec3());
+                    let held = min.cmple(p).all() && max.cmpge(p).all() && lo <= along && along <= hi;
+                    c.check(i, held, "has a side that leaves its box or slab")?;
+                }
+                c.check(i, side.twin != number, "has a side with itself beyond")?;
+            }
+            let patch = Patch { first, last, next, sine, normal, lo, hi, min, max, slack: slack(own) };
+            first = last;
+            Ok(patch)
+        })?;
+        let whole = patches.first().is_none_or(|p| p.next as usize == patches.len());
+        self.check(0, whole, "does not contain all others")?;
+        if first as usize != sides.len() {
+            return Err(self.broken(patches.len(), "is missing: there are sides without a patch"));
+        }
+        Ok(patches)
     }
 
     fn parts(&mut self, bounds: Aabb) -> Result<Vec<Convex>, FileError> {

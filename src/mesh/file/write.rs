@@ -59,8 +59,8 @@ impl TriMesh {
         count(out, 1);
         out.push(u8::from(self.closed));
         out.push(u8::from(self.occludes));
-        out.extend(self.surface.front.unwrap_or(-1.0).to_le_bytes());
-        let Surface { sides, patches, clusters, open, .. } = &self.surface;
+        out.push(u8::from(self.surface.front));
+        let Surface { sides, patches, open, .. } = &self.surface;
         count(out, sides.len());
         for side in sides {
             put3(out, side.from);
@@ -70,15 +70,17 @@ impl TriMesh {
             out.push(u8::from(side.opposite));
         }
         count(out, patches.len());
-        for patch in patches {
-            out.extend((patch.last - patch.first).to_le_bytes());
+        for (patch, number) in patches.iter().zip(1..) {
+            let inside = patch.next - number;
+            let sides = if inside == 0 { patch.last - patch.first } else { 0 };
+            out.extend(sides.to_le_bytes());
+            out.extend(inside.to_le_bytes());
+            out.extend(patch.sine.to_le_bytes());
             let DVec3 { x, y, z } = patch.normal;
             out.extend([x, y, z, patch.lo, patch.hi].iter().flat_map(|v| v.to_le_bytes()));
             put3(out, patch.min);
             put3(out, patch.max);
         }
-        count(out, clusters.len());
-        out.extend(clusters.iter().flat_map(|c| (c.last - c.first).to_le_bytes()));
         count(out, open.len());
         for (side, chain) in open {
             out.extend(side.to_le_bytes());

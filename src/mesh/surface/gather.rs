@@ -1,38 +1,12 @@
-//! Patches gathered from grown triangles and straight edges: slabs, boxes, outlines and clusters.
+//! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
 
 use std::collections::HashMap;
 
-use glam::{DVec3, Vec3};
-
 use crate::mesh::surface::chain::Straight;
 use crate::mesh::surface::grow::Patches;
-use crate::mesh::surface::patch::{Cluster, NONE, Patch, Rules, Side, Surface, radius, slack};
+use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
+use crate::mesh::surface::tree::{Border, Node, build};
 use crate::mesh::surface::weld::Welded;
-use crate::numeric::mesh::SLAB;
-
-/// Patches in a cluster, at most.
-const CLUSTER: usize = 12;
-
-/// Puts patches together that lie together: orders those of a range, and adds its clusters.
-fn cluster(order: &mut [u32], middles: &[DVec3], first: u32, out: &mut Vec<(u32, u32)>) {
-    if order.len() <= CLUSTER {
-        out.push((first, first + order.len() as u32));
-        return;
-    }
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &p in order.iter() {
-        (min, max) = (min.min(middles[p as usize]), max.max(middles[p as usize]));
-    }
-    let axis = (max - min).max_position();
-    let half = order.len() / 2;
-    order.sort_by(|&a, &b| {
-        let place = |p: u32| middles[p as usize][axis];
-        place(a).total_cmp(&place(b)).then(a.cmp(&b))
-    });
-    let (low, high) = order.split_at_mut(half);
-    cluster(low, middles, first, out);
-    cluster(high, middles, first + half as u32, out);
-}
 
 /// Puts each directed edge after one that ends where it starts, as far as that goes.
 fn in_rings(outline: &mut Vec<u32>, straight: &[Straight]) {
@@ -76,20 +50,9 @@ impl Beside {
     }
 }
 
-/// Patches with their slabs, boxes and outlines, in clusters.
+/// Patches with their slabs, boxes and outlines, in a tree.
 pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
     let count = grown.normals.len();
-    let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); count];
-    let mut boxes = vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); count];
-    for (t, &(patch, _)) in grown.of.iter().enumerate() {
-        for v in mesh.triangles[t] {
-            let p = mesh.positions[v as usize];
-            let (span, around) = (&mut spans[patch as usize], &mut boxes[patch as usize]);
-            let along = grown.normals[patch as usize].dot(p.as_dvec3());
-            *span = (span.0.min(along), span.1.max(along));
-            *around = (around.0.min(p), around.1.max(p));
-        }
-    }
     let mut outlines: Vec<Vec<u32>> = vec![Vec::new(); count];
     for (i, edge) in straight.iter().enumerate() {
         for &(patch, steps) in &edge.runs {
@@ -98,58 +61,83 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
         }
     }
     outlines.iter_mut().for_each(|outline| in_rings(outline, straight));
-    let radius_of = |p: usize| radius(boxes[p].0, boxes[p].1);
-    let mut order: Vec<u32> = (0..count as u32)
-        .filter(|&p| radius_of(p as usize) >= rules.least && !outlines[p as usize].is_empty())
-        .collect();
-    let middles: Vec<DVec3> = boxes.iter().map(|b| (b.0.as_dvec3() + b.1.as_dvec3()) * 0.5).collect();
-    let mut ranges = Vec::new();
-    if !order.is_empty() {
-        cluster(&mut order, &middles, 0, &mut ranges);
-    }
+    let all: Vec<u32> = (0..count as u32).collect();
+    let borders: Vec<Border> =
+        straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, &all))).collect();
+    let (nodes, root) = build(mesh, grown, &borders, rules);
+    let order = in_order(&nodes, root);
     let mut number = vec![NONE; count];
-    for (new, &old) in order.iter().enumerate() {
-        number[old as usize] = new as u32;
+    for (&node, new) in order.iter().zip(0..) {
+        if nodes[node as usize].parts.is_empty() {
+            number[node as usize] = new;
+        }
     }
-
     // The patches at each edge, of those that are kept.
     let beside: Vec<Beside> = straight.iter().map(|edge| Beside::new(edge, &number)).collect();
-    let sine = (1.0 - rules.cosine * rules.cosine).max(0.0).sqrt();
-    let mut surface = Surface { front: rules.front.then_some(sine), ..Surface::default() };
-    for &old in &order {
-        let patch = number[old as usize];
-        let old = old as usize;
+    let mut surface = Surface { front: rules.front, ..Surface::default() };
+    for &node in &order {
         let first = surface.sides.len() as u32;
-        for &directed in &outlines[old] {
-            let edge = &straight[(directed >> 1) as usize];
-            let ends = edge.ends.map(|v| mesh.positions[v as usize]);
-            let [from, to] = if directed & 1 == 0 { ends } else { [ends[1], ends[0]] };
-            let (twin, opposite) = match beside[(directed >> 1) as usize] {
-                Beside::Two([p, q], opposite) => (if p == patch { q } else { p }, opposite),
-                Beside::One => {
-                    surface.open.push((surface.sides.len() as u32, edge.chain));
-                    (NONE, false)
-                }
-                Beside::More => (NONE, false),
-            };
-            let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
-            surface.sides.push(Side { from, to, slack, twin, opposite });
+        if nodes[node as usize].parts.is_empty() {
+            let patch = number[node as usize];
+            for &directed in &outlines[node as usize] {
+                let (edge, beside) = (&straight[(directed >> 1) as usize], &beside[(directed >> 1) as usize]);
+                surface.push_side(mesh, edge, directed & 1 == 1, beside, patch);
+            }
         }
-        let (lo, hi) = spans[old];
-        let room = SLAB * f64::from(boxes[old].0.abs().max(boxes[old].1.abs()).max_element());
-        surface.patches.push(Patch {
-            first,
-            last: surface.sides.len() as u32,
-            normal: grown.normals[old],
-            lo: lo - room,
-            hi: hi + room,
-            min: boxes[old].0,
-            max: boxes[old].1,
-            slack: slack(&surface.sides[first as usize..]),
-        });
+        let Node { normal, slab: (lo, hi), sine, min, max, .. } = nodes[node as usize];
+        let last = surface.sides.len() as u32;
+        let slack = slack(&surface.sides[first as usize..]);
+        surface.patches.push(Patch { first, last, next: 0, sine, normal, lo, hi, min, max, slack });
     }
-    for (first, last) in ranges {
-        surface.clusters.push(Cluster::new(first, last, &surface.patches));
-    }
+    close_ranges(&mut surface.patches, &nodes, &order);
+    surface.find_rims();
     surface
+}
+
+/// The border between the two patches that an edge separates, if they run along it in opposite directions.
+fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<Border> {
+    let &Beside::Two([p, q], true) = beside else { return None };
+    let [a, b] = edge.ends.map(|v| mesh.positions[v as usize].as_dvec3());
+    Some((p, q, a.distance(b)))
+}
+
+/// The nodes below a root, each one before its parts.
+fn in_order(nodes: &[Node], root: Option<u32>) -> Vec<u32> {
+    let mut order = Vec::new();
+    let mut waiting: Vec<u32> = root.into_iter().collect();
+    while let Some(node) = waiting.pop() {
+        order.push(node);
+        waiting.extend(nodes[node as usize].parts.iter().rev());
+    }
+    order
+}
+
+/// Tells each patch where its last part ends.
+fn close_ranges(patches: &mut [Patch], nodes: &[Node], order: &[u32]) {
+    let mut place = vec![0u32; nodes.len()];
+    for (at, &node) in order.iter().enumerate().rev() {
+        place[node as usize] = at as u32;
+        patches[at].next = match nodes[node as usize].parts.last() {
+            Some(&last) => patches[place[last as usize] as usize].next,
+            None => at as u32 + 1,
+        };
+    }
+}
+
+impl Surface {
+    /// Appends a side of a patch: an edge, passed in its direction or against it.
+    fn push_side(&mut self, mesh: &Welded, edge: &Straight, against: bool, beside: &Beside, patch: u32) {
+        let [from, to] = edge.ends.map(|v| mesh.positions[v as usize]);
+        let (from, to) = if against { (to, from) } else { (from, to) };
+        let (twin, opposite) = match *beside {
+            Beside::Two([p, q], opposite) => (if p == patch { q } else { p }, opposite),
+            Beside::One => {
+                self.open.push((self.sides.len() as u32, edge.chain));
+                (NONE, false)
+            }
+            Beside::More => (NONE, false),
+        };
+        let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
+        self.sides.push(Side { from, to, slack, twin, opposite });
+    }
 }

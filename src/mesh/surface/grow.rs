@@ -8,11 +8,26 @@ use crate::mesh::surface::weld::Welded;
 /// How far a patch may rise above the plane of its first triangle, for each unit of distance from its middle.
 const SLOPE: f64 = 0.35;
 
-/// The patch of each triangle, and whether the triangle is turned over in it.
+/// Patches of triangles before they are gathered.
 pub(crate) struct Patches {
+    /// The patch of each triangle, and whether the triangle is turned over in it.
     pub(crate) of: Vec<(u32, bool)>,
+    /// The cross product of two sides of each triangle as wound.
+    pub(crate) crosses: Vec<DVec3>,
     /// Direction of the first triangle of each.
     pub(crate) normals: Vec<DVec3>,
+}
+
+/// The cosine of the greatest angle in a patch without parts.
+static FLAT: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("LEAF").ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(10.0).to_radians().cos());
+
+impl Patches {
+    /// The cross product of two sides of a triangle as it is wound in its patch.
+    #[inline]
+    pub(crate) fn cross(&self, triangle: u32) -> DVec3 {
+        let cross = self.crosses[triangle as usize];
+        if self.of[triangle as usize].1 { -cross } else { cross }
+    }
 }
 
 /// Gathers triangles: the largest one left over takes its neighbours, and theirs, as long as their
@@ -39,6 +54,8 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
         let normal = crosses[seed as usize].normalize_or(DVec3::Z);
         let corners = mesh.corners(seed as usize);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let cosine = rules.cosine.max(*FLAT);
+        let seed_plane = Seed { middle, normal, cosine, tolerance: rules.tolerance };
         normals.push(normal);
         of[seed as usize] = (patch, false);
         queue.clear();
@@ -61,16 +78,34 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
                     continue;
                 }
                 let cross = if turned { -crosses[next] } else { crosses[next] };
-                let flat = mesh.corners(next).iter().all(|&p| {
-                    let d = p - middle;
-                    normal.dot(d).abs() <= rules.tolerance + SLOPE * d.length()
-                });
-                if flat && cross.dot(normal) >= rules.cosine * cross.length() {
+                if seed_plane.takes(mesh.corners(next), cross) {
                     of[next] = (patch, turned);
                     queue.push(next as u32);
                 }
             }
         }
     }
-    Patches { of, normals }
+    Patches { of, crosses, normals }
+}
+
+/// What the triangles of a patch have in common: a plane near which they lie.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seed {
+    pub(crate) middle: DVec3,
+    pub(crate) normal: DVec3,
+    /// The greatest angle between the normal and triangles, as a cosine.
+    pub(crate) cosine: f64,
+    /// How far triangles may rise above the plane in any case.
+    pub(crate) tolerance: f64,
+}
+
+impl Seed {
+    /// Whether a triangle of these corners and this cross product is of the patch.
+    pub(crate) fn takes(&self, corners: [DVec3; 3], cross: DVec3) -> bool {
+        let flat = corners.iter().all(|&p| {
+            let d = p - self.middle;
+            self.normal.dot(d).abs() <= self.tolerance + SLOPE * d.length()
+        });
+        flat && cross.dot(self.normal) >= self.cosine * cross.length()
+    }
 }

@@ -18,6 +18,7 @@ mod gather;
 mod grow;
 mod patch;
 pub(crate) mod seams;
+mod tree;
 mod weld;
 
-pub(crate) use patch::{Cluster, NONE, Patch, Rules, Side, Surface, slack};
+pub(crate) use patch::{NONE, Outline, Patch, Rules, Side, Surface, slack};

@@ -20,12 +20,20 @@ pub(crate) struct Side {
     pub(crate) opposite: bool,
 }
 
-/// Neighbouring triangles of nearly one direction.
+/// Neighbouring triangles of similar directions, or a group of patches that can be drawn as one.
+///
+/// Groups come before their parts, and these follow each other: the parts of patch `i` start at `i + 1`, each next
+/// one where the one before ends ([`Patch::next`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
-    /// Its outline: a range of the list of sides.
+    /// Its outline: a range of the list of sides, or of that of rims if it has parts. Empty if it can only be drawn
+    /// in parts.
     pub(crate) first: u32,
     pub(crate) last: u32,
+    /// The number after that of its last part: its own number and one if it has none.
+    pub(crate) next: u32,
+    /// No triangle is turned from the normal by an angle of a greater sine.
+    pub(crate) sine: f32,
     /// All of it lies where `lo <= normal . x <= hi`.
     pub(crate) normal: DVec3,
     pub(crate) lo: f64,
@@ -37,23 +45,19 @@ pub(crate) struct Patch {
     pub(crate) slack: f32,
 }
 
-/// Patches that lie together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Cluster {
-    pub(crate) first: u32,
-    pub(crate) last: u32,
-    pub(crate) min: Vec3,
-    pub(crate) max: Vec3,
-}
-
 /// The outlines of triangles, to hide other objects with.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Surface {
+    /// The sides of patches without parts, in their order.
     pub(crate) sides: Vec<Side>,
+    /// The outlines of groups, as numbers of sides.
+    pub(crate) rims: Vec<u32>,
+    /// All patches; the first one contains all others.
     pub(crate) patches: Vec<Patch>,
-    pub(crate) clusters: Vec<Cluster>,
-    /// If triangles hide from their front only, the sine of the greatest angle in a patch.
-    pub(crate) front: Option<f64>,
+    /// Whether triangles hide from their front only.
+    pub(crate) front: bool,
+    /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts if it is positive.
+    pub(crate) outward: f64,
     /// Sides with one patch only, and a number that tells their chains apart.
     pub(crate) open: Vec<(u32, u64)>,
 }
@@ -63,9 +67,9 @@ pub(crate) struct Surface {
 pub(crate) struct Rules {
     /// Outlines may leave the edges of triangles by this.
     pub(crate) tolerance: f64,
-    /// The greatest angle between the normals of a patch and its first triangle, as a cosine.
+    /// The greatest angle between the normals of a group and its triangles, as a cosine.
     pub(crate) cosine: f64,
-    /// Patches of a smaller radius are left out.
+    /// Groups of a smaller radius are left out.
     pub(crate) least: f64,
     /// Whether triangles hide from their front only.
     pub(crate) front: bool,
@@ -76,20 +80,105 @@ impl Surface {
     pub(crate) fn bytes(&self) -> usize {
         self.sides.capacity() * size_of::<Side>()
             + self.patches.capacity() * size_of::<Patch>()
-            + self.clusters.capacity() * size_of::<Cluster>()
+            + self.rims.capacity() * size_of::<u32>()
             + self.open.capacity() * size_of::<(u32, u64)>()
     }
 
-    /// The sides of a patch.
-    pub(crate) fn outline(&self, patch: &Patch) -> &[Side] {
-        &self.sides[patch.first as usize..patch.last as usize]
+    /// The sides of a patch, with their numbers.
+    #[inline]
+    pub(crate) fn outline(&self, patch: u32) -> Outline<'_> {
+        let Patch { first, last, next, .. } = self.patches[patch as usize];
+        let rims = if next > patch + 1 { &self.rims[first as usize..last as usize] } else { &[] };
+        Outline { sides: &self.sides, rims, at: first, last }
+    }
+
+    /// The numbers of the parts of a patch.
+    pub(crate) fn parts(&self, patch: u32) -> impl Iterator<Item = u32> {
+        let end = self.patches[patch as usize].next;
+        let mut part = patch + 1;
+        std::iter::from_fn(move || {
+            let this = part;
+            (this < end).then(|| {
+                part = self.patches[this as usize].next;
+                this
+            })
+        })
+    }
+
+    /// Finds the outlines of all groups: the sides of their parts that no other part cancels.
+    pub(crate) fn find_rims(&mut self) {
+        self.rims.clear();
+        // Where the sides of each patch, or of its parts, begin.
+        let mut starts = vec![0; self.patches.len() + 1];
+        let mut reached = 0;
+        for (start, (patch, i)) in starts.iter_mut().zip(self.patches.iter().zip(0u32..)) {
+            *start = reached;
+            if patch.next == i + 1 {
+                reached = patch.last;
+            }
+        }
+        starts[self.patches.len()] = reached;
+        for i in 0..self.patches.len() as u32 {
+            let Patch { next, lo, hi, .. } = self.patches[i as usize];
+            if next == i + 1 {
+                continue;
+            }
+            let first = self.rims.len() as u32;
+            // One that can be drawn only in parts has an empty slab.
+            if lo <= hi {
+                let inside = i..next;
+                let own = starts[i as usize]..starts[next as usize];
+                let sides = &self.sides;
+                self.rims.extend(own.filter(|&s| {
+                    let side = &sides[s as usize];
+                    !(side.opposite && inside.contains(&side.twin))
+                }));
+            }
+            let slack = self.rims[first as usize..].iter().map(|&s| self.sides[s as usize].slack);
+            let slack = slack.fold(0.0, f32::max);
+            let last = self.rims.len() as u32;
+            let patch = &mut self.patches[i as usize];
+            (patch.first, patch.last, patch.slack) = (first, last, slack);
+        }
     }
 }
 
-/// About half the width of a box.
-pub(crate) fn radius(min: Vec3, max: Vec3) -> f64 {
-    f64::from((max - min).length()) * 0.5
+/// The sides of a patch with their numbers, in order.
+#[derive(Debug, Clone)]
+pub(crate) struct Outline<'a> {
+    sides: &'a [Side],
+    /// Their numbers, if the patch has parts.
+    rims: &'a [u32],
+    at: u32,
+    last: u32,
 }
+
+impl<'a> Iterator for Outline<'a> {
+    type Item = (u32, &'a Side);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.at >= self.last {
+            return None;
+        }
+        let number = match self.rims.split_first() {
+            Some((&number, rest)) => {
+                self.rims = rest;
+                number
+            }
+            None => self.at,
+        };
+        self.at += 1;
+        Some((number, &self.sides[number as usize]))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let count = (self.last - self.at) as usize;
+        (count, Some(count))
+    }
+}
+
+impl ExactSizeIterator for Outline<'_> {}
 
 /// The greatest slack of sides.
 pub(crate) fn slack(sides: &[Side]) -> f32 {
@@ -100,21 +189,9 @@ impl Patch {
     pub(crate) fn block(&self) -> Block {
         Block { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
     }
-}
 
-impl Cluster {
-    /// The cluster of a range of patches.
-    pub(crate) fn new(first: u32, last: u32, patches: &[Patch]) -> Self {
-        let own = &patches[first as usize..last as usize];
-        Self {
-            first,
-            last,
-            min: own.iter().fold(Vec3::INFINITY, |m, p| m.min(p.min)),
-            max: own.iter().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max)),
-        }
-    }
-
-    pub(crate) fn block(&self) -> Block {
-        Block { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
+    /// Whether it has an outline, so that it can be drawn as one.
+    pub(crate) fn has_outline(&self) -> bool {
+        self.first < self.last
     }
 }

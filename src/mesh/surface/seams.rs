@@ -183,8 +183,12 @@ fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
 fn opens(slot: u32, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain, Open)> {
     let mut patch = 0;
     surface.open.iter().map(move |&(index, chain)| {
-        // Sides are in the order of their patches.
-        while surface.patches[patch as usize].last <= index {
+        // Sides are in the order of their patches. Groups of those have no sides of their own.
+        let before = |i: u32| {
+            let p = &surface.patches[i as usize];
+            p.next > i + 1 || p.last <= index
+        };
+        while before(patch) {
             patch += 1;
         }
         let side = &surface.sides[index as usize];

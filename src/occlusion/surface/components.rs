@@ -73,7 +73,7 @@ fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scrat
             sides: (first.0 as u32, scratch.sides.all.len() as u32),
             around: PixelRect::EMPTY,
         };
-        scratch.push(d.number, seen);
+        scratch.push(d.numbers(), seen);
     }
 }
 
@@ -84,7 +84,7 @@ fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
         let first = scratch.seen[i as usize].sides.0 as usize;
         for (k, (_, twin)) in d.sides().enumerate() {
             let Some((number, opposite)) = twin else { continue };
-            let Some(place) = scratch.find(number) else { continue };
+            let Some(place) = scratch.find(number).filter(|&place| place != i) else { continue };
             let other = &batch[scratch.seen[place as usize].drawable as usize];
             // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
             if opposite == (d.sign() == other.sign()) && !(d.again && other.again) {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
-use crate::mesh::surface::{NONE, Side, Surface};
+use crate::mesh::surface::{NONE, Outline, Side, Surface};
 
 /// A patch to be drawn, relative to the origin of the rays.
 #[derive(Clone)]
@@ -37,21 +37,29 @@ impl<'a> Drawable<'a> {
     /// The sides of its outline, and of the patch beyond each: its number, and whether the two run along the side
     /// in opposite directions.
     pub(crate) fn sides(&self) -> impl Iterator<Item = (&'a Side, Option<(u32, bool)>)> {
-        let patch = &self.surface.patches[self.patch as usize];
-        let at = self.links.partition_point(|l| l.0 < patch.first);
-        let mut links = self.links[at..].iter().peekable();
         let base = self.number - self.patch;
-        self.outline().iter().zip(patch.first..).map(move |(side, index)| {
+        let outline = self.outline();
+        let first = outline.clone().next().map_or(0, |(index, _)| index);
+        let mut links = self.links[self.links.partition_point(|l| l.0 < first)..].iter().peekable();
+        outline.map(move |(index, side)| {
             if side.twin != NONE {
                 return (side, Some((base + side.twin, side.opposite)));
             }
+            while links.next_if(|l| l.0 < index).is_some() {}
             (side, links.next_if(|l| l.0 == index).map(|l| (l.1, l.2)))
         })
     }
 
-    /// The sides of its outline.
-    pub(crate) fn outline(&self) -> &'a [Side] {
-        self.surface.outline(&self.surface.patches[self.patch as usize])
+    /// The sides of its outline, with their numbers.
+    #[inline]
+    pub(crate) fn outline(&self) -> Outline<'a> {
+        self.surface.outline(self.patch)
+    }
+
+    /// Its number among all patches of the scene, and those of its parts.
+    pub(crate) fn numbers(&self) -> std::ops::Range<u32> {
+        let next = self.surface.patches[self.patch as usize].next;
+        self.number..self.number + (next - self.patch)
     }
 
     /// The sign of its winding numbers.

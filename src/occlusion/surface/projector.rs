@@ -81,7 +81,7 @@ impl<'a> Projector<'a> {
         // A side often starts where the last one ended.
         let mut known = (Vec3::NAN, Projected::default());
         let mut extent = Extent::EMPTY;
-        for side in d.outline() {
+        for (_, side) in d.outline() {
             let from = if known.0 == side.from {
                 known.1
             } else {

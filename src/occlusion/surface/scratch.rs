@@ -1,5 +1,7 @@
 //! Patches as one face sees them, and the memory for drawing them, reused from batch to batch.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::occlusion::pixels::PixelRect;
@@ -122,9 +124,10 @@ impl SurfaceScratch {
         self.sides.truncate((0, 0));
     }
 
-    /// Appends a patch, by its number in the scene.
-    pub(super) fn push(&mut self, number: u32, seen: Seen) {
-        self.places[number as usize] = (self.drawing, self.seen.len() as u32);
+    /// Appends a patch, by its number in the scene and those of its parts.
+    pub(super) fn push(&mut self, numbers: Range<u32>, seen: Seen) {
+        let place = (self.drawing, self.seen.len() as u32);
+        self.places[numbers.start as usize..numbers.end as usize].fill(place);
         self.seen.push(seen);
     }
 
@@ -164,7 +167,7 @@ mod tests {
             let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);
             let seen =
                 Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides: (0, 0), around };
-            scratch.push(i * 2, seen);
+            scratch.push(i * 2..i * 2 + 1, seen);
         }
         assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));
         for (a, b) in [(9, 7), (7, 5), (2, 4), (5, 3), (4, 8)] {

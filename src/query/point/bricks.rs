@@ -62,10 +62,10 @@ impl Walk<'_> {
     /// Tests and draws the objects found in the bricks up to shell `m`, and those of their volumes.
     fn finish_bricks(&mut self, m: i32) {
         self.settle();
-        self.draw_clusters(m);
+        self.draw_patches(m);
         self.test_volumes();
         self.settle();
-        self.draw_clusters(m);
+        self.draw_patches(m);
     }
 
     /// Finds the objects of the bricks of shell `m`, tests and draws them.
@@ -108,7 +108,7 @@ impl Walk<'_> {
             }
         }
         self.settle();
-        self.draw_clusters(0);
+        self.draw_patches(0);
     }
 
     /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.

@@ -16,7 +16,7 @@ use crate::view::cut::may_meet;
 const NOBODY: u32 = u32::MAX;
 
 impl Walk<'_> {
-    /// Draws the occluder of an object, or lists the clusters of its surface for drawing.
+    /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: u32) {
         if !self.view.is_ordered() {
             return;
@@ -30,7 +30,7 @@ impl Walk<'_> {
         }
         if let Some(surface) = occluder.surface() {
             self.stats.occluders_drawn += 1;
-            self.list_clusters(slot, surface, occluder.placement());
+            self.list_surface(slot, surface, occluder.placement());
             return;
         }
         let buffers = &mut self.scratch.buffers;

@@ -6,6 +6,17 @@ use crate::geometry::Block;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::Magnifier;
 
+/// How a patch was drawn.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct DrawnPatch {
+    /// The query.
+    pub(super) epoch: u32,
+    /// The batch of that query.
+    pub(super) batch: u32,
+    /// The number in its surface of the patch that it was drawn in: itself or a group.
+    pub(super) whole: u32,
+}
+
 /// The memory of the point method, reused from query to query.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointScratch {
@@ -17,10 +28,10 @@ pub(crate) struct PointScratch {
     pub(super) found: Vec<(f64, u32)>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<u32>,
-    /// Clusters of visible surfaces by the shell that they begin in: object and cluster.
-    pub(super) clusters: Vec<Vec<(u32, u32)>>,
-    /// For each patch of the scene, the last query that drew it, and in which batch.
-    pub(super) drawn: Vec<(u32, u32)>,
+    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in: object and patch.
+    pub(super) waiting: Vec<Vec<(u32, u32)>>,
+    /// For each patch of the scene, how it was drawn last.
+    pub(super) drawn: Vec<DrawnPatch>,
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
@@ -32,11 +43,11 @@ impl PointScratch {
     /// query, which starts at 1 again when it has reached its greatest value.
     pub(super) fn begin(&mut self, patches: usize, epoch: u32) {
         self.candidates.clear();
-        self.clusters.iter_mut().for_each(Vec::clear);
+        self.waiting.iter_mut().for_each(Vec::clear);
         self.patches.clear();
-        self.drawn.resize(patches.max(self.drawn.len()), (0, 0));
+        self.drawn.resize(patches.max(self.drawn.len()), DrawnPatch::default());
         if epoch == 1 {
-            self.drawn.fill((0, 0));
+            self.drawn.fill(DrawnPatch::default());
         }
     }
 

@@ -1,6 +1,7 @@
-//! Drawing surfaces of triangles, cluster by cluster.
+//! Drawing surfaces of triangles, patch by patch.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
@@ -8,12 +9,17 @@ use crate::mesh::surface::{Patch, Surface};
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
+use crate::query::point::scratch::DrawnPatch;
 use crate::walk::Shells;
 
-/// Patches are drawn from this radius on, in pixels, and clusters of them from that one: a small patch hides
+/// Patches are drawn from this radius on, in pixels, and groups of them from that one: a small patch hides
 /// nothing alone, but a surface may consist of small ones.
 const SMALLEST_PATCH: f64 = 2.0;
-const SMALLEST_CLUSTER: f64 = 4.0;
+const SMALLEST_GROUP: f64 = 4.0;
+
+/// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
+/// share as large as its distance.
+static THIN: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("THIN").ok().and_then(|v| v.parse().ok()).unwrap_or(0.2));
 
 /// A box around a box as it is placed.
 fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
@@ -37,17 +43,21 @@ struct Slab {
 }
 
 impl<'a> Walk<'a> {
-    /// Lists the clusters of an object's surface by the shells that they begin in.
-    pub(super) fn list_clusters(&mut self, slot: u32, surface: &Surface, placement: Option<&Placement>) {
-        for index in 0..surface.clusters.len() as u32 {
-            let around = placed_block(&surface.clusters[index as usize].block(), placement);
-            let shell = self.shell_of(&around);
-            let clusters = &mut self.scratch.clusters;
-            if clusters.len() <= shell {
-                clusters.resize_with(shell + 1, Vec::new);
-            }
-            clusters[shell].push((slot, index));
+    /// Lists an object's surface for drawing, by the shell that it begins in.
+    pub(super) fn list_surface(&mut self, slot: u32, surface: &Surface, placement: Option<&Placement>) {
+        if let Some(whole) = surface.patches.first() {
+            let shell = self.shell_of(&placed_block(&whole.block(), placement));
+            self.wait(shell, slot, 0);
         }
+    }
+
+    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached.
+    fn wait(&mut self, shell: usize, slot: u32, patch: u32) {
+        let waiting = &mut self.scratch.waiting;
+        if waiting.len() <= shell {
+            waiting.resize_with(shell + 1, Vec::new);
+        }
+        waiting[shell].push((slot, patch));
     }
 
     /// The shell of bricks around the eye that a box begins in.
@@ -65,17 +75,19 @@ impl<'a> Walk<'a> {
         buffers.direction().is_none() && (b.max - b.min).length() * 0.5 < pixel * pixels * distance
     }
 
-    /// Draws the visible clusters of surfaces that begin up to shell `m`, together.
-    pub(super) fn draw_clusters(&mut self, m: i32) {
+    /// Draws the visible parts of surfaces that begin up to shell `m`, together.
+    pub(super) fn draw_patches(&mut self, m: i32) {
         let mut batch: Vec<Drawable> = Vec::new();
         self.scratch.batches += 1;
-        let last = self.scratch.clusters.len().min(m.max(0) as usize + 1);
+        let last = self.scratch.waiting.len().min(m.max(0) as usize + 1);
         for shell in 0..last {
-            let mut clusters = std::mem::take(&mut self.scratch.clusters[shell]);
-            for (slot, index) in clusters.drain(..) {
-                self.collect_cluster(slot, index, &mut batch);
+            // Parts of those listed begin in the same shell or later.
+            let mut at = 0;
+            while let Some(&(slot, patch)) = self.scratch.waiting[shell].get(at) {
+                at += 1;
+                self.collect(slot, patch, last - 1, &mut batch);
             }
-            self.scratch.clusters[shell] = clusters;
+            self.scratch.waiting[shell].clear();
         }
         if batch.is_empty() {
             return;
@@ -86,32 +98,59 @@ impl<'a> Walk<'a> {
         self.stats.occluders_useful += u32::from(changed);
     }
 
-    /// Appends the patches of a cluster to a batch, unless it is small or hidden.
-    fn collect_cluster(&mut self, slot: u32, index: u32, batch: &mut Vec<Drawable<'a>>) {
+    /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
+    /// `m` wait.
+    fn collect(&mut self, slot: u32, whole: u32, m: usize, batch: &mut Vec<Drawable<'a>>) {
         let scene = self.scene;
         let Some(occluder) = scene.object(slot).occluder() else { return };
         let Some(surface) = occluder.surface() else { return };
         let placement = occluder.placement();
-        let cluster = &surface.clusters[index as usize];
-        let around = placed_block(&cluster.block(), placement);
-        if self.is_small(&around, SMALLEST_CLUSTER)
-            || !self.view.may_see_block(&around)
-            || self.hides(&around)
-        {
-            return;
-        }
-        for patch in cluster.first..cluster.last {
-            let block = placed_block(&surface.patches[patch as usize].block(), placement);
-            if self.is_small(&block, SMALLEST_PATCH) {
+        let mut open: SmallVec<[u32; 64]> = SmallVec::from_slice(&[whole]);
+        while let Some(number) = open.pop() {
+            let patch = &surface.patches[number as usize];
+            let around = placed_block(&patch.block(), placement);
+            let has_parts = patch.next > number + 1;
+            if self.is_small(&around, if has_parts { SMALLEST_GROUP } else { SMALLEST_PATCH }) {
                 continue;
             }
-            if let Some(mut drawable) = self.drawable(slot, patch) {
+            if number != whole {
+                let shell = self.shell_of(&around);
+                if shell > m {
+                    self.wait(shell, slot, number);
+                    continue;
+                }
+            }
+            if has_parts && (!self.view.may_see_block(&around) || self.hides(&around)) {
+                continue;
+            }
+            if patch.has_outline()
+                && let Some(mut drawable) = self.drawable(slot, number)
+                && (!has_parts || self.is_thin(&drawable))
+            {
                 drawable.id = self.scratch.patches.len() as u32;
-                self.scratch.patches.push((slot, patch));
-                self.scratch.drawn[drawable.number as usize] = (self.marks.epoch(), self.scratch.batches);
+                self.scratch.patches.push((slot, number));
+                let epoch = self.marks.epoch();
+                let drawn = DrawnPatch { epoch, batch: self.scratch.batches, whole: number };
+                let numbers = drawable.numbers();
+                self.scratch.drawn[numbers.start as usize..numbers.end as usize].fill(drawn);
                 batch.push(drawable);
+            } else if has_parts {
+                open.extend(surface.parts(number));
             }
         }
+    }
+
+    /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin compared to its
+    /// distance.
+    fn is_thin(&self, d: &Drawable) -> bool {
+        let (lo, hi) = d.slab;
+        let (thickness, height) = (hi - lo, lo.max(-hi));
+        let across = (d.block.max - d.block.min).length();
+        let distance = match self.scratch.buffers.direction() {
+            Some(_) => self.grid.cell_size(),
+            None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
+        };
+        thickness <= *THIN * height || across <= *THIN * distance
     }
 
     /// Appends the neighbours of a batch that were drawn before, so that no seam stays between batches.
@@ -121,15 +160,19 @@ impl<'a> Walk<'a> {
             let first = batch[i].clone();
             for (_, twin) in first.sides() {
                 let Some((twin, _)) = twin else { continue };
-                let drawn = &mut self.scratch.drawn[twin as usize];
-                if drawn.0 != epoch || drawn.1 == number {
+                let drawn = self.scratch.drawn[twin as usize];
+                if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
-                drawn.1 = number;
-                let seams = &self.scene.seams();
-                let slot = seams.owner(twin);
-                let again = self.drawable(slot, twin - seams.place(slot).base);
-                batch.extend(again.map(|d| Drawable { again: true, ..d }));
+                let slot = self.scene.seams().owner(twin);
+                let whole = DrawnPatch { batch: number, ..drawn };
+                let Some(again) = self.drawable(slot, drawn.whole) else {
+                    self.scratch.drawn[twin as usize] = whole;
+                    continue;
+                };
+                let numbers = again.numbers();
+                self.scratch.drawn[numbers.start as usize..numbers.end as usize].fill(whole);
+                batch.push(Drawable { again: true, ..again });
             }
         }
     }
@@ -157,8 +200,14 @@ impl<'a> Walk<'a> {
             }
         }
         // Unequal scales change the angles in a patch.
-        if let Some(sine) = surface.front
-            && !(self.is_front(normal, &block, sine) && placement.is_none_or(|p| p.keeps_angles))
+        let keeps_angles = placement.is_none_or(|p| p.keeps_angles);
+        if surface.front && !(keeps_angles && self.is_front(normal, &block, f64::from(own.sine))) {
+            return None;
+        }
+        // The far side of a closed surface lies behind its near side.
+        if surface.outward != 0.0
+            && keeps_angles
+            && self.is_front(-surface.outward * normal, &block, f64::from(own.sine))
         {
             return None;
         }
