@@ -157,13 +157,13 @@ impl TriMesh {
             + self.index.get().map_or(0, Index::bytes)
     }
 
-    /// How many patches of triangles are kept for hiding.
+    /// How many patches of triangles are kept for hiding, without the groups that they are drawn in from afar.
     pub fn patches(&self) -> usize {
-        self.surface.patches.len()
+        self.surface.leaves()
     }
 
-    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs its sides, not its
-    /// triangles.
+    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs the sides that are in
+    /// sight, not its triangles; from afar, those of groups of patches, which are fewer.
     pub fn sides(&self) -> usize {
         self.surface.sides.len()
     }

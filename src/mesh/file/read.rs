@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::error::FileError;
 use crate::geometry::Aabb;
@@ -141,6 +141,13 @@ impl Contents<'_> {
         })?;
         let mut surface = Surface { sides, patches, front, open, ..Surface::default() };
         surface.find_rims();
+        self.section = PATCHES;
+        for (i, patch) in (0..).zip(&surface.patches).filter(|(i, p)| p.next > i + 1) {
+            let along = |p: Vec3| patch.normal.dot(p.as_dvec3());
+            let inside = |p: Vec3| patch.lo <= along(p) && along(p) <= patch.hi;
+            let all = surface.outline(i).all(|(_, side)| inside(side.from) && inside(side.to));
+            self.check(i as usize, all, "has parts that leave its slab")?;
+        }
         Ok(surface)
     }
 
@@ -148,22 +155,19 @@ impl Contents<'_> {
         let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
         let room = FILE_ROUNDING * largest;
         let mut first = 0u32;
-        // Where the groups end that the next patch is in.
-        let mut ends: Vec<u32> = Vec::new();
+        // The groups that the next patch is in: their boxes, and where they end.
+        let mut groups: Vec<(Aabb, u32)> = Vec::new();
         let patches = self.section(PATCHES, 76, |c, i| {
             let (count, inside) = (c.u32()?, c.u32()?);
             let number = i as u32;
-            while ends.pop_if(|end| *end == number).is_some() {}
+            while groups.pop_if(|g| g.1 == number).is_some() {}
             let next = number.checked_add(inside).and_then(|n| n.checked_add(1));
-            let outer = ends.last().copied();
+            let outer = groups.last().map(|g| g.1);
             let Some(next) = next.filter(|&n| outer.is_none_or(|end| n <= end) && (outer.is_some() || i == 0))
             else {
                 return Err(c.broken(i, "is outside of the first, or leaves its group"));
             };
             let group = inside > 0;
-            if group {
-                ends.push(next);
-            }
             let own = first.checked_add(count).and_then(|last| sides.get(first as usize..last as usize));
             let Some(own) = own.filter(|_| !group || count == 0) else {
                 return Err(c.broken(i, "has sides though it is a group, or more than there are"));
@@ -178,8 +182,9 @@ impl Contents<'_> {
                 (normal.length() - 1.0).abs() <= FILE_ROUNDING,
                 "has a normal that is not of length 1",
             )?;
-            let within = min.cmpge(bounds.min).all() && max.cmple(bounds.max).all() && min.cmple(max).all();
-            c.check(i, within, "has a box that is inverted or leaves the mesh")?;
+            let (around, _) = groups.last().map_or((bounds, 0), |g: &(Aabb, u32)| *g);
+            let within = min.cmpge(around.min).all() && max.cmple(around.max).all() && min.cmple(max).all();
+            c.check(i, within, "has a box that is inverted, or leaves the mesh or its group")?;
             let (a, b) = (normal * min.as_dvec3(), normal * max.as_dvec3());
             let (least, most) = (a.min(b).element_sum() - room, a.max(b).element_sum() + room);
             let bundle = group && (lo, hi) == (f64::INFINITY, f64::NEG_INFINITY);
@@ -192,6 +197,9 @@ impl Contents<'_> {
                     c.check(i, held, "has a side that leaves its box or slab")?;
                 }
                 c.check(i, side.twin != number, "has a side with itself beyond")?;
+            }
+            if group {
+                groups.push((Aabb { min, max }, next));
             }
             let patch = Patch { first, last, next, sine, normal, lo, hi, min, max, slack: slack(own) };
             first = last;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Affine3A, UVec3, Vec3};
 
 use super::{
-    CHECKSUM, CLUSTERS, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
+    CHECKSUM, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
 use crate::error::FileError;
 use crate::geometry::Sphere;
@@ -86,9 +86,9 @@ fn mend(bytes: &mut Vec<u8>) {
 }
 
 /// Where the count of each section is.
-fn places(bytes: &[u8]) -> [usize; 8] {
+fn places(bytes: &[u8]) -> [usize; 7] {
     let mut at = HEADER;
-    [12, 12, 10, 33, 68, 4, 12, 0].map(|size| {
+    [12, 12, 3, 33, 76, 12, 0].map(|size| {
         let here = at;
         at += 8 + size * u64::from_le_bytes(*bytes[at..].first_chunk().unwrap()) as usize;
         here
@@ -125,8 +125,8 @@ fn what_is_read_is_what_was_written() {
     let all = meshes();
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.slack > 0.0)));
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.opposite)));
-    assert!(all.iter().any(|m| m.surface.clusters.len() > 1 && m.closed));
-    assert!(all.iter().any(|m| !m.surface.open.is_empty() && m.surface.front.is_some()));
+    assert!(all.iter().any(|m| m.surface.rims.len() > 1 && m.closed));
+    assert!(all.iter().any(|m| !m.surface.open.is_empty() && m.surface.front));
     // One after the other, and nothing of the next is taken.
     let mut stream: Vec<u8> = all.iter().flat_map(bytes).collect();
     stream.extend(b"more");
@@ -167,10 +167,10 @@ fn bounds_only_stay_bounds_only() {
     // What hides nothing has no front, and nothing to hide with.
     let flags = places(&bytes(&mesh))[2];
     let mut front = bytes(&mesh);
-    front[flags + 10..flags + 18].copy_from_slice(&0.5f64.to_le_bytes());
+    front[flags + 10] = 1;
     mend(&mut front);
     let refused = read(&front).unwrap_err().to_string();
-    assert!(refused.contains("has a sine, though the mesh occludes nothing"), "{refused}");
+    assert!(refused.contains("hides from its front, though the mesh occludes nothing"), "{refused}");
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn refuses_what_follows_the_last_section() {
 
 #[test]
 fn other_versions_are_refused() {
-    for found in [0, 1, 3, u32::MAX] {
+    for found in [0, 1, 2, 4, u32::MAX] {
         let mut other = bytes(&corner());
         other[8..12].copy_from_slice(&found.to_le_bytes());
         mend(&mut other);
@@ -272,7 +272,9 @@ fn claims_take_no_memory() {
 #[test]
 fn refuses_nonsense_with_a_right_checksum() {
     let whole = bytes(&corner());
-    let [positions, triangles, flags, sides, patches, clusters, open, parts] = places(&whole);
+    let [positions, triangles, flags, sides, patches, open, parts] = places(&whole);
+    // A bundle of two patches.
+    let [whole_patch, one, two_patch] = [8, 84, 160].map(|at| patches + at);
     let (nan, inf) = (f32::NAN.to_le_bytes(), f32::INFINITY.to_le_bytes());
     let (nan64, two) = (f64::NAN.to_le_bytes(), 2f64.to_le_bytes());
     let none = NONE.to_le_bytes();
@@ -285,7 +287,8 @@ fn refuses_nonsense_with_a_right_checksum() {
     let mesh = corner();
     let beyond = mesh.surface.sides.iter().position(|s| s.twin != NONE).unwrap();
     let twin = |side: usize| sides + 8 + 33 * side + 28;
-    let own = u32::from(mesh.surface.patches[0].last as usize <= beyond).to_le_bytes();
+    let other = 2 - u32::from(mesh.surface.patches[1].last as usize <= alone);
+    let own = (1 + u32::from(mesh.surface.patches[1].last as usize <= beyond)).to_le_bytes();
     let cases: &[(usize, &[u8], &str, &str)] = &[
         (positions + 8, &nan, POSITIONS, "not finite"),
         (positions + 20, &inf, POSITIONS, "not finite"),
@@ -295,32 +298,36 @@ fn refuses_nonsense_with_a_right_checksum() {
         (flags + 8, &[2], FLAGS, "neither 0 nor 1"),
         (flags + 9, &[3], FLAGS, "neither 0 nor 1"),
         (flags + 9, &[0], SIDES, "occludes nothing"),
-        (flags + 10, &two, FLAGS, "sine"),
-        (flags + 10, &nan64, FLAGS, "sine"),
+        (flags + 10, &[2], FLAGS, "neither 0 nor 1"),
         (sides + 8, &nan, PATCHES, "leaves its box"),
         (sides + 20, &100f32.to_le_bytes(), PATCHES, "leaves its box"),
         (sides + 32, &nan, SIDES, "slack"),
         (sides + 32, &(-1f32).to_le_bytes(), SIDES, "slack"),
-        (twin(beyond), &2u32.to_le_bytes(), SIDES, "not there"),
+        (twin(beyond), &3u32.to_le_bytes(), SIDES, "not there"),
+        (twin(beyond), &0u32.to_le_bytes(), SIDES, "not there"),
         (twin(beyond), &own, PATCHES, "itself beyond"),
         (twin(beyond), &none, SIDES, "opposite to no patch"),
-        (twin(alone), &1u32.to_le_bytes(), OPEN, "patch beyond"),
+        (twin(alone), &other.to_le_bytes(), OPEN, "patch beyond"),
         (twin(alone) + 4, &[7], SIDES, "neither 0 nor 1"),
-        (patches + 8, &0u32.to_le_bytes(), PATCHES, "no sides"),
-        (patches + 8, &none, PATCHES, "more than there are"),
-        (patches + 76, &3u32.to_le_bytes(), PATCHES, "sides without a patch"),
-        (patches + 12, &nan64, PATCHES, "length 1"),
-        (patches + 12, &two, PATCHES, "length 1"),
-        (patches + 36, &nan64, PATCHES, "slab"),
-        (patches + 36, &(-1e9f64).to_le_bytes(), PATCHES, "slab"),
-        (patches + 36, &1e9f64.to_le_bytes(), PATCHES, "slab"),
-        (patches + 44, &1e9f64.to_le_bytes(), PATCHES, "slab"),
-        (patches + 52, &nan, PATCHES, "leaves the mesh"),
-        (patches + 52, &0f32.to_le_bytes(), PATCHES, "leaves the mesh"),
-        (patches + 64, &7f32.to_le_bytes(), PATCHES, "leaves the mesh"),
-        (clusters + 8, &0u32.to_le_bytes(), CLUSTERS, "no patches"),
-        (clusters + 8, &1u32.to_le_bytes(), CLUSTERS, "without a cluster"),
-        (clusters + 8, &none, CLUSTERS, "more than there are"),
+        (whole_patch, &1u32.to_le_bytes(), PATCHES, "though it is a group"),
+        (whole_patch + 4, &none, PATCHES, "leaves its group"),
+        (whole_patch + 4, &1u32.to_le_bytes(), PATCHES, "outside of the first"),
+        (whole_patch + 4, &3u32.to_le_bytes(), PATCHES, "contain all others"),
+        (one, &none, PATCHES, "more than there are"),
+        (two_patch, &3u32.to_le_bytes(), PATCHES, "sides without a patch"),
+        (one + 4, &1u32.to_le_bytes(), PATCHES, "though it is a group"),
+        (one + 4, &2u32.to_le_bytes(), PATCHES, "leaves its group"),
+        (one + 8, &nan, PATCHES, "sine"),
+        (one + 8, &2f32.to_le_bytes(), PATCHES, "sine"),
+        (one + 12, &nan64, PATCHES, "length 1"),
+        (one + 12, &two, PATCHES, "length 1"),
+        (one + 36, &nan64, PATCHES, "slab"),
+        (one + 36, &(-1e9f64).to_le_bytes(), PATCHES, "slab"),
+        (one + 36, &1e9f64.to_le_bytes(), PATCHES, "slab"),
+        (one + 44, &1e9f64.to_le_bytes(), PATCHES, "slab"),
+        (one + 52, &nan, PATCHES, "leaves the mesh"),
+        (one + 52, &0f32.to_le_bytes(), PATCHES, "leaves the mesh"),
+        (one + 64, &7f32.to_le_bytes(), PATCHES, "leaves the mesh"),
         (open + 8, &none, OPEN, "not there"),
         (open + 8, &(beyond as u32).to_le_bytes(), OPEN, "patch beyond"),
         (open + 20, &(alone as u32).to_le_bytes(), OPEN, "comes before"),
@@ -358,8 +365,7 @@ fn refuses_nonsense_with_a_right_checksum() {
         read(&made).unwrap_err().to_string()
     };
     assert!(cut(triangles, 48, 0).contains("triangles of the mesh is missing"));
-    assert!(cut(flags, 10, 0).contains("flags of the mesh is missing"));
-    assert!(cut(clusters, 4, 0).contains("without a cluster"));
+    assert!(cut(flags, 3, 0).contains("flags of the mesh is missing"));
     assert!(cut(parts, whole.len() - CHECKSUM - parts - 8, 0).contains("around the mesh"));
     let mut twice = whole.clone();
     twice[flags..flags + 8].copy_from_slice(&2u64.to_le_bytes());

@@ -46,7 +46,7 @@ mod tests {
         let surface = Surface::new(&p, &t, &rules(2.5));
         // Always cut at the farthest point, each tooth would keep its two sides.
         let (sides, teeth) = (surface.sides.len(), 20_000);
-        assert!(surface.patches.len() == 1 && sides > 100 && sides < teeth, "{sides}");
+        assert!(surface.leaves() == 1 && sides > 100 && sides < teeth, "{sides}");
     }
 
     #[test]
@@ -61,7 +61,7 @@ mod tests {
         // Where more than two meet, each is a patch of its own, and none hides the edge.
         let leaves: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, i + 2]).collect();
         let surface = Surface::new(&p, &leaves, &rules(0.01));
-        assert_eq!((surface.patches.len(), surface.sides.len()), (n as usize, 3 * n as usize));
+        assert_eq!((surface.leaves(), surface.sides.len()), (n as usize, 3 * n as usize));
         assert!(surface.sides.iter().all(|s| s.twin == NONE && !s.opposite));
         // A cone around the vertex is one ring of patches.
         let cone: Vec<[u32; 3]> = (0..n).map(|i| [0, i + 2, (i + 1) % n + 2]).collect();

@@ -92,6 +92,11 @@ impl Surface {
         Outline { sides: &self.sides, rims, at: first, last }
     }
 
+    /// How many patches have no parts.
+    pub(crate) fn leaves(&self) -> usize {
+        (1..).zip(&self.patches).filter(|(next, patch)| patch.next == *next).count()
+    }
+
     /// The numbers of the parts of a patch.
     pub(crate) fn parts(&self, patch: u32) -> impl Iterator<Item = u32> {
         let end = self.patches[patch as usize].next;

@@ -14,8 +14,8 @@ use crate::walk::Shells;
 
 /// Patches are drawn from this radius on, in pixels, and groups of them from that one: a small patch hides
 /// nothing alone, but a surface may consist of small ones.
-const SMALLEST_PATCH: f64 = 2.0;
-const SMALLEST_GROUP: f64 = 4.0;
+static SMALLEST_PATCH: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("SP").ok().and_then(|v| v.parse().ok()).unwrap_or(2.0));
+static SMALLEST_GROUP: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("SC").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0));
 
 /// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
 /// share as large as its distance.
@@ -110,7 +110,7 @@ impl<'a> Walk<'a> {
             let patch = &surface.patches[number as usize];
             let around = placed_block(&patch.block(), placement);
             let has_parts = patch.next > number + 1;
-            if self.is_small(&around, if has_parts { SMALLEST_GROUP } else { SMALLEST_PATCH }) {
+            if self.is_small(&around, if has_parts { *SMALLEST_GROUP } else { *SMALLEST_PATCH }) {
                 continue;
             }
             if number != whole {
