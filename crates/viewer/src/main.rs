@@ -48,9 +48,12 @@ struct Options {
     /// Size of pictures and of the window, up to 8192x8192
     #[arg(long, default_value = "1280x720", value_parser = parse_size)]
     size: (u32, u32),
-    /// Pictures are taken from behind and above the camera that is culled for
-    #[arg(long)]
-    bird: bool,
+    /// Pictures show the whole scene from above, with the camera, its frustum and what is culled
+    #[arg(long, requires = "headless")]
+    birds_eye: bool,
+    /// Also writes the pictures as one animated PNG
+    #[arg(long, requires = "headless")]
+    animation: bool,
     /// Layers over the pictures, comma-separated: hidden, volumes, cells, caps, buffers, frustum
     #[arg(long, value_delimiter = ',', value_parser = parse_layer)]
     layers: Vec<Layer>,
@@ -112,7 +115,8 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
                 frames: options.frames as usize,
                 out: &options.out,
                 size: options.size,
-                bird: options.bird,
+                birds_eye: options.birds_eye,
+                animation: options.animation,
                 layers: &options.layers,
             };
             holds &= headless::pictures(&gpu, &mut playback, &plan)? == 0;
@@ -155,6 +159,7 @@ mod tests {
             assert!(said.contains(word), "{words:?}: {said}");
         }
         assert_eq!(options(&["--size", "8192x1"]).unwrap().size, (8192, 1));
+        assert!(options(&["--animation"]).unwrap_err().contains("--headless"));
     }
 
     #[test]

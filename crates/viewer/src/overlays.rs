@@ -6,9 +6,11 @@ use casca::matrix::BitMatrix;
 use casca::reference::{Cap, occlusion_by_caps};
 use casca::{CellOptions, Query, Scene};
 use casca_lab::drive::view_of;
+use casca_lab::pictures::palette::{self, rgba};
 use casca_lab::world::{Camera, Object, Shape};
-use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
+use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
 
+use crate::camera_fit::{Solid, in_view};
 use crate::playback::Frame;
 use crate::renderer::{Corner, Line, Marks};
 
@@ -47,14 +49,24 @@ impl Layer {
     }
 }
 
-const HIDDEN: [u8; 4] = [190, 70, 10, 190];
-const VOLUME: [u8; 4] = [130, 30, 170, 220];
-const OPAQUE_CELL: [u8; 4] = [40, 50, 70, 215];
-const HIDDEN_CELL: [u8; 4] = [235, 120, 30, 90];
-const OPEN_CELL: [u8; 4] = [60, 170, 90, 90];
-const CAP: [u8; 4] = [0, 110, 140, 255];
-const FRUSTUM: [u8; 4] = [20, 20, 30, 255];
-const LOST: [u8; 4] = [225, 0, 20, 255];
+/// The wireframe of a hidden object.
+pub const HIDDEN: [u8; 4] = rgba(palette::HIDDEN, 200);
+/// A temporal bounding volume.
+pub const VOLUME: [u8; 4] = rgba(palette::VOLUME, 220);
+/// A cell that hides.
+pub const OPAQUE_CELL: [u8; 4] = rgba(palette::OPAQUE_CELL, 215);
+/// A cell that is hidden.
+pub const HIDDEN_CELL: [u8; 4] = rgba(palette::HIDDEN_CELL, 120);
+/// A cell that may be seen.
+pub const VISIBLE_CELL: [u8; 4] = rgba(palette::VISIBLE_CELL, 120);
+/// The outline of a cap.
+pub const CAP: [u8; 4] = rgba(palette::WALK, 255);
+/// The border of the frustum that is culled for.
+pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
+/// Its section at the height of the eye.
+pub const LIT: [u8; 4] = rgba(palette::VISIBLE_CELL, 110);
+/// The wireframe of a visible object that was lost.
+pub const LOST: [u8; 4] = [220, 0, 30, 255];
 /// Of how many shells caps are drawn: of all, they would fill the picture.
 const CAP_SHELLS: i32 = 8;
 
@@ -131,8 +143,7 @@ impl Overlays {
             self.caps(frame, &mut marks);
         }
         if self.is_on(Layer::Frustum) {
-            let grid = frame.scene.grid();
-            marks.frustum(&frame.camera, (grid.max() - grid.min()).length() as f32 * 0.3);
+            marks.frustum(&frame.camera, (frame.scene.grid().min(), frame.scene.grid().max()));
         }
         for &i in lost {
             marks.wireframe(&frame.objects[i], 3.0, LOST);
@@ -141,17 +152,36 @@ impl Overlays {
     }
 
     fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
+        for i in self.culled(frame)? {
+            marks.wireframe(&frame.objects[i], 1.0, HIDDEN);
+        }
+        Ok(())
+    }
+
+    /// The objects in the frustum that are not drawn, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn culled(&mut self, frame: &Frame<'_>) -> Result<Vec<usize>, casca::Error> {
+        let mut culled = self.in_frustum(frame.scene, &frame.camera)?;
+        culled.retain(|i| frame.visible.binary_search(i).is_err());
+        Ok(culled)
+    }
+
+    /// The objects in the frustum of a camera, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
         let query = match self.frustum.take() {
             Some(query) => query,
             None => Query::with_method(casca::Method::Frustum)?,
         };
         let query = self.frustum.insert(query);
-        for id in query.run(frame.scene, &view_of(&frame.camera)?).visible() {
-            if frame.visible.binary_search(&id.index()).is_err() {
-                marks.wireframe(&frame.objects[id.index()], 1.0, HIDDEN);
-            }
-        }
-        Ok(())
+        let found = query.run(scene, &view_of(camera)?).visible();
+        let mut found: Vec<usize> = found.iter().map(|id| id.index()).collect();
+        found.sort_unstable();
+        Ok(found)
     }
 
     fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
@@ -173,7 +203,7 @@ impl Overlays {
                 } else if is_in(query.hidden_cells()) {
                     HIDDEN_CELL
                 } else if is_in(query.visited_cells()) {
-                    OPEN_CELL
+                    VISIBLE_CELL
                 } else {
                     continue;
                 };
@@ -208,7 +238,7 @@ impl Overlays {
                 ((lo + hi) * 0.5).as_vec3()
             };
             for polygon in &cap.polygons {
-                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, point(at))) {
+                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, &[point(at)])) {
                     continue;
                 }
                 for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
@@ -219,11 +249,6 @@ impl Overlays {
             }
         }
     }
-}
-
-fn in_view(camera: &Camera, p: Vec3) -> bool {
-    let c = camera.view_projection() * p.extend(1.0);
-    c.w > 0.0 && c.x.abs() <= c.w && c.y.abs() <= c.w
 }
 
 impl Marks {
@@ -280,17 +305,24 @@ impl Marks {
         }
     }
 
-    /// The frustum of a camera, as far as `reach`.
-    pub fn frustum(&mut self, camera: &Camera, reach: f32) {
-        let inverse = camera.view_projection().as_dmat4().inverse();
-        let corner = |x: f64, y: f64| {
-            let ray = inverse.project_point3(DVec3::new(x, y, 0.5)) - camera.eye.as_dvec3();
-            camera.eye + (ray.normalize_or_zero() * f64::from(reach)).as_vec3()
-        };
-        let far = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y));
-        for i in 0..4 {
-            self.line(camera.eye, far[i], 2.5, FRUSTUM);
-            self.line(far[i], far[(i + 1) % 4], 2.5, FRUSTUM);
+    /// The frustum of a camera as far as it lies in the box of a scene, and its section at the height of the eye.
+    pub fn frustum(&mut self, camera: &Camera, (min, max): (DVec3, DVec3)) {
+        let mut seen = Solid::seen(camera, min, max);
+        for face in &seen.faces {
+            for (i, a) in face.iter().enumerate() {
+                self.line(a.as_vec3(), face[(i + 1) % face.len()].as_vec3(), 2.5, FRUSTUM);
+            }
         }
+        let section = seen.cut(DVec4::new(0.0, -1.0, 0.0, f64::from(camera.eye.y))).unwrap_or_default();
+        for i in 2..section.len() {
+            for p in [section[0], section[i - 1], section[i]] {
+                self.fills.push(Corner { position: p.as_vec3().to_array(), colour: LIT });
+            }
+        }
+    }
+
+    /// Makes all lines wider.
+    pub fn widen(&mut self, factor: f32) {
+        self.lines.iter_mut().for_each(|line| line.width *= factor);
     }
 }
