@@ -84,6 +84,8 @@ pub enum Sample {
     Area,
     /// A line.
     Line,
+    /// A line around an area of another colour.
+    Framed([u8; 3]),
 }
 
 /// An entry of a legend.
@@ -104,12 +106,13 @@ impl Entry {
             let high = ui.text_style_height(&egui::TextStyle::Body);
             let (place, _) = ui.allocate_exact_size(egui::vec2(1.6 * high, high), egui::Sense::hover());
             let [r, g, b, _] = self.colour;
-            let thick = match self.sample {
-                Sample::Area => 0.75 * high,
-                Sample::Line => 0.2 * high,
-            };
+            let colour = Color32::from_rgb(r, g, b);
+            let thick = if self.sample == Sample::Line { 0.2 * high } else { 0.75 * high };
             let sample = egui::Rect::from_center_size(place.center(), egui::vec2(place.width(), thick));
-            ui.painter().rect_filled(sample, 0.0, Color32::from_rgb(r, g, b));
+            ui.painter().rect_filled(sample, 0.0, colour);
+            if let Sample::Framed([r, g, b]) = self.sample {
+                ui.painter().rect_filled(sample.shrink(0.14 * high), 0.0, Color32::from_rgb(r, g, b));
+            }
             ui.label(&self.text);
         });
     }

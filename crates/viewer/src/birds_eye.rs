@@ -36,8 +36,8 @@ pub enum Role {
 }
 
 impl Role {
-    /// The roles that are drawn.
-    const SHOWN: [Self; 4] = [Self::Drawn, Self::Culled, Self::Outside, Self::Ground];
+    /// The roles that culling gives.
+    const COUNTED: [Self; 3] = [Self::Drawn, Self::Culled, Self::Outside];
 
     /// The colour of objects in this role.
     pub fn colour(self) -> [u8; 4] {
@@ -96,16 +96,14 @@ pub fn from_above(
     let mut roles = vec![Role::Outside; frame.objects.len()];
     overlays.culled(frame)?.into_iter().for_each(|i| roles[i] = Role::Culled);
     frame.visible.iter().for_each(|&i| roles[i] = Role::Drawn);
+    // What culling did with them is counted before grounds and ceilings are told apart.
+    let in_picture = overlays.in_frustum(frame.scene, watcher)?;
+    let counts = Role::COUNTED.map(|role| (role, in_picture.iter().filter(|&&i| roles[i] == role).count()));
     let grid = frame.scene.grid();
     let extent = (grid.max() - grid.min()).as_vec3();
     for (role, object) in roles.iter_mut().zip(frame.objects) {
         *role = Role::of(object, *role, frame.camera.eye, extent);
     }
-    let in_picture = overlays.in_frustum(frame.scene, watcher)?;
-    let counts = Role::SHOWN.map(|role| {
-        let counted = in_picture.iter().filter(|&&i| roles[i] == role && frame.objects[i].tested);
-        (role, counted.count())
-    });
     let drawn = (0..roles.len()).filter(|&i| roles[i] != Role::Ceiling);
     let list = frame.geometry.list(frame.objects, drawn, &|i| roles[i].colour());
     Ok(FromAbove { list, legend: of_roles(&counts) })
@@ -133,7 +131,7 @@ pub fn above_frustum(camera: &Camera, (min, max): (DVec3, DVec3), aspect: f32) -
 /// A camera that has the whole scene in its picture, with room for a title and a legend.
 pub fn above_scene((min, max): (DVec3, DVec3), aspect: f32) -> Camera {
     let points: Vec<DVec3> = Solid::cuboid(min, max).corners().collect();
-    let margins = Margins { sides: 0.02, top: 0.1, bottom: 0.09 };
+    let margins = Margins { sides: 0.02, top: 0.08, bottom: 0.075 };
     fitted(&points, down(DVec3::NEG_Z), (FOV_Y_WHOLE, aspect), margins, (max - min).length())
 }
 

@@ -10,6 +10,7 @@ use casca_stage::animation::write_animation;
 use casca_stage::canvas::{Canvas, halved, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::panel::{Entry, Panel};
+use casca_stage::wgpu::Color;
 
 use crate::birds_eye::{above_scene, from_above};
 use crate::draw::{Check, Painter, coloured};
@@ -106,12 +107,18 @@ struct Studio<'a> {
 impl<'a> Studio<'a> {
     fn new(gpu: &'a Gpu, playback: &Playback, plan: &'a Plan<'a>) -> Self {
         let mut overlays = Overlays::default();
+        // From above, edges of the frustum in the air would only confuse.
+        overlays.is_frustum_flat = plan.birds_eye;
         plan.layers.iter().for_each(|&layer| overlays.toggle(layer));
         if plan.birds_eye && !overlays.is_on(Layer::Frustum) {
             overlays.toggle(Layer::Frustum);
         }
         let mut renderer = Renderer::new(gpu, COLOUR, &playback.geometry);
-        renderer.haze = if plan.birds_eye { 0.0 } else { haze(playback) };
+        if plan.birds_eye {
+            renderer.sky = Color::WHITE;
+        } else {
+            renderer.haze = haze(playback);
+        }
         // From above, everything is small: pictures are drawn at twice the size, for smooth edges.
         let factor = if plan.birds_eye { 2 } else { 1 };
         let canvas = Canvas::new(gpu, (plan.size.0 * factor, plan.size.1 * factor));
@@ -189,8 +196,15 @@ impl<'a> Studio<'a> {
         self.paint(&watcher, &above.list, &marks);
         let legend: Vec<Entry> = above.legend.into_iter().chain(legend::of_marks(&marks, &watcher)).collect();
         let (drawn, all) = (frame.visible.len(), frame.objects.len());
-        let title = format!("{scene}, {}: {drawn} of {all} objects drawn", self.plan.method);
-        panel::caption(&mut self.panel, (self.gpu, &self.canvas.picture(), 2.0), &title, &legend);
+        let who = match self.plan.method {
+            Method::Point | Method::Cell => "casca".to_owned(),
+            other => other.to_string(),
+        };
+        let title = format!("{scene}: {who} draws {drawn} of {all} objects");
+        let eye = watcher.view_projection().project_point3(frame.camera.eye);
+        let eye = [0.5 + 0.5 * eye.x, 0.5 - 0.5 * eye.y];
+        let target = (self.gpu, &self.canvas.picture(), 2.0);
+        panel::caption(&mut self.panel, target, &title, &legend, eye);
         Ok(())
     }
 

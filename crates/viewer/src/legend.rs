@@ -10,7 +10,7 @@ use crate::overlays::{CAP, FRUSTUM, HIDDEN, HIDDEN_CELL, LIT, LOST, OPAQUE_CELL,
 use crate::renderer::Marks;
 
 /// The meanings of the colours of marks.
-const MARKS: [([u8; 4], Sample, &str); 9] = [
+const MARKS: [([u8; 4], Sample, &str); 8] = [
     (LOST, Sample::Line, "visible, but not drawn: lost"),
     (HIDDEN, Sample::Line, "hidden object, culled"),
     (VOLUME, Sample::Line, "volume that a hidden moving object stays in"),
@@ -18,8 +18,7 @@ const MARKS: [([u8; 4], Sample, &str); 9] = [
     (HIDDEN_CELL, Sample::Area, "hidden cell"),
     (VISIBLE_CELL, Sample::Area, "cell that may be seen"),
     (CAP, Sample::Line, "outline of what blocks the view from the eye's cell, on some shells of cells"),
-    (FRUSTUM, Sample::Line, "frustum of the camera"),
-    (LIT, Sample::Area, "the frustum at the height of the eye"),
+    (FRUSTUM, Sample::Framed([250, 244, 180]), "the camera's frustum"),
 ];
 
 /// Entries for the marks in the picture of a camera.
@@ -28,6 +27,7 @@ pub fn of_marks(marks: &Marks, watcher: &Camera) -> Vec<Entry> {
     let fills = marks.fills.chunks(3).map(|fill| (fill[0].colour, fill.iter().map(|c| c.position).collect()));
     let mut shown = [false; MARKS.len()];
     for (colour, corners) in lines.chain(fills) {
+        let colour = if colour == LIT { FRUSTUM } else { colour };
         let Some(at) = MARKS.iter().position(|mark| mark.0 == colour).filter(|&at| !shown[at]) else {
             continue;
         };
@@ -72,7 +72,7 @@ mod tests {
         for position in [ahead, ahead + Vec3::X, ahead + Vec3::Y] {
             marks.fills.push(Corner { position: position.to_array(), colour: HIDDEN_CELL });
         }
-        assert_eq!(texts(&of_marks(&marks, &watcher)), ["hidden cell", "frustum of the camera"]);
+        assert_eq!(texts(&of_marks(&marks, &watcher)), ["hidden cell", "the camera's frustum"]);
     }
 
     #[test]

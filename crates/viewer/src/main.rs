@@ -1,6 +1,7 @@
 //! Draws exactly what the PVS says, in a window or into pictures.
 //!
-//! `cargo run --release -p casca-viewer` opens a window; `-- --help` lists the options.
+//! `cargo run --release -p casca-viewer` opens a window; `-- --help` lists the options. `-- --headless --birds-eye
+//! --animation` makes the animation at the top of README.md.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -64,7 +64,7 @@ pub const CAP: [u8; 4] = rgba(palette::WALK, 255);
 /// The border of the frustum that is culled for.
 pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
 /// Its section at the height of the eye.
-pub const LIT: [u8; 4] = rgba(palette::VISIBLE_CELL, 110);
+pub const LIT: [u8; 4] = rgba(palette::LIT, 70);
 /// The wireframe of a visible object that was lost.
 pub const LOST: [u8; 4] = [220, 0, 30, 255];
 /// Of how many shells caps are drawn: of all, they would fill the picture.
@@ -74,6 +74,8 @@ const CAP_SHELLS: i32 = 8;
 #[derive(Default)]
 pub struct Overlays {
     on: [bool; 6],
+    /// Whether of the frustum only its section at the height of the eye is drawn.
+    pub is_frustum_flat: bool,
     recorder: Option<Query>,
     frustum: Option<Query>,
     caps: Caps,
@@ -143,7 +145,11 @@ impl Overlays {
             self.caps(frame, &mut marks);
         }
         if self.is_on(Layer::Frustum) {
-            marks.frustum(&frame.camera, (frame.scene.grid().min(), frame.scene.grid().max()));
+            let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
+            if !self.is_frustum_flat {
+                marks.edges(&seen, 1.0, FRUSTUM);
+            }
+            marks.section(&mut seen, f64::from(frame.camera.eye.y));
         }
         for &i in lost {
             marks.wireframe(&frame.objects[i], 3.0, LOST);
@@ -305,15 +311,22 @@ impl Marks {
         }
     }
 
-    /// The frustum of a camera as far as it lies in the box of a scene, and its section at the height of the eye.
-    pub fn frustum(&mut self, camera: &Camera, (min, max): (DVec3, DVec3)) {
-        let mut seen = Solid::seen(camera, min, max);
-        for face in &seen.faces {
-            for (i, a) in face.iter().enumerate() {
-                self.line(a.as_vec3(), face[(i + 1) % face.len()].as_vec3(), 2.5, FRUSTUM);
-            }
+    /// The edges of a solid.
+    fn edges(&mut self, solid: &Solid, width: f32, colour: [u8; 4]) {
+        solid.faces.iter().for_each(|face| self.outline(face, width, colour));
+    }
+
+    /// The border of a polygon.
+    fn outline(&mut self, corners: &[DVec3], width: f32, colour: [u8; 4]) {
+        for (i, corner) in corners.iter().enumerate() {
+            self.line(corner.as_vec3(), corners[(i + 1) % corners.len()].as_vec3(), width, colour);
         }
-        let section = seen.cut(DVec4::new(0.0, -1.0, 0.0, f64::from(camera.eye.y))).unwrap_or_default();
+    }
+
+    /// The section of the seen part of a scene at some height: its border, and the area inside.
+    fn section(&mut self, seen: &mut Solid, height: f64) {
+        let section = seen.cut(DVec4::new(0.0, -1.0, 0.0, height)).unwrap_or_default();
+        self.outline(&section, 3.0, FRUSTUM);
         for i in 2..section.len() {
             for p in [section[0], section[i - 1], section[i]] {
                 self.fills.push(Corner { position: p.as_vec3().to_array(), colour: LIT });

@@ -46,19 +46,29 @@ pub fn draw(
     panel.draw(gpu, target, scale, &|context| show(context, numbers, overlays, &insets));
 }
 
-/// Draws a title and a legend over a target, where a point is `scale` pixels wide.
-pub fn caption(panel: &mut Panel, (gpu, target, scale): (&Gpu, &Target, f32), title: &str, legend: &[Entry]) {
+/// Draws a title and a legend over a target, where a point is `scale` pixels wide, and a mark at a camera's eye,
+/// whose place is in shares of the picture from its left upper corner.
+pub fn caption(
+    panel: &mut Panel,
+    (gpu, target, scale): (&Gpu, &Target, f32),
+    title: &str,
+    legend: &[Entry],
+    [x, y]: [f32; 2],
+) {
     panel.draw(gpu, target, scale, &|context| {
         let across = context.content_rect().width();
+        mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
         strip(context, "title", Align2::CENTER_TOP, &mut |ui| {
-            ui.label(RichText::new(title).strong().size(21.0));
+            ui.label(RichText::new(title).size(23.0));
         });
         strip(context, "legend", Align2::CENTER_BOTTOM, &mut |ui| {
-            // Columns of one width: numbers change without moving their neighbours.
-            let wide = (across - 20.0) / legend.len().max(1) as f32;
+            // Widths do not depend on numbers: when those change, nothing moves.
+            let share = |entry: &Entry| entry.text.trim_end_matches(|c: char| c.is_ascii_digit()).len() + 9;
+            let unit = (across - 16.0) / legend.iter().map(share).sum::<usize>().max(1) as f32;
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 0.0;
                 for entry in legend {
+                    let wide = unit * share(entry) as f32;
                     ui.allocate_ui(egui::vec2(wide, 22.0), |ui| {
                         ui.set_min_width(wide);
                         ui.spacing_mut().item_spacing.x = 8.0;
@@ -70,13 +80,26 @@ pub fn caption(panel: &mut Panel, (gpu, target, scale): (&Gpu, &Target, f32), ti
     });
 }
 
+/// A dot with the word "camera".
+fn mark_eye(context: &egui::Context, at: egui::Vec2) {
+    let painter = context.layer_painter(egui::LayerId::background());
+    let at = at.to_pos2();
+    let text = painter.layout_no_wrap("camera".to_owned(), egui::FontId::proportional(15.0), Color32::BLACK);
+    let middle = at - egui::vec2(0.0, 20.0);
+    let word = egui::Rect::from_center_size(middle, text.size());
+    painter.rect_filled(word.expand2(egui::vec2(4.0, 0.0)), 3.0, Color32::from_white_alpha(225));
+    painter.galley(word.min, text, Color32::BLACK);
+    painter.circle_filled(at, 6.5, Color32::WHITE);
+    painter.circle_filled(at, 4.5, Color32::BLACK);
+}
+
 /// A white strip across the picture.
 fn strip(context: &egui::Context, name: &str, side: Align2, add: &mut dyn FnMut(&mut egui::Ui)) {
     let area = egui::Area::new(egui::Id::unique(name)).anchor(side, [0.0, 0.0]);
     area.interactable(false).fade_in(false).show(context, |ui| {
         egui::Frame::new().fill(Color32::WHITE).inner_margin(8).show(ui, |ui| {
             ui.visuals_mut().override_text_color = Some(Color32::from_gray(30));
-            ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(16.0));
+            ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(15.0));
             ui.set_width(context.content_rect().width() - 16.0);
             add(ui);
         });

@@ -94,7 +94,7 @@ pub fn prove(
                 let samples =
                     row.method.samples().map(|(w, h)| format!(" The depth buffer has {w}x{h} samples."));
                 let place = format!(
-                    "The same frame of the scene {scene}, {width}x{height} pixels.{}",
+                    "One frame of the scene {scene}, {width}x{height} pixels.{}",
                     samples.unwrap_or_default()
                 );
                 write_page(gpu, &out.join(name), canvas.size(), (&want, [&beside, casca]), &place)?;

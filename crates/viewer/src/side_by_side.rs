@@ -160,9 +160,11 @@ pub fn write_page(
             painter.image(part.id(), inset, uv, Color32::WHITE);
             painter.rect_stroke(source, 0.0, stroke, StrokeKind::Outside);
             painter.rect_stroke(inset, 0.0, stroke, StrokeKind::Outside);
-            let above = inset.left_top() + egui::vec2(0.0, -0.006 * layout.width);
             let label = format!("enlarged {ZOOM} times");
-            painter.text(above, Align2::LEFT_BOTTOM, label, font(0.026), TEXT);
+            let label = painter.layout_no_wrap(label, font(0.026), TEXT);
+            let place = inset.left_top() - egui::vec2(stroke.width, label.size().y + stroke.width);
+            painter.rect_filled(Rect::from_min_size(place, label.size()), 0.0, Color32::WHITE);
+            painter.galley(place, label, TEXT);
         }
         let bottom = layout.title * 1.5 + layout.height;
         let high = layout.width * 0.026;

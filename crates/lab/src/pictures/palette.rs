@@ -109,6 +109,8 @@ pub const DRAWN: RGBColor = RGBColor(230, 159, 0);
 pub const CULLED: RGBColor = RGBColor(86, 140, 200);
 /// An object outside the frustum, in a view from above.
 pub const OUTSIDE: RGBColor = RGBColor(214, 214, 216);
+/// The inside of the frustum, in a view from above.
+pub const LIT: RGBColor = RGBColor(240, 228, 66);
 /// The ground, in a view from above.
 pub const GROUND: RGBColor = RGBColor(246, 245, 242);
 /// A cell that hides.
