@@ -16,7 +16,7 @@ const COLOURS: usize = 64;
 const SAMPLES: usize = 8;
 
 /// Writes frames of four bytes a pixel, all of one size, as an animated PNG that repeats for ever. All frames
-/// share one palette, and a frame stores only the pixels that changed: what stands still does not flicker.
+/// share one palette, and a frame stores only the pixels that changed: the others cannot flicker.
 ///
 /// # Errors
 /// There are no frames, or the file cannot be written.

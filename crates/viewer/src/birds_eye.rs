@@ -1,4 +1,4 @@
-//! A culled frame seen from above: all objects, coloured by what culling did with them.
+//! A culled frame seen from above: all objects, and in the colour of each whether it is drawn, culled or outside the frustum.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::camera_fit::{Margins, Solid, fitted};
 use crate::geometry::DrawList;
 use crate::legend::of_roles;
-use crate::overlays::Overlays;
+use crate::overlays::{LOST, Overlays};
 use crate::playback::Frame;
 
 /// How far down the camera looks, in radians: steep enough to see into streets and rooms.
@@ -20,11 +20,13 @@ pub const FOV_Y: f32 = 60.0;
 /// It is narrower for the whole scene, so that walls lean less.
 const FOV_Y_WHOLE: f32 = 32.0;
 
-/// What culling did with an object, or why it does not matter from above.
+/// Whether an object is drawn, or the reason why it is not; grounds and ceilings are set apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Found visible and drawn.
     Drawn,
+    /// Visible, but not drawn. Only methods that promise nothing lose objects.
+    Lost,
     /// In the frustum, found hidden and left out.
     Culled,
     /// Outside the frustum.
@@ -37,29 +39,31 @@ pub enum Role {
 
 impl Role {
     /// The roles that culling gives.
-    const COUNTED: [Self; 3] = [Self::Drawn, Self::Culled, Self::Outside];
+    const COUNTED: [Self; 4] = [Self::Drawn, Self::Lost, Self::Culled, Self::Outside];
 
     /// The colour of objects in this role.
     pub fn colour(self) -> [u8; 4] {
         match self {
             Self::Drawn => rgba(palette::DRAWN, 255),
+            Self::Lost => LOST,
             Self::Culled => rgba(palette::CULLED, 255),
             Self::Outside => rgba(palette::OUTSIDE, 255),
             Self::Ground | Self::Ceiling => rgba(palette::GROUND, 255),
         }
     }
 
-    /// What a legend says of it, if it needs words.
+    /// Its name in a legend; grounds need none.
     pub fn meaning(self) -> Option<&'static str> {
         match self {
             Self::Drawn => Some("visible, drawn"),
+            Self::Lost => Some("visible, lost"),
             Self::Culled => Some("hidden, culled"),
             Self::Outside => Some("outside the frustum"),
             Self::Ground | Self::Ceiling => None,
         }
     }
 
-    /// Wide flat boxes are grounds or ceilings, the others have what culling gave them.
+    /// Wide flat boxes are grounds or ceilings, the others keep the role that culling gave them.
     fn of(object: &Object, given: Self, eye: glam::Vec3, extent: glam::Vec3) -> Self {
         match object.shape {
             Shape::Box { min, max } if (max - min).cmpgt(0.5 * extent).bitmask() & 0b101 == 0b101 => {
@@ -84,19 +88,20 @@ pub struct FromAbove {
     pub legend: Vec<Entry>,
 }
 
-/// All objects of a frame in the colours of their roles. The legend counts those in the picture of `watcher`.
+/// All objects of a frame in the colours of their roles; `lost` are those that a check found missing. The legend counts those in the picture of `watcher`.
 ///
 /// # Errors
 /// As [`Overlays::in_frustum`].
 pub fn from_above(
     frame: &Frame<'_>,
     overlays: &mut Overlays,
-    watcher: &Camera,
+    (watcher, lost): (&Camera, &[usize]),
 ) -> Result<FromAbove, casca::Error> {
     let mut roles = vec![Role::Outside; frame.objects.len()];
     overlays.culled(frame)?.into_iter().for_each(|i| roles[i] = Role::Culled);
+    lost.iter().for_each(|&i| roles[i] = Role::Lost);
     frame.visible.iter().for_each(|&i| roles[i] = Role::Drawn);
-    // What culling did with them is counted before grounds and ceilings are told apart.
+    // Counted before grounds and ceilings are set apart, so that the numbers are those of culling.
     let in_picture = overlays.in_frustum(frame.scene, watcher)?;
     let counts = Role::COUNTED.map(|role| (role, in_picture.iter().filter(|&&i| roles[i] == role).count()));
     let grid = frame.scene.grid();

@@ -9,7 +9,7 @@ use casca_lab::world::Camera;
 use casca_stage::animation::write_animation;
 use casca_stage::canvas::{Canvas, halved, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_stage::panel::{Entry, Panel};
+use casca_stage::panel::Panel;
 use casca_stage::wgpu::Color;
 
 use crate::birds_eye::{above_scene, from_above};
@@ -147,7 +147,7 @@ impl<'a> Studio<'a> {
             marks = self.overlays.marks(frame, &check.lost)?;
         }
         if self.plan.birds_eye {
-            self.draw_from_above(scene, frame, marks)?;
+            self.draw_from_above(scene, frame, marks, &check.lost)?;
         } else {
             self.draw_from_the_eye(scene, frame, &marks, &check)?;
         }
@@ -188,13 +188,15 @@ impl<'a> Studio<'a> {
         scene: &str,
         frame: &Frame<'_>,
         mut marks: Marks,
+        lost: &[usize],
     ) -> Result<(), Box<dyn Error>> {
         let grid = frame.scene.grid();
         let watcher = above_scene((grid.min(), grid.max()), self.canvas.aspect());
-        let above = from_above(frame, &mut self.overlays, &watcher)?;
+        let above = from_above(frame, &mut self.overlays, (&watcher, lost))?;
         marks.widen(2.0);
         self.paint(&watcher, &above.list, &marks);
-        let legend: Vec<Entry> = above.legend.into_iter().chain(legend::of_marks(&marks, &watcher)).collect();
+        let mut legend = above.legend;
+        legend::join(&mut legend, legend::of_marks(&marks, &watcher));
         let (drawn, all) = (frame.visible.len(), frame.objects.len());
         let who = match self.plan.method {
             Method::Point | Method::Cell => "casca".to_owned(),

@@ -17,7 +17,7 @@ const MARKS: [([u8; 4], Sample, &str); 8] = [
     (OPAQUE_CELL, Sample::Area, "opaque cell, which hides"),
     (HIDDEN_CELL, Sample::Area, "hidden cell"),
     (VISIBLE_CELL, Sample::Area, "cell that may be seen"),
-    (CAP, Sample::Line, "outline of what blocks the view from the eye's cell, on some shells of cells"),
+    (CAP, Sample::Line, "outline of the cells that block the view, on some shells"),
     (FRUSTUM, Sample::Framed([250, 244, 180]), "the camera's frustum"),
 ];
 
@@ -36,6 +36,15 @@ pub fn of_marks(marks: &Marks, watcher: &Camera) -> Vec<Entry> {
     }
     let shown = MARKS.into_iter().zip(shown).filter(|(_, shown)| *shown);
     shown.map(|((colour, sample, text), _)| Entry { colour, sample, text: text.to_owned() }).collect()
+}
+
+/// Adds the entries whose colours are not in a legend yet.
+pub fn join(legend: &mut Vec<Entry>, more: Vec<Entry>) {
+    for entry in more {
+        if legend.iter().all(|known| known.colour != entry.colour) {
+            legend.push(entry);
+        }
+    }
 }
 
 /// Entries for the objects in a view from above, with their numbers.
@@ -77,7 +86,15 @@ mod tests {
 
     #[test]
     fn only_roles_that_some_object_has_are_named() {
-        let counts = [(Role::Drawn, 26), (Role::Culled, 0), (Role::Outside, 3), (Role::Ground, 1)];
-        assert_eq!(texts(&of_roles(&counts)), ["visible, drawn: 26", "outside the frustum: 3"]);
+        let counts = [(Role::Drawn, 26), (Role::Culled, 0), (Role::Lost, 3), (Role::Ground, 1)];
+        let mut legend = of_roles(&counts);
+        assert_eq!(texts(&legend), ["visible, drawn: 26", "visible, lost: 3"]);
+        let mark = |colour, text: &str| Entry { colour, sample: Sample::Line, text: text.to_owned() };
+        join(&mut legend, vec![mark(LOST, "lost"), mark(CAP, "cap")]);
+        assert_eq!(
+            texts(&legend),
+            ["visible, drawn: 26", "visible, lost: 3", "cap"],
+            "one entry for a colour"
+        );
     }
 }

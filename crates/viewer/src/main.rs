@@ -49,7 +49,7 @@ struct Options {
     /// Size of pictures and of the window, up to 8192x8192
     #[arg(long, default_value = "1280x720", value_parser = parse_size)]
     size: (u32, u32),
-    /// Pictures show the whole scene from above, with the camera, its frustum and what is culled
+    /// Pictures show the whole scene from above, with the camera, its frustum and the culled objects
     #[arg(long, requires = "headless")]
     birds_eye: bool,
     /// Also writes the pictures as one animated PNG

@@ -62,21 +62,25 @@ pub fn caption(
             ui.label(RichText::new(title).size(23.0));
         });
         strip(context, "legend", Align2::CENTER_BOTTOM, &mut |ui| {
-            // Widths do not depend on numbers: when those change, nothing moves.
-            let share = |entry: &Entry| entry.text.trim_end_matches(|c: char| c.is_ascii_digit()).len() + 9;
-            let unit = (across - 16.0) / legend.iter().map(share).sum::<usize>().max(1) as f32;
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 0.0;
-                for entry in legend {
-                    let wide = unit * share(entry) as f32;
-                    ui.allocate_ui(egui::vec2(wide, 22.0), |ui| {
-                        ui.set_min_width(wide);
-                        ui.spacing_mut().item_spacing.x = 8.0;
-                        entry.add(ui);
-                    });
-                }
-            });
+            legend.chunks(4).for_each(|row| legend_row(ui, across - 16.0, row));
         });
+    });
+}
+
+/// Entries side by side. Their widths do not depend on numbers: when those change, nothing moves.
+fn legend_row(ui: &mut egui::Ui, across: f32, row: &[Entry]) {
+    let share = |entry: &Entry| entry.text.trim_end_matches(|c: char| c.is_ascii_digit()).len() + 9;
+    let unit = across / row.iter().map(share).sum::<usize>().max(66) as f32;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for entry in row {
+            let wide = unit * share(entry) as f32;
+            ui.allocate_ui(egui::vec2(wide, 22.0), |ui| {
+                ui.set_min_width(wide);
+                ui.spacing_mut().item_spacing.x = 8.0;
+                entry.add(ui);
+            });
+        }
     });
 }
 

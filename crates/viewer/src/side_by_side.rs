@@ -19,7 +19,7 @@ const PART: u32 = 3;
 const RED: Color32 = Color32::from_rgb(MARK[0], MARK[1], MARK[2]);
 const TEXT: Color32 = Color32::from_rgb(30, 30, 34);
 
-/// What a method draws of a frame.
+/// A frame as a method draws it.
 pub struct Drawn {
     /// The method.
     pub method: Method,
@@ -34,7 +34,7 @@ impl Drawn {
         self.lost.iter().filter(|lost| **lost).count()
     }
 
-    /// What was found, as a title.
+    /// The number of lost pixels, as a title.
     fn title(&self) -> String {
         let name = match self.method {
             Method::Hzb => "sampled depth buffer",
@@ -119,7 +119,7 @@ fn cropped(pixels: &[u8], width: u32, ([x, y], [w, h]): ([u32; 2], [u32; 2])) ->
     ColorImage::from_rgba_unmultiplied([w as usize, h as usize], &part)
 }
 
-/// Writes a page with both pictures, what each loses as a title, the place with the most losses enlarged, and a legend
+/// Writes a page with both pictures, a title for each, the place with the most losses enlarged, and a legend
 /// that ends with `place`.
 ///
 /// # Errors

@@ -125,7 +125,7 @@ impl Viewer {
     /// Freezes the culling camera where this one is, or frees it.
     fn freeze(&mut self, camera: Option<Camera>) {
         self.frozen = camera;
-        // The frustum tells what is frozen.
+        // The frustum shows which camera is frozen.
         if self.frozen.is_some() != self.overlays.is_on(Layer::Frustum) {
             self.overlays.toggle(Layer::Frustum);
         }
@@ -233,12 +233,12 @@ impl Demo for Viewer {
             let lost: &[usize] = found.as_ref().map_or(&[], |found| &found.lost);
             let marks = overlays.marks(&frame, lost)?;
             let (list, mut legend) = if is_above {
-                let above = from_above(&frame, overlays, &watcher)?;
+                let above = from_above(&frame, overlays, (&watcher, lost))?;
                 (above.list, above.legend)
             } else {
                 (coloured(frame.geometry, frame.objects, &frame.visible), Vec::new())
             };
-            legend.extend(legend::of_marks(&marks, &watcher));
+            legend::join(&mut legend, legend::of_marks(&marks, &watcher));
             renderer.draw(gpu, Output::Picture, target, &watcher, &list, &marks);
             gpu.wait()?;
             let numbers = Numbers {

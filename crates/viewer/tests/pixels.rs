@@ -131,7 +131,7 @@ fn a_frame_from_above_shows_what_its_legend_names() {
         let (canvas, mut overlays) = (Canvas::new(&gpu, SIZE), Overlays::default());
         playback
             .frame(Method::Point, &camera, &mut |frame| {
-                let seen = from_above(&frame, &mut overlays, &above)?;
+                let seen = from_above(&frame, &mut overlays, (&above, &[]))?;
                 let mut painter = Painter { gpu: &gpu, canvas: &canvas, renderer: &mut renderer };
                 painter.picture(&above, &seen.list, &Marks::default());
                 let drawn = format!("visible, drawn: {}", frame.visible.len());
