@@ -45,7 +45,6 @@ impl View {
     /// takes world space to clip space with depth 0 to 1.
     ///
     /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
-    /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
     /// The eye is found from the matrix, to the precision that single floats
     /// leave (about 1e-6 of its distance from the origin). Where that does not tell the cell of the eye, the
     /// result of a query is slightly larger. [`View::perspective`] takes the exact eye.
@@ -123,7 +122,6 @@ impl View {
         self.ordered || self.eye().is_some()
     }
 
-    /// All that an eye sees, in every direction and however far.
     /// All of space around an eye, in every direction and however far.
     ///
     /// # Errors
