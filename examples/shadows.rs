@@ -7,7 +7,7 @@
 
 use std::error::Error;
 
-use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, Sphere, View};
 use glam::Vec3;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 
@@ -32,9 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let eye = Vec3::new(64.0, 5.0, 90.0);
     let matrix = perspective(1.0, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(eye, eye - Vec3::Z, Vec3::Y);
     let (mut camera, mut sun) = (Query::new(), Query::new());
-    let pvs = camera.run(&scene, &View::perspective(eye, matrix)?);
+    camera.run(&scene, &View::perspective(eye, matrix)?);
+    let pvs = camera.pvs();
     let mut casters = Vec::new();
-    sun.shadow_casters(&scene, pvs, Vec3::new(0.0, -1.0, -1.0), &mut casters)?;
+    let sunlight = Light::Directional(Vec3::new(0.0, -1.0, -1.0));
+    sun.shadow_casters(&scene, &camera, &sunlight, &mut casters)?;
 
     let objects = [
         ("ground", ground),

@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Error, GridSpec, Method, ObjectDesc, ObjectId, Plane, PointOptions, Query, Scene, Sphere, TriMesh,
-    View,
+    Aabb, Error, GridSpec, Light, Method, ObjectDesc, ObjectId, Plane, PointOptions, Query, Scene, Sphere,
+    TriMesh, View,
 };
 use casca_lab::cases;
 use casca_lab::drive::Driver;
@@ -189,9 +189,10 @@ proptest! {
                 (true, true) => View::perspective(camera.eye, matrix),
                 (true, false) => View::from_view_projection(matrix),
             };
-            let pvs = query.run(&driver.scene, &view.unwrap());
+            query.run(&driver.scene, &view.unwrap());
             let mut casters = Vec::new();
-            sun.shadow_casters(&driver.scene, pvs, *light * 3.0, &mut casters).unwrap();
+            let sunlight = Light::Directional(*light * 3.0);
+            sun.shadow_casters(&driver.scene, &query, &sunlight, &mut casters).unwrap();
 
             let cast: HashSet<usize> = casters.iter().map(|id| index[id]).collect();
             prop_assert_eq!(cast.len(), casters.len());
@@ -231,7 +232,8 @@ fn ahead() -> View {
 
 fn casters(scene: &Scene, view: &View, light: Vec3) -> Vec<ObjectId> {
     let (mut camera, mut out) = (Query::new(), Vec::new());
-    Query::new().shadow_casters(scene, camera.run(scene, view), light, &mut out).unwrap();
+    camera.run(scene, view);
+    Query::new().shadow_casters(scene, &camera, &Light::Directional(light), &mut out).unwrap();
     out
 }
 
@@ -322,7 +324,7 @@ fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
         assert!(due.is_empty(), "{due:?}");
         let pvs = camera.run(&scene, &ahead());
         assert_eq!(pvs.visible(), [ground]);
-        sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
+        sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y), &mut out).unwrap();
         assert!(out.contains(&reported) && out.contains(&silent), "{frame} {out:?}");
         // One of them moves in its volume and tells so.
         let away = Sphere::new(bird.center + Vec3::Y, bird.radius);
@@ -335,11 +337,11 @@ fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
     let strip = strip.map(|(normal, at)| Plane { normal, offset: -at });
     let pvs = camera.run(&scene, &View::from_planes(Vec3::new(34.3, 1.5, 60.0), &strip).unwrap());
     assert_eq!(pvs.visible(), [ground]);
-    sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
+    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y), &mut out).unwrap();
     assert!(out.contains(&silent) && !out.contains(&reported), "{out:?}");
     // Beside the rays, neither is a caster.
     camera.run(&scene, &ahead());
-    sun.shadow_casters(&scene, camera.pvs(), Vec3::new(-1.0, -0.1, 0.0), &mut out).unwrap();
+    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::new(-1.0, -0.1, 0.0)), &mut out).unwrap();
     assert!(!out.contains(&reported) && !out.contains(&silent), "{out:?}");
 }
 
@@ -369,22 +371,28 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
     let huge = Sphere::new(Vec3::ZERO, 3e38);
     let (mut camera, mut sun) = (Query::new(), Query::new());
     let mut out = Vec::new();
-    let unrun = sun.shadow_casters(&scene, camera.pvs(), Vec3::NEG_Y, &mut out);
+    let unrun = sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y), &mut out);
     assert_eq!(unrun, Err(Error::ForeignPvs));
-    let pvs = camera.run(&scene, &ahead());
-    sun.shadow_casters(&scene, pvs, Vec3::NEG_Y * 1e-40, &mut out).unwrap();
+    camera.run(&scene, &ahead());
+    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y * 1e-40), &mut out).unwrap();
     assert_eq!(out, [ground]);
     for light in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)] {
-        let message = sun.shadow_casters(&scene, pvs, light, &mut out).unwrap_err().to_string();
+        let message = sun
+            .shadow_casters(&scene, &camera, &Light::Directional(light), &mut out)
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("direction of the light"), "{message}");
     }
-    assert_eq!(sun.shadow_casters(&street(), pvs, Vec3::NEG_Y, &mut out), Err(Error::ForeignPvs));
+    assert_eq!(
+        sun.shadow_casters(&street(), &camera, &Light::Directional(Vec3::NEG_Y), &mut out),
+        Err(Error::ForeignPvs)
+    );
     assert_eq!((out.as_slice(), sun.pvs().visible()), (&[ground][..], &[ground][..]));
 
     let nothing = Plane { normal: Vec3::Y, offset: -1000.0 };
     let nothing = View::from_planes(Vec3::splat(32.0), &[nothing]).unwrap();
-    let pvs = camera.run(&scene, &nothing);
-    sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
+    camera.run(&scene, &nothing);
+    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y), &mut out).unwrap();
     assert!(out.is_empty() && sun.pvs().is_empty());
     scene.end_frame([camera.pvs(), sun.pvs()]).unwrap();
     assert!(!sun.pvs().is_valid_for(&scene, &nothing));
@@ -400,11 +408,11 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
         }
     }
     // Receivers removed since are left out.
-    let pvs = camera.run(&scene, &ahead());
+    camera.run(&scene, &ahead());
     for id in [ground, huge, everywhere] {
         scene.remove(id).unwrap();
     }
-    sun.shadow_casters(&scene, pvs, Vec3::NEG_Y, &mut out).unwrap();
+    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y), &mut out).unwrap();
     assert!(out.is_empty());
     // The light's view of a point has no width.
     let point = Sphere::new(Vec3::new(32.0, 4.0, 30.0), 0.0);

@@ -2,6 +2,7 @@
 
 mod draw;
 mod frustum;
+mod receivers;
 mod search;
 
 use smallvec::SmallVec;
@@ -61,6 +62,7 @@ pub(crate) struct FaceBuffer {
     occluders: Bins<Listed>,
     patches: Bins<ListedPatch>,
     drawn: Vec<Drawn>,
+    received: Vec<receivers::Received>,
 }
 
 impl FaceBuffer {
@@ -75,6 +77,7 @@ impl FaceBuffer {
             occluders: Bins::new(),
             patches: Bins::new(),
             drawn: Vec::new(),
+            received: Vec::new(),
         }
     }
 
@@ -174,7 +177,7 @@ impl FaceBuffer {
     /// Whether every pixel of the rectangle around a box is covered nearer than it.
     #[inline]
     pub(crate) fn hides_block(&self, block: &Block) -> bool {
-        let Some((rect, depth)) = self.face.block(block) else { return true };
+        let Some((rect, (depth, _))) = self.face.block(block) else { return true };
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
     }
 

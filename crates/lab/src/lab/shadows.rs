@@ -1,6 +1,6 @@
 //! Shadow casters: how many objects a shadow map has to draw.
 
-use casca::{Method, Query, View};
+use casca::{Light, Method, Query, View};
 use glam::{Mat4, Vec3, camera};
 
 use super::walker::Walker;
@@ -59,12 +59,13 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
         let done = walker.walk::<LabError>(frames, |walker, _, frame| {
             let scene = &walker.driver(0).scene;
             let view = view_of(&frame.camera)?;
-            let (pvs, time) = timed(|| eye.run(scene, &view));
+            let (found, time) = timed(|| eye.run(scene, &view).len());
             eye_ms.push(time.as_secs_f64() * 1e3);
-            let (found, time) = timed(|| sun.shadow_casters(scene, pvs, SUN, &mut casters));
+            seen += found;
+            let (found, time) =
+                timed(|| sun.shadow_casters(scene, &eye, &Light::Directional(SUN), &mut casters));
             found?;
             sun_ms.push(time.as_secs_f64() * 1e3);
-            seen += pvs.len();
             cast += casters.len();
             lit += all.run(scene, &over).len();
             Ok(())

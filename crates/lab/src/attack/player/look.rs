@@ -1,6 +1,6 @@
 //! Looks: sets compared with the truth.
 
-use casca::{Method, View};
+use casca::{Light, Method, View};
 use glam::Vec3;
 
 use super::super::api;
@@ -170,9 +170,10 @@ impl Player {
         if self.queries[receivers].1.is_none_or(|o| o.world != origin.world) {
             return Ok(());
         }
-        let set = self.queries[receivers].0.pvs().clone();
+        let camera = self.queries[receivers].0.clone();
         let (query, from) = &mut self.queries[query];
-        query.shadow_casters(&world.scene, &set, light, &mut Vec::new()).map_err(refused("casters"))?;
+        let light = Light::Directional(light);
+        query.shadow_casters(&world.scene, &camera, &light, &mut Vec::new()).map_err(refused("casters"))?;
         *from = Some(origin);
         api::memory(&world.scene);
         Ok(())
