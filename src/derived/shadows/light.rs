@@ -139,7 +139,9 @@ fn join(a: Block, b: Block) -> Block {
 
 /// A box along some axes around a box, widened by [`LIGHT_EXTENT`].
 fn widened(block: &Block, axes: &[DVec3; 3]) -> Block {
-    let extent = block.extent(axes);
-    let reach = extent.half + LIGHT_EXTENT * extent.greatest;
-    Block { min: extent.middle - reach, max: extent.middle + reach }
+    let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
+    let greatest = block.min.abs().max(block.max.abs()).max_element();
+    let middle = DVec3::from_array(axes.map(|axis| middle.dot(axis)));
+    let reach = DVec3::from_array(axes.map(|axis| half.dot(axis.abs()))) + LIGHT_EXTENT * greatest;
+    Block { min: middle - reach, max: middle + reach }
 }

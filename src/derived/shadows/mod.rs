@@ -92,7 +92,7 @@ impl Query {
     /// - After an aggressive query ([`Query::run_aggressive`]), the objects that it lost get no shadows; all others do.
     ///
     /// Costs a query of the light's view, in which everything without receivers behind it counts as hidden, and a test
-    /// of each receiver and of up to 8,192 parts of large ones against the camera's buffers.
+    /// of each receiver and of up to 4,096 parts of large ones against the camera's buffers.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, View};

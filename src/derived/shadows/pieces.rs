@@ -15,7 +15,7 @@ const SMALLEST: f64 = 0.05;
 const SHORTEST: f64 = 1.0;
 
 /// The boxes of all receivers together are cut at most this often, the largest in the picture first.
-const MOST_CUTS: usize = 4096;
+const MOST_CUTS: usize = 2048;
 
 /// Finds boxes that together contain every point that the camera sees, of objects in its set, and that the light
 /// reaches; false if such a point may be anywhere.
