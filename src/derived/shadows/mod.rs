@@ -7,7 +7,9 @@
 //! so there is a first. Then `A` is among the casters:
 //!
 //! 1. **`p` lies in a piece.** The box around a receiver contains `p`; a receiver whose motion goes unreported lies in
-//!    its volume, and where there is none, every place is taken for a receiver's. Boxes are cut into *pieces* that share
+//!    its volume, and where there is none, every place is taken for a receiver's. Where bounds and occluder are the same
+//!    box, all of it is solid. If no ray of the camera starts in it, the ray to `p` enters it at `p`, by a side that is
+//!    turned to the ray: such sides stand for the box. Boxes are cut into *pieces* that share
 //!    their cuts, so that one of two halves contains `p`. Four tests drop pieces; none drops one that contains `p`:
 //!    - the half-spaces of the camera's view contain `p`, and are tested outwards;
 //!    - so is the range of the light, or its view;

@@ -1,8 +1,10 @@
 //! Pieces: the parts of receivers that the camera may see and the light may reach.
 
+use smallvec::SmallVec;
+
 use crate::derived::shadows::light::Lamp;
 use crate::geometry::Block;
-use crate::numeric::shape::REGION;
+use crate::numeric::shape::{OCCLUDER_ROUNDING, REGION};
 use crate::pvs::Pvs;
 use crate::query::receivers::{Part, ReceiverScratch};
 use crate::query::sight::Sight;
@@ -38,9 +40,10 @@ pub(super) fn find_pieces(
         if object.is_unlocated() {
             return false;
         }
-        let whole = object.unreported_volume().copied().unwrap_or_else(|| object.bounds().block());
-        let Some(block) = lamp.lit(&whole).filter(|block| sight.may_see(block)) else { continue };
-        parts.push(Part { size: size(&block), slot: id.slot, block });
+        for block in visible_boxes(object, &sight) {
+            let Some(block) = lamp.lit(&block).filter(|block| sight.may_see(block)) else { continue };
+            parts.push(Part { size: size(&block), slot: id.slot, block });
+        }
     }
     let mut cuts = 0;
     while let Some(part) = parts.pop() {
@@ -62,6 +65,39 @@ pub(super) fn find_pieces(
         }
     }
     true
+}
+
+/// Boxes that together contain all visible points of an object whose place is known.
+///
+/// For a solid box seen from outside, these are the sides that rays may run into, with a little thickness for the
+/// rounding of applications. The whole box of a ground would reach below the foot of a wall, into pixels that only the
+/// ground itself covers, at a depth that tiles know roughly: the buffers would leave it undecided far behind the wall.
+fn visible_boxes(object: &Object, sight: &Sight) -> SmallVec<[Block; 3]> {
+    if let Some(volume) = object.unreported_volume() {
+        return SmallVec::from_iter([*volume]);
+    }
+    let block = object.bounds().block();
+    let solid = object.bounds().kind().as_block().is_some()
+        && object.occluder().is_some_and(|o| o.kind().as_block() == Some(block) && !sight.may_start_in(o));
+    if !solid {
+        return SmallVec::from_iter([block]);
+    }
+    let thickness = OCCLUDER_ROUNDING * block.min.abs().max(block.max.abs()).max_element();
+    let mut sides = SmallVec::new();
+    for axis in 0..3 {
+        let (low, high) = (block.min[axis], block.max[axis]);
+        if sight.may_enter(axis, -1.0, low) {
+            let mut side = block;
+            side.max[axis] = high.min(low + thickness);
+            sides.push(side);
+        }
+        if sight.may_enter(axis, 1.0, high) {
+            let mut side = block;
+            side.min[axis] = low.max(high - thickness);
+            sides.push(side);
+        }
+    }
+    sides
 }
 
 /// Both halves of a box, cut across an axis. They share the cut.
