@@ -47,6 +47,15 @@ pub(crate) struct ListedPatch {
     pub(crate) pixels: PixelRect,
 }
 
+/// The receivers in a tile.
+#[derive(Debug, Clone, Copy)]
+struct Received {
+    /// The pixels that they may touch.
+    mask: u64,
+    /// None of them is less near.
+    near: f32,
+}
+
 /// One face, as far as the view looks through it.
 #[derive(Debug, Clone)]
 pub(crate) struct FaceBuffer {
@@ -62,7 +71,7 @@ pub(crate) struct FaceBuffer {
     occluders: Bins<Listed>,
     patches: Bins<ListedPatch>,
     drawn: Vec<Drawn>,
-    received: Vec<receivers::Received>,
+    received: Vec<Received>,
 }
 
 impl FaceBuffer {

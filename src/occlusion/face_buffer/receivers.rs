@@ -3,17 +3,8 @@
 
 use crate::geometry::Block;
 use crate::numeric::occlusion::below;
-use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::face_buffer::{FaceBuffer, Received};
 use crate::occlusion::tiles::{TILE, block};
-
-/// The receivers in a tile.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Received {
-    /// The pixels that they may touch.
-    mask: u64,
-    /// None of them is less near.
-    near: f32,
-}
 
 impl FaceBuffer {
     /// Covers all pixels that no box touches, and each tile beyond the farthest box in it. Where it is not known at
@@ -85,13 +76,13 @@ mod tests {
                 }
             }
         }
-        assert!(buffer.hides_block(&cube(1.0, 0.5, 25.0, 0.1)), "beyond all");
+        assert!(buffer.hides_block(&cube(2.5, 1.25, 25.0, 0.1)), "beyond all");
         assert!(buffer.hides_block(&cube(-2.0, 1.0, 6.5, 0.1)), "beyond the one in its tiles");
         assert!(buffer.hides_block(&cube(3.0, 0.5, 5.0, 0.5)), "beside all");
         buffer.clear(Some(Rect::FACE), 256);
         buffer.keep_before(receivers.iter().copied(), false);
         assert!(
-            !buffer.hides_block(&cube(1.0, 0.5, 25.0, 0.1)) && buffer.hides_block(&cube(3.0, 0.5, 5.0, 0.5))
+            !buffer.hides_block(&cube(2.5, 1.25, 25.0, 0.1)) && buffer.hides_block(&cube(3.0, 0.5, 5.0, 0.5))
         );
         buffer.clear(Some(Rect::FACE), 256);
         buffer.keep_before(std::iter::empty(), true);
