@@ -67,7 +67,7 @@ fn a_lamp_has_the_casters_between_it_and_what_is_seen() {
     let found = casters(&scene, &bulb(10.0));
     assert!(found.contains(&ground) && found.contains(&below) && !found.contains(&far), "{found:?}");
     // The ground is out of reach, and so its shadows are.
-    assert_eq!(casters(&scene, &bulb(8.0)).contains(&ground), false);
+    assert!(!casters(&scene, &bulb(8.0)).contains(&ground));
     assert!(casters(&scene, &bulb(0.0)).is_empty());
 }
 

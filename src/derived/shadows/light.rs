@@ -12,6 +12,10 @@ use crate::view::View;
 /// A light that casts shadows, for [`crate::Query::shadow_casters`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "an application makes a few lights, and keeps no lists of them"
+)]
 pub enum Light {
     /// A light infinitely far away, such as the sun: the direction in which light travels, of any length.
     Directional(Vec3),
