@@ -32,7 +32,7 @@ mod shape;
 mod view;
 mod walk;
 
-pub use derived::{AggressiveOpacity, DrawItem, DrawOptions};
+pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, Light};
 pub use error::{Error, FileError};
 pub use geometry::{Aabb, Obb, Plane, Sphere};
 pub use grid::run::CellRun;

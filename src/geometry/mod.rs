@@ -3,7 +3,6 @@
 pub(crate) mod block;
 pub(crate) mod body;
 pub(crate) mod clip;
-pub(crate) mod extent;
 pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;

@@ -4,10 +4,12 @@ pub(crate) mod cell;
 pub(crate) mod marks;
 pub(crate) mod point;
 pub(crate) mod receivers;
+pub(crate) mod sight;
 pub(crate) mod start;
 pub(crate) mod validity;
 
 use crate::error::Error;
+use crate::geometry::Block;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{CellOptions, Method};
 use crate::occlusion::image::OcclusionImage;
@@ -18,6 +20,15 @@ use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
+
+/// What a query is told besides its view.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Extras<'a> {
+    /// More cells that count as opaque, for [`Method::Cell`].
+    pub(crate) more: Option<&'a BitMatrix>,
+    /// Boxes before which objects lie that [`Method::Point`] finds; it leaves out others.
+    pub(crate) receivers: Option<&'a [Block]>,
+}
 
 /// Finds the objects that a view can see.
 ///
@@ -89,17 +100,19 @@ impl Query {
     ///
     /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
-        self.run_with(scene, view, None)
+        self.run_with(scene, view, Extras::default())
     }
 
-    /// As [`Query::run`], with more cells that count as opaque for [`Method::Cell`].
-    pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
+    /// As [`Query::run`], with what some methods are told besides.
+    pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, extras: Extras) -> &Pvs {
+        let Extras { more, receivers } = extras;
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
         pvs.method = self.method;
         pvs.aggressive = more.is_some();
+        pvs.partial = receivers.is_some();
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match &self.method {
@@ -115,7 +128,8 @@ impl Query {
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point).run();
+                let walk = point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                walk.with_receivers(receivers).run();
             }
         }
         match &mut pvs.view {
@@ -130,7 +144,7 @@ impl Query {
         self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
         self.pvs.method = self.method;
-        self.pvs.aggressive = false;
+        (self.pvs.aggressive, self.pvs.partial) = (false, false);
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 

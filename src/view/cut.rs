@@ -11,6 +11,7 @@ use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::REGION;
 use crate::numeric::view::ALONG_RAYS;
 use crate::object::Occluder;
+use crate::shape::Shape;
 use crate::view::{Origin, View};
 
 impl View {
@@ -53,6 +54,22 @@ impl View {
         let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
         (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
     }
+}
+
+/// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye, which may be anywhere in
+/// `unsure`, or where the near plane cuts into it, for which `cut` has the regions between eye and near plane.
+pub(crate) fn may_start_in(
+    view: &View,
+    cut: &[(View, Block)],
+    unsure: Option<&(View, Block)>,
+    occluder: &Occluder,
+) -> bool {
+    let meets = |(region, around): &(View, Block)| may_meet(occluder, region, around);
+    cut.iter().any(meets)
+        || match view.origin {
+            Origin::Direction(d) => view.cuts_front(d, &occluder.block()),
+            Origin::Eye { at, .. } => occluder.contains_point(at) || unsure.is_some_and(meets),
+        }
 }
 
 /// Whether an occluder may intersect a convex region that lies in `around`; in doubt, yes.

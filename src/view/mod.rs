@@ -117,6 +117,13 @@ impl View {
         Self { origin: Origin::Direction(direction), planes, cutting: 0, widened: 0.0, ordered: true }
     }
 
+    /// The part of space around an eye that lies inside all of the half-spaces, each of which contains the eye.
+    /// Normals have length 1.
+    pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
+        let origin = Origin::Eye { at: eye, error: 0.0 };
+        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false }
+    }
+
     /// Whether it is known where rays start.
     pub(crate) fn is_ordered(&self) -> bool {
         self.ordered || self.eye().is_some()
