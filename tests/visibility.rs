@@ -346,9 +346,9 @@ proptest! {
 #[test]
 fn the_procedural_scenes_lose_nothing() {
     for kind in SceneKind::ALL {
-        let crowd = kind == SceneKind::Crowd;
+        let many = [SceneKind::Crowd, SceneKind::Spheres16, SceneKind::City10].contains(&kind);
         let options =
-            SceneOptions { seed: 3, frames: 60, scale: if crowd { 0.1 } else { 1.0 }, ..Default::default() };
+            SceneOptions { seed: 3, frames: 60, scale: if many { 0.1 } else { 1.0 }, ..Default::default() };
         let mut world = build(kind, &options);
         let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
         let mut query = Query::new();

@@ -1,5 +1,6 @@
 //! What is kept of objects from frame to frame: boxes and meshes in the layout of vectors.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
@@ -47,7 +48,10 @@ struct Seen {
 pub(super) struct Models {
     /// By object.
     seen: Vec<Option<Seen>>,
+    /// With the meshes that they are made of, so that no other one takes their address.
     models: Vec<(Arc<Mesh>, Model)>,
+    /// Numbers of models by the address of their mesh.
+    numbers: HashMap<usize, usize>,
 }
 
 impl Models {
@@ -57,6 +61,7 @@ impl Models {
             self.seen.clear();
             self.seen.resize_with(objects.len(), || None);
             self.models.clear();
+            self.numbers.clear();
         }
     }
 
@@ -84,7 +89,7 @@ impl Models {
     pub(super) fn model(&mut self, object: usize, mesh: &Arc<Mesh>) -> &Model {
         let known = self.seen[object].as_ref().filter(|s| Arc::ptr_eq(&s.mesh, mesh)).and_then(|s| s.model);
         let number = known.unwrap_or_else(|| {
-            let number = self.models.iter().position(|(m, _)| Arc::ptr_eq(m, mesh)).unwrap_or_else(|| {
+            let number = *self.numbers.entry(Arc::as_ptr(mesh) as usize).or_insert_with(|| {
                 self.models.push((mesh.clone(), Model::new(mesh)));
                 self.models.len() - 1
             });

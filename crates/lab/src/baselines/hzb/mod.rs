@@ -113,18 +113,15 @@ impl Hzb {
         visible
     }
 
-    /// Draws the objects given, none tested but those off the screen left out.
+    /// Draws the objects given, none tested: a depth buffer without any culling but of backs.
     pub fn draw_all(&mut self, objects: &[Object], given: impl IntoIterator<Item = usize>, camera: &Camera) {
         let given: Vec<usize> = given.into_iter().filter(|&i| i < objects.len()).collect();
         let screen = self.begin(objects, &given, camera);
         self.depth.clear();
-        let Self { depth, models, boxes, pen, .. } = self;
+        let Self { depth, models, pen, .. } = self;
         dispatch!(depth.level(), simd => {
-            boxes.project(simd, &screen);
-            for (&index, rect) in given.iter().zip(&boxes.rects) {
-                if !rect.is_empty() {
-                    pen.draw(simd, depth, models, &screen, index, &objects[index].shape);
-                }
+            for &index in &given {
+                pen.draw(simd, depth, models, &screen, index, &objects[index].shape);
             }
         });
     }
