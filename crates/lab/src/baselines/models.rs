@@ -55,13 +55,25 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// Forgets what belongs to another scene, which has another number of objects.
-    pub(super) fn of_scene(&mut self, objects: &[Object]) {
-        if self.seen.len() != objects.len() {
+    /// Forgets another scene, which has another number of objects; returns whether this one is new.
+    pub(super) fn of_scene(&mut self, objects: &[Object]) -> bool {
+        let is_new = self.seen.len() != objects.len();
+        if is_new {
             self.seen.clear();
             self.seen.resize_with(objects.len(), || None);
             self.models.clear();
             self.numbers.clear();
+        }
+        is_new
+    }
+
+    /// Makes the models of all occluders, so that no frame has to when it first sees one.
+    pub(super) fn prepare(&mut self, objects: &[Object]) {
+        for (i, object) in objects.iter().enumerate().filter(|(_, o)| o.occludes) {
+            if let Shape::Mesh { mesh, .. } = &object.shape {
+                self.bounds(i, &object.shape);
+                self.model(i, mesh);
+            }
         }
     }
 
@@ -85,7 +97,7 @@ impl Models {
         }
     }
 
-    /// The model of an object's mesh, made at first sight.
+    /// The model of an object's mesh, made if it is new.
     pub(super) fn model(&mut self, object: usize, mesh: &Arc<Mesh>) -> &Model {
         let known = self.seen[object].as_ref().filter(|s| Arc::ptr_eq(&s.mesh, mesh)).and_then(|s| s.model);
         let number = known.unwrap_or_else(|| {

@@ -69,6 +69,13 @@ impl Hzb {
         }
     }
 
+    /// Makes the vectors of a scene's meshes, if the scene is new. Otherwise its first frame does.
+    pub fn prepare(&mut self, objects: &[Object]) {
+        if self.models.of_scene(objects) {
+            self.models.prepare(objects);
+        }
+    }
+
     /// The buffer as the last frame left it.
     pub fn depth(&self) -> &DepthPyramid {
         &self.depth
@@ -146,7 +153,7 @@ impl Hzb {
     /// Collects the boxes.
     fn begin(&mut self, objects: &[Object], given: &[usize], camera: &Camera) -> Screen {
         self.pen.work = Work::default();
-        self.models.of_scene(objects);
+        self.prepare(objects);
         let models = &mut self.models;
         self.boxes.fill(given.iter().map(|&i| models.bounds(i, &objects[i].shape)));
         Screen::new(camera, self.depth.width(), self.depth.height())
