@@ -25,7 +25,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 1..=8192;
 )]
 struct Options {
     /// spheres, city, rooms, forest, crowd, or glTF 2.0 files (.glb), comma-separated
-    /// [default: all procedural scenes]
+    /// [default: the procedural scenes of solids]
     #[arg(long, value_delimiter = ',')]
     scene: Vec<SceneName>,
     /// How what is drawn is decided: all, frustum, point, cell, hzb or rays
@@ -84,7 +84,7 @@ fn parse_layer(text: &str) -> Result<Layer, String> {
 /// Whether all that was to be proved holds.
 fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     let scenes = match &options.scene[..] {
-        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
+        [] => SceneKind::SOLIDS.map(SceneName::Built).to_vec(),
         given => given.to_vec(),
     };
     // A proof takes minutes: what cannot be read or written is said before it.
