@@ -90,8 +90,6 @@ pub struct CellOptions {
     /// Opaque cells in sight on one side of a shell are not drawn if together they appear smaller than this, in
     /// steradians from 0 to 1 (Coorg & Teller 1997: area over squared distance). Default: 0, which draws all.
     pub min_solid_angle: f32,
-    /// Whether to keep which cells were visited and which were hidden, for pictures and tests. Default: no.
-    pub record_cells: bool,
 }
 
 impl Default for CellOptions {
@@ -103,7 +101,7 @@ impl Default for CellOptions {
 impl CellOptions {
     /// The default options, as a constant.
     pub const fn new() -> Self {
-        Self { mask_resolution: 256, min_solid_angle: 0.0, record_cells: false }
+        Self { mask_resolution: 256, min_solid_angle: 0.0 }
     }
 
     /// Sets [`CellOptions::mask_resolution`].
@@ -117,13 +115,6 @@ impl CellOptions {
     #[must_use]
     pub const fn min_solid_angle(mut self, steradians: f32) -> Self {
         self.min_solid_angle = steradians;
-        self
-    }
-
-    /// Sets [`CellOptions::record_cells`].
-    #[must_use]
-    pub const fn record_cells(mut self, record: bool) -> Self {
-        self.record_cells = record;
         self
     }
 

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use casca::internals::QueryInternals;
 use casca_lab::command_line::{make_folder, say};
 use casca_lab::world::{Camera, Shape};
 use casca_stage::canvas::{Canvas, write_png};

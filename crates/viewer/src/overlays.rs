@@ -2,9 +2,8 @@
 
 use std::thread::{self, JoinHandle};
 
-use casca::matrix::BitMatrix;
-use casca::reference::{Cap, occlusion_by_caps};
-use casca::{CellOptions, Query, Scene};
+use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
+use casca::{Method, Query, Scene};
 use casca_lab::drive::view_of;
 use casca_lab::world::{Camera, Object, Shape};
 use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
@@ -143,7 +142,7 @@ impl Overlays {
     fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
         let query = match self.frustum.take() {
             Some(query) => query,
-            None => Query::with_method(casca::Method::Frustum)?,
+            None => Query::with_method(Method::Frustum)?,
         };
         let query = self.frustum.insert(query);
         for id in query.run(frame.scene, &view_of(&frame.camera)?).visible() {
@@ -155,12 +154,12 @@ impl Overlays {
     }
 
     fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let recorded = casca::Method::Cell(CellOptions::default().record_cells(true));
         let query = match self.recorder.take() {
             Some(query) => query,
-            None => Query::with_method(recorded)?,
+            None => Query::with_method(Method::cell())?,
         };
         let query = self.recorder.insert(query);
+        query.record_cells(true);
         query.run(frame.scene, &view_of(&frame.camera)?);
         let grid = frame.scene.grid();
         let level = grid.cell_of(frame.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1);
