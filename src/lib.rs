@@ -17,7 +17,47 @@
 //!
 //! - `internals`: the module `internals` with the matrices, recorded cells and occlusion buffers, for pictures and tests.
 //!   Its names may change in any release.
+//! - `serde`: options, shapes and descriptions of objects are read and written with [serde](https://serde.rs), see below.
 //! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel.
+//!
+//! # Storing
+//!
+//! With the feature `serde`, these are `Serialize` and `Deserialize`:
+//!
+//! - options ([`Method`], [`CellOptions`], [`PointOptions`], [`MeshOptions`], [`DrawOptions`]). Fields that a file lacks have
+//!   their defaults, and fields that are not known are passed over, so that files of other versions are read. Ranges are
+//!   checked where options are used, as by [`Query::set_method`];
+//! - the [grid](GridSpec), which [`Scene::new`] checks;
+//! - shapes ([`Aabb`], [`Sphere`], [`Obb`], [`Plane`], [`Convex`]). Shapes that a scene would refuse are not read, and
+//!   the error says why: those that are not finite, inverted, negative, flat or without direction. A convex solid is stored
+//!   by its corners. Reading one makes its faces anew at the cost of [`Convex::from_points`], and may order its corners
+//!   anew; it lies inside the solid stored;
+//! - [`Bounds`], [`Occluder`], [`Motion`], [`Reports`] and [`ObjectDesc`]. A description that [`Scene::insert`] would refuse is
+//!   neither written nor read.
+//!
+//! Meshes are left out: a [`TriMesh`] is shared by objects, and has a file format of its own ([`TriMesh::write`]). To
+//! serialise bounds or occluders that are meshes or instances is an error. Ids, scenes and results are not stored.
+//!
+//! ```
+//! # #[cfg(feature = "serde")] {
+//! use casca::{Method, ObjectDesc, PointOptions};
+//!
+//! # fn main() -> Result<(), serde_json::Error> {
+//! let wall: ObjectDesc = serde_json::from_str(
+//!     r#"{
+//!         "bounds": { "box": { "min": [0, 0, 30], "max": [64, 16, 33] } },
+//!         "occluder": { "box": { "min": [0, 0, 30], "max": [64, 16, 33] } },
+//!         "motion": "static"
+//!     }"#,
+//! )?;
+//! let method: Method = serde_json::from_str(r#"{ "point": { "pixel_degrees": 0.1 } }"#)?;
+//! assert_eq!(method, Method::Point(PointOptions::new().pixel_degrees(0.1)));
+//! # let _ = wall;
+//! # Ok(())
+//! # }
+//! # main().unwrap();
+//! # }
+//! ```
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 // Some functions serve `internals` only. With all features, the lint finds those that serve nothing.

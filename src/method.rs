@@ -16,6 +16,7 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Method {
     /// The objects whose bounds may meet the frustum, hidden or not. Costs all objects of the scene.
     Frustum,
@@ -83,6 +84,7 @@ impl Method {
 /// Options of [`Method::Cell`]. None of them can hide an object that can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct CellOptions {
     /// Directions along each side of the view cube: a power of two from 64 to 4096. The six masks have this
     /// many bits squared each. Finer masks hide more and cost more. Default: 256.
@@ -132,6 +134,7 @@ impl CellOptions {
 /// Options of [`Method::Point`]. Each trades speed for tightness; none of them can hide an object that can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct PointOptions {
     /// Occluders that appear smaller than this are not drawn, in steradians from 0 to 1 (Coorg & Teller
     /// 1997: area over squared distance; for parallel rays their area in square world units counts instead).

@@ -6,6 +6,7 @@ use crate::object::{Bounds, Occluder};
 
 /// When the application tells of the motion of a dynamic object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
@@ -20,6 +21,7 @@ pub enum Reports {
 
 /// Whether an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Motion {
     /// Stays where it is. It can still be updated, at the cost of taking it
     /// out of the static matrices and putting it back.
@@ -29,6 +31,7 @@ pub enum Motion {
         /// Greatest speed of any point in world units per second, if known.
         max_speed: Option<f32>,
         /// When its motion is reported.
+        #[cfg_attr(feature = "serde", serde(default))]
         reports: Reports,
     },
 }

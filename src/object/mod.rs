@@ -4,6 +4,8 @@ mod bounds;
 mod desc;
 mod kinds;
 mod occluder;
+#[cfg(feature = "serde")]
+mod stored;
 mod union;
 
 pub use bounds::Bounds;

@@ -4,6 +4,8 @@ mod cells;
 mod hull;
 mod kind;
 mod planes;
+#[cfg(feature = "serde")]
+pub(crate) mod stored;
 #[cfg(test)]
 mod tests;
 

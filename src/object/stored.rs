@@ -1,0 +1,42 @@
+//! Descriptions of objects with serde. A scene would refuse the descriptions that are refused here.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
+
+use crate::object::{Bounds, Motion, ObjectDesc, Occluder};
+
+/// A description as it is stored.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "ObjectDesc")]
+struct Fields<'a> {
+    bounds: Cow<'a, Bounds>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    occluder: Option<Cow<'a, Occluder>>,
+    motion: Motion,
+    #[serde(default)]
+    user_data: u64,
+}
+
+impl Serialize for ObjectDesc {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.check().map_err(ser::Error::custom)?;
+        let fields = Fields {
+            bounds: Cow::Borrowed(&self.bounds),
+            occluder: self.occluder.as_ref().map(Cow::Borrowed),
+            motion: self.motion,
+            user_data: self.user_data,
+        };
+        fields.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ObjectDesc {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Fields { bounds, occluder, motion, user_data } = Fields::deserialize(deserializer)?;
+        let occluder = occluder.map(Cow::into_owned);
+        let desc = Self { bounds: bounds.into_owned(), occluder, motion, contradicts: false, user_data };
+        desc.check().map_err(de::Error::custom)?;
+        Ok(desc)
+    }
+}
