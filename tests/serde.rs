@@ -125,6 +125,7 @@ fn descriptions_come_back_and_make_the_same_cells() {
         ObjectDesc::fixed(around).occluder(turned).user_data(u64::MAX),
         ObjectDesc::dynamic(around).occluder(Arc::new(cube())).max_speed(3.0).reported_on_expiry(),
         ObjectDesc::dynamic(turned),
+        ObjectDesc::dynamic(around).occluder(around).placed(Affine3A::from_rotation_x(0.3)),
         ObjectDesc::fixed(around).occluder(Sphere::new(Vec3::ONE, 2.0)),
     ];
     for desc in descs {
@@ -158,6 +159,8 @@ fn descriptions_that_no_scene_takes_are_refused_both_ways() {
     let silent = r#"{"dynamic": {"reports": "on_expiry"}}"#;
     refused::<ObjectDesc>(&text(silent, "null"), "needs a greatest speed");
     refused::<ObjectDesc>(&text(r#"{"dynamic": {"max_speed": -1}}"#, "null"), "must not be negative");
+    let flat = r#"null, "transform": [1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]"#;
+    refused::<ObjectDesc>(&text(r#""static""#, flat), "must scale all axes alike");
 }
 
 /// Meshes have a file format of their own, and are shared: see `TriMesh::write`.

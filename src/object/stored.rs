@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use glam::Affine3A;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 
 use crate::object::{Bounds, Motion, ObjectDesc, Occluder};
@@ -16,16 +17,19 @@ struct Fields<'a> {
     motion: Motion,
     #[serde(default)]
     user_data: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    transform: Option<Affine3A>,
 }
 
 impl Serialize for ObjectDesc {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.check().map_err(ser::Error::custom)?;
+        self.check().and_then(|()| self.clone().place()).map_err(ser::Error::custom)?;
         let fields = Fields {
             bounds: Cow::Borrowed(&self.bounds),
             occluder: self.occluder.as_ref().map(Cow::Borrowed),
             motion: self.motion,
             user_data: self.user_data,
+            transform: self.transform,
         };
         fields.serialize(serializer)
     }
@@ -33,10 +37,11 @@ impl Serialize for ObjectDesc {
 
 impl<'de> Deserialize<'de> for ObjectDesc {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Fields { bounds, occluder, motion, user_data } = Fields::deserialize(deserializer)?;
+        let Fields { bounds, occluder, motion, user_data, transform } = Fields::deserialize(deserializer)?;
         let occluder = occluder.map(Cow::into_owned);
-        let desc = Self { bounds: bounds.into_owned(), occluder, motion, contradicts: false, user_data };
-        desc.check().map_err(de::Error::custom)?;
+        let bounds = bounds.into_owned();
+        let desc = Self { bounds, occluder, motion, contradicts: false, user_data, transform };
+        desc.check().and_then(|()| desc.clone().place()).map_err(de::Error::custom)?;
         Ok(desc)
     }
 }

@@ -1,10 +1,10 @@
 //! Changing the objects of a scene.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
 use crate::id::ObjectId;
-use crate::object::{Bounds, ObjectDesc, Occluder, check_pair};
+use crate::object::{Bounds, ObjectDesc, Occluder, check_pair, instances_at};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 
@@ -19,11 +19,12 @@ impl Scene {
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
     /// by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed
-    /// objects, and more than 2^31 objects.
+    /// objects, and more than 2^31 objects; also transforms that [`Scene::set_transform`] would refuse.
     pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
+        let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let slot = self.slots.insert(Object::new(desc, self.now, self.moves))?;
+        let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
         self.exchange_occluder(slot, occluder);
         self.list(slot);
@@ -40,7 +41,8 @@ impl Scene {
     ///
     /// A hidden object that stays inside its volume costs a comparison; others
     /// cost the cells that they enter or leave. For an object that is reported on
-    /// expiry this is the report, also where nothing changed.
+    /// expiry this is the report, also where nothing changed. An object that was
+    /// [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without
@@ -57,19 +59,66 @@ impl Scene {
         if occluder.is_none() && object.occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
+        self.slots.object_mut(id.slot).placed = None;
         self.report(id.slot, bounds, occluder);
         Ok(())
     }
 
     /// Gives an object another occluder, or takes away the one that it has. Its bounds stay.
     ///
-    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry, and an object that
+    /// was [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
         let bounds = self.bounds(id)?.clone();
         check_pair(&bounds, occluder.as_ref())?;
+        self.slots.object_mut(id.slot).placed = None;
+        self.report(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Moves a placed object: its bounds and its occluder together. `transform` leads from the space of its shapes to
+    /// world space, wherever the object was before.
+    ///
+    /// For objects that were described with [`ObjectDesc::placed`], and for objects whose bounds are an
+    /// [`Instance`](crate::Instance) of a mesh and whose occluder, if they have one, is an instance under the same
+    /// transform. Costs as [`Scene::update`], and the corners of the shapes; like that it is the report of an
+    /// object that is reported on expiry.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use casca::{GridSpec, Instance, ObjectDesc, Scene, TriMesh};
+    /// use glam::{Affine3A, UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+    /// let leaf = Instance::new(Arc::new(leaf), Affine3A::from_translation(Vec3::splat(8.0)))?;
+    /// let leaf = scene.insert(ObjectDesc::dynamic(leaf.clone()).occluder(leaf))?;
+    /// let turned = Affine3A::from_rotation_y(0.5) * Affine3A::from_scale(Vec3::new(1.0, 3.0, 1.0));
+    /// scene.set_transform(leaf, turned)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, objects that are not placed ([`Error::NotPlaced`]), transforms
+    /// that are not finite or lead to coordinates that are not in single precision, and transforms of spheres that do not
+    /// scale all axes alike. The object then stays where it is.
+    pub fn set_transform(&mut self, id: ObjectId, transform: Affine3A) -> Result<(), Error> {
+        let object = self.find(id)?;
+        let (bounds, occluder) = match &object.placed {
+            Some(placed) => placed.at(transform)?,
+            None => {
+                instances_at(object.bounds(), object.occluder(), transform)?.ok_or(Error::NotPlaced(id))?
+            }
+        };
+        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+            placed.transform = transform;
+        }
         self.report(id.slot, bounds, occluder);
         Ok(())
     }
@@ -83,6 +132,10 @@ impl Scene {
     pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
         let object = self.find(id)?;
+        if let Some(mut transform) = object.placed.as_ref().map(|placed| placed.transform) {
+            transform.translation += Vec3A::from(offset);
+            return self.set_transform(id, transform);
+        }
         let refused = || Error::FixedMesh(id);
         let bounds = object.bounds().moved(offset)?.ok_or_else(refused)?;
         let occluder = match object.occluder() {

@@ -1,7 +1,7 @@
 //! What a scene stores of each object.
 
 use crate::geometry::Block;
-use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
+use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
 
@@ -12,6 +12,8 @@ pub(crate) struct Object {
     pub(super) occluder: Option<Occluder>,
     pub(super) motion: Motion,
     pub(super) user_data: u64,
+    /// Its shapes in its own space, if it is placed by a transform.
+    pub(super) placed: Option<Box<Placed>>,
     state: State,
     pub(super) validity: Validity,
     /// Whether its cells are in I; objects with too many cells are not.
@@ -26,12 +28,13 @@ pub(crate) struct Object {
 
 impl Object {
     /// A listed object as described, but without its occluder: the scene adds that.
-    pub(super) fn new(desc: ObjectDesc, now: f64, moved: u64) -> Self {
+    pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, now: f64, moved: u64) -> Self {
         Self {
             bounds: desc.bounds,
             occluder: None,
             motion: desc.motion,
             user_data: desc.user_data,
+            placed: placed.map(Box::new),
             state: State::Listed,
             validity: Validity::first(),
             in_cells: false,

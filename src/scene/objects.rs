@@ -1,10 +1,10 @@
 //! Reading the objects of a scene: one by its id, or all of them.
 
-use glam::DVec3;
+use glam::{Affine3A, DVec3};
 
 use crate::error::Error;
 use crate::id::ObjectId;
-use crate::object::{Bounds, Motion, Occluder};
+use crate::object::{Bounds, Motion, Occluder, transform_of_instances};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 use crate::scene::state::State;
@@ -81,6 +81,16 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn occluder(&self, id: ObjectId) -> Result<Option<&Occluder>, Error> {
         self.find(id).map(Object::occluder)
+    }
+
+    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for other objects.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn transform(&self, id: ObjectId) -> Result<Option<Affine3A>, Error> {
+        let object = self.find(id)?;
+        let own = object.placed.as_ref().map(|placed| placed.transform);
+        Ok(own.or_else(|| transform_of_instances(object.bounds(), object.occluder())))
     }
 
     /// The corners of the temporal bounding volume that an object is in, in world units; `None` if it is in none.
