@@ -126,7 +126,7 @@ fn descriptions_come_back_and_make_the_same_cells() {
         ObjectDesc::dynamic(around).occluder(Arc::new(cube())).max_speed(3.0).reported_on_expiry(),
         ObjectDesc::dynamic(turned),
         ObjectDesc::dynamic(around).occluder(around).placed(Affine3A::from_rotation_x(0.3)),
-        ObjectDesc::fixed(around).occluder(Sphere::new(Vec3::ONE, 2.0)),
+        ObjectDesc::fixed(around).occluder(Sphere::new(Vec3::ONE, 2.0)).layers(6),
     ];
     for desc in descs {
         let text = to_string(&desc).unwrap();
@@ -135,7 +135,7 @@ fn descriptions_come_back_and_make_the_same_cells() {
         assert!(to_string(&again).unwrap() == text || text.contains("convex"), "{text}");
         let (mut a, mut b) = (Scene::new(&grid).unwrap(), Scene::new(&grid).unwrap());
         let (id, copy) = (a.insert(desc).unwrap(), b.insert(again).unwrap());
-        assert_eq!(a.user_data(id), b.user_data(copy));
+        assert_eq!((a.user_data(id), a.layers(id)), (b.user_data(copy), b.layers(copy)));
         let state =
             |s: &Scene| (s.static_opacity().count(), s.dynamic_opacity().count(), s.id_matrix().entries());
         assert_eq!(state(&a), state(&b));

@@ -38,6 +38,9 @@ pub enum Motion {
     },
 }
 
+/// The mask of an object on all layers.
+pub(crate) const ALL_LAYERS: u32 = u32::MAX;
+
 /// An object to insert into a scene.
 ///
 /// ```
@@ -57,6 +60,8 @@ pub struct ObjectDesc {
     /// Whether a speed or a way of reports was given for an object that does not move.
     pub(crate) contradicts: bool,
     pub(crate) user_data: u64,
+    /// The layers that it is on, a bit for each.
+    pub(crate) layers: u32,
     /// From the space of the shapes to world space, if they are not in the latter.
     pub(crate) transform: Option<Affine3A>,
 }
@@ -74,7 +79,15 @@ impl ObjectDesc {
     }
 
     fn with_motion(bounds: Bounds, motion: Motion) -> Self {
-        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0, transform: None }
+        Self {
+            bounds,
+            occluder: None,
+            motion,
+            contradicts: false,
+            user_data: 0,
+            layers: ALL_LAYERS,
+            transform: None,
+        }
     }
 
     /// Lets the object hide others. The occluder must lie inside the object's
@@ -112,6 +125,17 @@ impl ObjectDesc {
     #[must_use]
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
+        self
+    }
+
+    /// Puts the object on some layers only, a bit for each: it is shown by the views whose
+    /// [mask](crate::View::with_layers) has a bit in common with these. Without this call it is on all layers.
+    ///
+    /// An object that is not on all layers hides nothing, whatever its occluder: opaque cells are shared by the
+    /// views of all layers. On no layer (0) it is shown by no view.
+    #[must_use]
+    pub fn layers(mut self, mask: u32) -> Self {
+        self.layers = mask;
         self
     }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::Affine3A;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 
-use crate::object::{Bounds, Motion, ObjectDesc, Occluder};
+use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder};
 
 /// A description as it is stored.
 #[derive(Serialize, Deserialize)]
@@ -17,8 +17,14 @@ struct Fields<'a> {
     motion: Motion,
     #[serde(default)]
     user_data: u64,
+    #[serde(default = "all_layers")]
+    layers: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     transform: Option<Affine3A>,
+}
+
+fn all_layers() -> u32 {
+    ALL_LAYERS
 }
 
 impl Serialize for ObjectDesc {
@@ -29,6 +35,7 @@ impl Serialize for ObjectDesc {
             occluder: self.occluder.as_ref().map(Cow::Borrowed),
             motion: self.motion,
             user_data: self.user_data,
+            layers: self.layers,
             transform: self.transform,
         };
         fields.serialize(serializer)
@@ -37,10 +44,11 @@ impl Serialize for ObjectDesc {
 
 impl<'de> Deserialize<'de> for ObjectDesc {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Fields { bounds, occluder, motion, user_data, transform } = Fields::deserialize(deserializer)?;
+        let Fields { bounds, occluder, motion, user_data, layers, transform } =
+            Fields::deserialize(deserializer)?;
         let occluder = occluder.map(Cow::into_owned);
         let bounds = bounds.into_owned();
-        let desc = Self { bounds, occluder, motion, contradicts: false, user_data, transform };
+        let desc = Self { bounds, occluder, motion, contradicts: false, user_data, layers, transform };
         desc.check().and_then(|()| desc.clone().place()).map_err(de::Error::custom)?;
         Ok(desc)
     }

@@ -174,7 +174,7 @@ impl Query {
 /// Fills the set with the objects whose bounds may intersect the frustum.
 fn run_frustum(scene: &Scene, view: &View, pvs: &mut Pvs) {
     pvs.revision = scene.moves();
-    for (slot, object) in scene.living() {
+    for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {
         pvs.stats.objects_tested += 1;
         let seen = match object.unreported_volume() {
             Some(volume) => view.may_see_volume(volume),

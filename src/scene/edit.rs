@@ -26,6 +26,7 @@ impl Scene {
         let occluder = desc.occluder.take();
         let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
+        let occluder = self.slots.object_mut(slot).keep_idle(occluder);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
         Ok(self.id(slot))
@@ -56,7 +57,7 @@ impl Scene {
         let bounds = bounds.into();
         check_pair(&bounds, occluder.as_ref())?;
         let object = self.find(id)?;
-        if occluder.is_none() && object.occluder().is_some() {
+        if occluder.is_none() && object.given_occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
         self.slots.object_mut(id.slot).placed = None;
@@ -112,9 +113,8 @@ impl Scene {
         let object = self.find(id)?;
         let (bounds, occluder) = match &object.placed {
             Some(placed) => placed.at(transform)?,
-            None => {
-                instances_at(object.bounds(), object.occluder(), transform)?.ok_or(Error::NotPlaced(id))?
-            }
+            None => instances_at(object.bounds(), object.given_occluder(), transform)?
+                .ok_or(Error::NotPlaced(id))?,
         };
         if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
             placed.transform = transform;
@@ -138,7 +138,7 @@ impl Scene {
         }
         let refused = || Error::FixedMesh(id);
         let bounds = object.bounds().moved(offset)?.ok_or_else(refused)?;
-        let occluder = match object.occluder() {
+        let occluder = match object.given_occluder() {
             Some(occluder) => Some(occluder.moved(offset)?.ok_or_else(refused)?),
             None => None,
         };
@@ -152,6 +152,28 @@ impl Scene {
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
         self.find(id)?;
         self.slots.object_mut(id.slot).user_data = user_data;
+        Ok(())
+    }
+
+    /// Puts an object on other layers: see [`ObjectDesc::layers`]. Results that were found before do not hold any more.
+    ///
+    /// It is no report for an object that is reported on expiry. Costs one look-up; where the object starts or
+    /// stops to hide others, the cells that its occluder fills.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn set_layers(&mut self, id: ObjectId, mask: u32) -> Result<(), Error> {
+        let occluder = self.find(id)?.given_occluder().cloned();
+        let object = self.slots.object_mut(id.slot);
+        if object.layers == mask {
+            return Ok(());
+        }
+        object.layers = mask;
+        let occluder = object.keep_idle(occluder);
+        self.revision += 1;
+        if occluder.is_some() != self.object(id.slot).occluder().is_some() {
+            self.change_occluder(id.slot, occluder);
+        }
         Ok(())
     }
 

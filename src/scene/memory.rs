@@ -57,7 +57,7 @@ impl Scene {
         let mut counted = HashSet::new();
         let mut once = |at: *const u8, bytes: usize| if counted.insert(at) { bytes } else { 0 };
         let shared = self.living().flat_map(|(_, object)| {
-            let occluder = object.occluder().and_then(Occluder::shared);
+            let occluder = object.given_occluder().and_then(Occluder::shared);
             let own = object.placed.iter().flat_map(|placed| {
                 let occluder = placed.occluder.as_ref().and_then(Occluder::shared);
                 placed.bounds.shared().into_iter().chain(occluder)
