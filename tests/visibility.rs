@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use casca::internals::SceneInternals;
 use casca::{
     Bounds, CellOptions, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder,
     PointOptions, Query, Scene, Sphere, View,

@@ -7,6 +7,8 @@ pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;
 pub(crate) mod primitives;
+#[cfg(feature = "serde")]
+mod stored;
 
 pub(crate) use block::Block;
 pub use plane::Plane;

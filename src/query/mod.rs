@@ -42,6 +42,8 @@ pub struct Query {
     marks: Marks,
     cell: CellScratch,
     point: PointScratch,
+    /// Whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
+    record: bool,
     visited: Option<BitMatrix>,
     hidden: Option<OcclusionMatrix>,
     pub(crate) shadows: ReceiverScratch,
@@ -62,6 +64,7 @@ impl Query {
             marks: Marks::default(),
             cell: CellScratch::new(CellOptions::default().mask_resolution),
             point: PointScratch::default(),
+            record: false,
             visited: None,
             hidden: None,
             shadows: ReceiverScratch::default(),
@@ -120,7 +123,7 @@ impl Query {
             Method::Cell(options) => {
                 pvs.revision = scene.revision();
                 let dims = scene.grid().dims();
-                let record = options.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
+                let record = self.record.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
@@ -166,29 +169,26 @@ impl Query {
         &self.pvs
     }
 
-    /// The cells that the last run of [`Method::Cell`] found hidden (H), if [`CellOptions::record_cells`] was set.
-    ///
-    /// Cells behind the last shell of the walk are hidden too, and not in it.
-    pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
-        self.hidden.as_ref()
+    /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
+    pub(crate) fn record_cells(&mut self, record: bool) {
+        self.record = record;
     }
 
-    /// The occlusion buffers of the last run of [`Method::Point`] as images, for debugging. Costs their pixels.
-    pub fn occlusion_images(&self) -> Vec<OcclusionImage> {
+    /// The cells visited and those found hidden by the last run, if they were recorded.
+    pub(crate) fn recorded(&self) -> (Option<&BitMatrix>, Option<&OcclusionMatrix>) {
+        (self.visited.as_ref(), self.hidden.as_ref())
+    }
+
+    /// The occlusion buffers of the last run of [`Method::Point`] as images.
+    pub(crate) fn occlusion_images(&self) -> Vec<OcclusionImage> {
         self.point.buffers.images()
-    }
-
-    /// The cells inside the frustum that the last run of [`Method::Cell`] visited, if [`CellOptions::record_cells`] was
-    /// set.
-    pub fn visited_cells(&self) -> Option<&BitMatrix> {
-        self.visited.as_ref()
     }
 }
 
 /// Fills the set with the objects whose bounds may intersect the frustum.
 fn run_frustum(scene: &Scene, view: &View, pvs: &mut Pvs) {
     pvs.revision = scene.moves();
-    for (slot, object) in scene.living() {
+    for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {
         pvs.stats.objects_tested += 1;
         let seen = match object.unreported_volume() {
             Some(volume) => view.may_see_volume(volume),

@@ -37,7 +37,14 @@ impl View {
             let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
             let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
-            let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+            let region = Self {
+                origin: self.origin,
+                planes,
+                cutting: 0,
+                widened: 0.0,
+                ordered: false,
+                layers: self.layers,
+            };
             let corners = region.corners(min, max);
             let block = corners.iter().fold(None, |b: Option<Block>, &c| {
                 Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
@@ -51,7 +58,14 @@ impl View {
         let Origin::Eye { at, error } = self.origin else { return None };
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
         let planes = axes.map(|n| HalfSpace { normal: n, offset: error - n.dot(at) }).collect();
-        let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+        let region = Self {
+            origin: self.origin,
+            planes,
+            cutting: 0,
+            widened: 0.0,
+            ordered: false,
+            layers: self.layers,
+        };
         (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
     }
 }

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use casca::internals::QueryInternals;
 use casca_lab::command_line::{make_folder, say};
 use casca_lab::world::Camera;
 use casca_stage::animation::write_animation;

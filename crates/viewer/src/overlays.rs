@@ -2,9 +2,8 @@
 
 use std::thread::{self, JoinHandle};
 
-use casca::matrix::BitMatrix;
-use casca::reference::{Cap, occlusion_by_caps};
-use casca::{CellOptions, Query, Scene};
+use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
+use casca::{Method, Query, Scene};
 use casca_lab::drive::view_of;
 use casca_lab::pictures::palette::{self, rgba};
 use casca_lab::world::{Camera, Object, Shape};
@@ -181,7 +180,7 @@ impl Overlays {
     pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
         let query = match self.frustum.take() {
             Some(query) => query,
-            None => Query::with_method(casca::Method::Frustum)?,
+            None => Query::with_method(Method::Frustum)?,
         };
         let query = self.frustum.insert(query);
         let found = query.run(scene, &view_of(camera)?).visible();
@@ -191,12 +190,12 @@ impl Overlays {
     }
 
     fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let recorded = casca::Method::Cell(CellOptions::default().record_cells(true));
         let query = match self.recorder.take() {
             Some(query) => query,
-            None => Query::with_method(recorded)?,
+            None => Query::with_method(Method::cell())?,
         };
         let query = self.recorder.insert(query);
+        query.record_cells(true);
         query.run(frame.scene, &view_of(&frame.camera)?);
         let grid = frame.scene.grid();
         let level = grid.cell_of(frame.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1);

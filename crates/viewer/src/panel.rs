@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca::OcclusionImage;
+use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
 use casca_stage::gpu::Gpu;

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
+use casca::internals::QueryInternals;
 use casca_lab::command_line::SceneName;
 use casca_lab::scenes::{SceneKind, SceneOptions};
 use casca_lab::world::{Camera, FRAME_SECONDS};
