@@ -130,7 +130,7 @@ impl View {
     /// Normals have length 1.
     pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
         let origin = Origin::Eye { at: eye, error: 0.0 };
-        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false }
+        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false, layers: u32::MAX }
     }
 
     /// Whether it is known where rays start.
