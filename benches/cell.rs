@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
+use casca::internals::{SceneInternals, occlusion_by_caps, occlusion_by_lattice};
 use casca::{CellOptions, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::measure::{Settled, median, ratio};

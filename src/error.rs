@@ -118,6 +118,23 @@ pub enum Error {
     /// A mesh in world space, which an offset cannot move.
     #[error("{0} has a mesh in world space: what moves is an Instance of a mesh")]
     FixedMesh(ObjectId),
+    /// An object whose shapes are where the application put them, and not at a transform.
+    #[error(
+        "{0} is not placed by a transform: describe it with ObjectDesc::placed, or by instances of meshes"
+    )]
+    NotPlaced(ObjectId),
+    /// A sphere under a transform that does not scale all axes alike.
+    #[error("{what} must be a sphere: the transform must scale all axes alike, with no shear")]
+    SphereScale {
+        /// The shape.
+        what: &'static str,
+    },
+    /// An instance of a mesh in a description that has a transform of its own.
+    #[error("{what} must have one transform: give the mesh, not an instance of it")]
+    PlacedTwice {
+        /// The shape.
+        what: &'static str,
+    },
     /// The matrix has no inverse, or does not describe a camera.
     #[error("the view-projection matrix is not a camera's: {0}")]
     Matrix(&'static str),
@@ -279,6 +296,9 @@ codes!(
     OccluderOutside => "occluder-outside",
     OccluderMissing => "occluder-missing",
     FixedMesh => "fixed-mesh",
+    NotPlaced => "not-placed",
+    SphereScale => "sphere-scale",
+    PlacedTwice => "placed-twice",
     Matrix => "matrix",
     EyeMismatch => "eye-mismatch",
     Plane => "plane",

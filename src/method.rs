@@ -16,6 +16,7 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Method {
     /// The objects whose bounds may meet the frustum, hidden or not. Costs all objects of the scene.
     Frustum,
@@ -83,6 +84,7 @@ impl Method {
 /// Options of [`Method::Cell`]. None of them can hide an object that can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct CellOptions {
     /// Directions along each side of the view cube: a power of two from 64 to 4096. The six masks have this
     /// many bits squared each. Finer masks hide more and cost more. Default: 256.
@@ -90,8 +92,6 @@ pub struct CellOptions {
     /// Opaque cells in sight on one side of a shell are not drawn if together they appear smaller than this, in
     /// steradians from 0 to 1 (Coorg & Teller 1997: area over squared distance). Default: 0, which draws all.
     pub min_solid_angle: f32,
-    /// Whether to keep which cells were visited and which were hidden, for pictures and tests. Default: no.
-    pub record_cells: bool,
 }
 
 impl Default for CellOptions {
@@ -103,7 +103,7 @@ impl Default for CellOptions {
 impl CellOptions {
     /// The default options, as a constant.
     pub const fn new() -> Self {
-        Self { mask_resolution: 256, min_solid_angle: 0.0, record_cells: false }
+        Self { mask_resolution: 256, min_solid_angle: 0.0 }
     }
 
     /// Sets [`CellOptions::mask_resolution`].
@@ -117,13 +117,6 @@ impl CellOptions {
     #[must_use]
     pub const fn min_solid_angle(mut self, steradians: f32) -> Self {
         self.min_solid_angle = steradians;
-        self
-    }
-
-    /// Sets [`CellOptions::record_cells`].
-    #[must_use]
-    pub const fn record_cells(mut self, record: bool) -> Self {
-        self.record_cells = record;
         self
     }
 
@@ -141,6 +134,7 @@ impl CellOptions {
 /// Options of [`Method::Point`]. Each trades speed for tightness; none of them can hide an object that can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct PointOptions {
     /// Occluders that appear smaller than this are not drawn, in steradians from 0 to 1 (Coorg & Teller
     /// 1997: area over squared distance; for parallel rays their area in square world units counts instead).

@@ -74,6 +74,8 @@ pub struct Pvs {
     pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
+    /// Whether objects of the view were left out that cast no shadow onto any receiver.
+    pub(crate) partial: bool,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,
     /// The eye's cell.
@@ -93,6 +95,7 @@ impl Pvs {
             moves: 0,
             method: Method::Frustum,
             aggressive: false,
+            partial: false,
             view: None,
             cell: None,
             viewer: None,

@@ -2,7 +2,8 @@
 //!
 //! Half-spaces are checked in whole numbers, hulls by rays through all triangles of three points.
 
-use casca::{Convex, Error, Plane, Shape};
+use casca::internals::Shape;
+use casca::{Convex, Error, Plane};
 use glam::{DVec3, Vec3};
 
 /// Solids made from points or planes may lack this share of their size (documented), with room for rounding.

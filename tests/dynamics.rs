@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 
+use casca::internals::SceneInternals;
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_lab::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use casca::internals::SceneInternals;
 use casca::{
     Aabb, Error, GridSpec, Instance, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, TriMesh, View,
 };

@@ -1,8 +1,9 @@
 //! Hidden cells: the masks against the lattice rule, the caps of the thesis
 //! and rays from random points of the viewer's cell.
 
-use casca::matrix::{BitMatrix, OcclusionMatrix};
-use casca::reference::{occlusion_by_caps, occlusion_by_lattice};
+use casca::internals::{
+    BitMatrix, OcclusionMatrix, QueryInternals, SceneInternals, occlusion_by_caps, occlusion_by_lattice,
+};
 use casca::{Aabb, CellOptions, GridSpec, Method, ObjectDesc, Query, Scene, View};
 use casca_lab::cases;
 use glam::{DVec3, IVec3, Vec3};
@@ -20,8 +21,9 @@ fn scene_of(dims: IVec3, blocks: &[(IVec3, IVec3)]) -> Scene {
 }
 
 fn hidden_by_masks(scene: &Scene, viewer: IVec3, resolution: u32) -> OcclusionMatrix {
-    let options = CellOptions::default().mask_resolution(resolution).record_cells(true);
+    let options = CellOptions::default().mask_resolution(resolution);
     let mut query = Query::with_method(Method::Cell(options)).unwrap();
+    query.record_cells(true);
     query.run(scene, &View::omnidirectional(viewer.as_vec3() + 0.5).unwrap());
     assert!(!query.pvs().stats().eye_in_occluder);
     let mut hidden = query.hidden_cells().unwrap().clone();

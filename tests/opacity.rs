@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use casca::internals::SceneInternals;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Plane, Query, Scene, Sphere, TriMesh, View};
 use glam::{UVec3, Vec3};
 

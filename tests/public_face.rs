@@ -1,12 +1,13 @@
 //! What applications rely on beside the sets: types that cross threads, ids, keys and the data of objects.
 
-use casca::matrix::{BitMatrix, IdMatrix, TbvMatrix};
-use casca::reference::{Cap, CapPolygon};
+use casca::internals::{
+    BitMatrix, Cap, CapPolygon, CellRun, IdMatrix, OcclusionImage, SceneInternals, TbvMatrix,
+};
 use casca::{
-    Aabb, AggressiveOpacity, Bounds, CellOptions, CellRun, Convex, DrawItem, DrawOptions, Error, Facing,
-    FileError, FrameReport, Grid, GridSpec, Instance, MemoryUse, MeshOptions, Method, Motion, Obb,
-    ObjectDesc, ObjectId, ObjectRef, Occluder, OcclusionImage, Plane, PointOptions, Pvs, PvsChanges, Query,
-    Reports, Scene, Sphere, Stats, TriMesh, View,
+    Aabb, AggressiveOpacity, Bounds, CellOptions, Convex, DrawItem, DrawOptions, Error, Facing, FileError,
+    FrameReport, Grid, GridSpec, Instance, MemoryUse, MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId,
+    ObjectRef, Occluder, Plane, PointOptions, Pvs, PvsChanges, Query, Reports, Scene, Sphere, Stats, TriMesh,
+    View,
 };
 use glam::camera::rh::{proj, view::look_at_mat4};
 use glam::{UVec3, Vec3};
@@ -224,8 +225,8 @@ fn options_are_built_in_one_expression() {
     let numbers = (point.min_pixels, point.max_occluders, point.refine_squares, point.refine_depth);
     assert_eq!((angle, pixel, numbers), (0.1, 0.5, (1, 2, 3, 4)));
     assert_eq!((point.refine_budget, point.refine_patches), (5, 6));
-    let cell = CellOptions::new().mask_resolution(64).min_solid_angle(0.2).record_cells(true);
-    assert_eq!((cell.mask_resolution, cell.min_solid_angle, cell.record_cells), (64, 0.2, true));
+    let cell = CellOptions::new().mask_resolution(64).min_solid_angle(0.2);
+    assert_eq!((cell.mask_resolution, cell.min_solid_angle), (64, 0.2));
     let mesh = MeshOptions::default().tolerance(0.5).min_radius(0.25).max_angle(30.0);
     let mesh = mesh.facing(Facing::Front).occludes(false);
     assert_eq!((mesh.tolerance, mesh.min_radius, mesh.max_angle), (Some(0.5), Some(0.25), Some(30.0)));
@@ -237,6 +238,16 @@ fn options_are_built_in_one_expression() {
     assert_eq!((query.method(), query.method().name()), (Method::Cell(cell), "cell"));
     assert!(query.set_method(Method::Point(point.pixel_degrees(f32::NAN))).is_err());
     assert_eq!(query.method(), Method::Cell(cell), "a query keeps its method where the new one is refused");
+}
+
+/// The tests of this package have all internals at hand; applications do not.
+#[test]
+fn examples_need_no_internals() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let sources = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let texts: Vec<String> = sources.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    assert_eq!(texts.len(), 5);
+    assert!(texts.iter().all(|text| text.contains("use casca::") && !text.contains("internals")));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Objects that are reported on expiry, by applications that report late, early, twice or not at all. The model:
 //! an object may be anywhere within its greatest speed times the time since its last report.
 
+use casca::internals::SceneInternals;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Sphere, View};
 use glam::{UVec3, Vec3};
 

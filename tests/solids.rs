@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use casca::matrix::BitMatrix;
-use casca::{Aabb, Convex, GridSpec, Obb, ObjectDesc, ObjectId, Occluder, Scene, Shape, Sphere};
+use casca::internals::{BitMatrix, SceneInternals, Shape};
+use casca::{Aabb, Convex, GridSpec, Obb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
 
 struct Random(u64);

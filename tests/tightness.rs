@@ -100,7 +100,7 @@ mod laboratory {
     #[test]
     fn the_point_method_keeps_nothing_that_the_cell_method_hides() {
         let (mut cell, mut point) = (query(Method::cell()), query(Method::point()));
-        for kind in SceneKind::ALL {
+        for kind in SceneKind::SOLIDS {
             let mut world = build(kind, &SceneOptions::default());
             let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
             let (mut sizes, mut loose) = ((0, 0), [0, 0]);

@@ -4,6 +4,7 @@
 #![no_main]
 
 use arbitrary::Arbitrary;
+use casca::internals::SceneInternals;
 use casca::{
     Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere,
     View,

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::matrix::bits::BitMatrix;
 use crate::method::Method;
 use crate::pvs::Pvs;
-use crate::query::Query;
+use crate::query::{Extras, Query};
 use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::View;
@@ -130,7 +130,7 @@ impl Query {
         if !matches!(self.method(), Method::Cell(_)) {
             return Err(Error::AggressiveMethod);
         }
-        Ok(self.run_with(scene, view, Some(&opacity.cells)))
+        Ok(self.run_with(scene, view, Extras { more: Some(&opacity.cells), ..Extras::default() }))
     }
 }
 

@@ -67,6 +67,7 @@ impl DrawItem {
 /// How [`Pvs::draw_list`] lists the visible objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct DrawOptions {
     /// Contribution culling: objects with a [`DrawItem::size`] below this are left out, in radians (for parallel
     /// rays, in world units); finite and not negative. 0, the default, leaves out none.

@@ -6,3 +6,4 @@ pub(crate) mod shadows;
 
 pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
+pub use shadows::Light;

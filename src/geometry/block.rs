@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
 
@@ -57,13 +56,6 @@ impl Block {
             let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), self.max, self.min);
             p.distance(farthest) >= -p.margin(reach)
         })
-    }
-
-    /// Its extent along axes at right angles.
-    pub(crate) fn extent(&self, axes: &[DVec3; 3]) -> Extent {
-        let half = (self.max - self.min) * 0.5;
-        let greatest = self.min.abs().max(self.max.abs()).max_element();
-        Extent::new(axes, (self.min + self.max) * 0.5, |axis| half.dot(axis.abs()), greatest)
     }
 
     /// How far its nearest point is from an eye; 0 inside.

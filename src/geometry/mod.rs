@@ -3,11 +3,12 @@
 pub(crate) mod block;
 pub(crate) mod body;
 pub(crate) mod clip;
-pub(crate) mod extent;
 pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;
 pub(crate) mod primitives;
+#[cfg(feature = "serde")]
+mod stored;
 
 pub(crate) use block::Block;
 pub use plane::Plane;

@@ -1,6 +1,9 @@
-//! Transforms of meshes, with the bounds and normals that follow from them.
+//! Transforms of shapes, with the bounds and normals that follow from them.
 
-use glam::{DAffine3, DMat3};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec3};
+
+use crate::error::Error;
+use crate::numeric::mesh::{ANGLES, FLATTENS, SINGLE};
 
 /// A transform, with the numbers that follow from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -8,10 +11,49 @@ pub(crate) struct Placement {
     pub(crate) affine: DAffine3,
     /// The greatest factor by which lengths grow is no larger.
     pub(crate) growth: f64,
-    /// Points may lie this far from where the transform puts them.
+    /// Points may lie this far from where the transform puts them, along each axis.
     pub(crate) error: f64,
     /// Turns normals; `None` if the transform flattens space.
     pub(crate) normals: Option<DMat3>,
     /// Whether it turns, moves and scales all axes alike, and mirrors nothing.
     pub(crate) keeps_angles: bool,
+}
+
+impl Placement {
+    /// A transform of a shape whose coordinates are no greater than `largest`.
+    ///
+    /// # Errors
+    /// Refuses transforms that are not finite, or may lead to coordinates that are not in single precision; `what`
+    /// names the transformed shape.
+    pub(crate) fn new(what: &'static str, transform: Affine3A, largest: f64) -> Result<Self, Error> {
+        let affine = DAffine3::from_mat3_translation(
+            Mat3::from(transform.matrix3).as_dmat3(),
+            Vec3::from(transform.translation).as_dvec3(),
+        );
+        if !affine.is_finite() {
+            return Err(Error::NotFinite { what, value: affine.translation });
+        }
+        let m = affine.matrix3;
+        let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+        let growth = (x.length_squared() + y.length_squared() + z.length_squared()).sqrt();
+        let reach = growth * largest + affine.translation.abs().max_element();
+        if reach.is_nan() || reach > f64::from(f32::MAX) {
+            return Err(Error::NotFinite { what, value: DVec3::splat(reach) });
+        }
+        // The cofactors are the inverse transpose times the determinant, and need no division.
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let turned = m.determinant();
+        let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
+        let keeps_angles = turned > 0.0 && scales_alike(&m);
+        Ok(Self { affine, growth, error: SINGLE * reach, normals, keeps_angles })
+    }
+}
+
+/// Whether a matrix keeps all angles, mirrored or not, but for [`ANGLES`].
+pub(crate) fn scales_alike(m: &DMat3) -> bool {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    let square = x.length_squared();
+    let alike = |v: DVec3| (v.length_squared() - square).abs() <= ANGLES * square;
+    let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= ANGLES * square;
+    alike(y) && alike(z) && right(x, y) && right(y, z) && right(z, x)
 }

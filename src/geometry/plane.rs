@@ -2,15 +2,28 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
+use crate::error::{Error, finite3};
 use crate::numeric::shape::DISTANCE;
 
 /// Half of space: the points `p` with `normal.dot(p) + offset >= 0`, in world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Plane {
     /// Points into the half-space; any length but zero.
     pub normal: Vec3,
     /// Zero for planes through the origin.
     pub offset: f32,
+}
+
+impl Plane {
+    /// Refuses a plane without direction, as all functions do that take planes.
+    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
+        finite3(what, self.normal)?;
+        if !self.offset.is_finite() {
+            return Err(Error::NotFinite { what, value: DVec3::splat(f64::from(self.offset)) });
+        }
+        if self.normal == Vec3::ZERO { Err(Error::NoDirection { what }) } else { Ok(()) }
+    }
 }
 
 /// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are inside. The normal

@@ -6,6 +6,7 @@ use crate::error::{Error, finite3, not_negative};
 
 /// An axis-aligned box in world units; both corners belong to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Aabb {
     /// Least corner in world units.
     pub min: Vec3,
@@ -57,6 +58,7 @@ impl Aabb {
 
 /// A sphere in world units; its surface belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Sphere {
     /// Centre in world units.
     pub center: Vec3,
@@ -78,6 +80,7 @@ impl Sphere {
 
 /// A box turned by a rotation, in world units; its surface belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Obb {
     /// Middle in world units.
     pub center: Vec3,

@@ -1,10 +1,10 @@
 //! The matrices of the grid (thesis, section 3.2), each a sparse array of
 //! bricks of 8x8x8 cells:
 //!
-//! - [`OpacityMatrix`]: O, cells wholly inside solid geometry;
-//! - [`OcclusionMatrix`]: H, cells hidden from the viewer;
-//! - [`IdMatrix`]: I, the objects that touch each cell;
-//! - [`TbvMatrix`]: Txy, Txz and Tyz, the projections of hollow temporal
+//! - [`bits::OpacityMatrix`]: O, cells wholly inside solid geometry;
+//! - [`bits::OcclusionMatrix`]: H, cells hidden from the viewer;
+//! - [`ids::IdMatrix`]: I, the objects that touch each cell;
+//! - [`tbv::TbvMatrix`]: Txy, Txz and Tyz, the projections of hollow temporal
 //!   bounding volumes.
 
 pub(crate) mod bits;
@@ -13,7 +13,3 @@ pub(crate) mod fused;
 pub(crate) mod ids;
 pub(crate) mod slots;
 pub(crate) mod tbv;
-
-pub use bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
-pub use ids::IdMatrix;
-pub use tbv::TbvMatrix;

@@ -8,13 +8,13 @@ use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::mesh::tri_mesh::TriMesh;
-use crate::numeric::mesh::{ANGLES, FLATTENS, MOST_GROWTH, SINGLE};
+use crate::numeric::mesh::MOST_GROWTH;
 use crate::shape::Shape;
 use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, DMat3, DVec3, IVec3, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
 
 /// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are those of
 /// its bounding box, and none of them is opaque.
@@ -55,39 +55,14 @@ impl Instance {
     /// # Errors
     /// Refuses transforms that are not finite, or lead to coordinates that are not in single precision.
     pub fn new(mesh: Arc<TriMesh>, transform: Affine3A) -> Result<Self, Error> {
-        let not_finite = |value: DVec3| Error::NotFinite { what: "a mesh as transformed", value };
-        let affine = DAffine3::from_mat3_translation(
-            glam::Mat3::from(transform.matrix3).as_dmat3(),
-            glam::Vec3::from(transform.translation).as_dvec3(),
-        );
-        if !affine.is_finite() {
-            return Err(not_finite(affine.translation));
-        }
-        let m = affine.matrix3;
-        let growth =
-            (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt();
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let mut reach = 0.0f64;
-        for v in mesh.parts().iter().flat_map(|part| part.vertices()) {
+        let vertices = || mesh.parts().iter().flat_map(|part| part.vertices());
+        let largest = vertices().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        let placement = Placement::new("a mesh as transformed", transform, largest)?;
+        let Placement { affine, error, .. } = placement;
+        let (min, max) = vertices().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
             let p = affine.transform_point3(v);
-            (min, max) = (min.min(p), max.max(p));
-            reach = reach.max(growth * v.abs().max_element() + affine.translation.abs().max_element());
-        }
-        if reach.is_nan() || reach > f64::from(f32::MAX) {
-            return Err(not_finite(max));
-        }
-        let error = SINGLE * reach;
-        // The cofactors are the inverse transpose times the determinant, and need no division.
-        let cofactors =
-            DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-        let turned = m.determinant();
-        let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
-        let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-        let square = x.length_squared();
-        let alike = |v: DVec3| (v.length_squared() - square).abs() <= ANGLES * square;
-        let right = |a: DVec3, b: DVec3| a.dot(b).abs() <= ANGLES * square;
-        let keeps_angles = turned > 0.0 && alike(y) && alike(z) && right(x, y) && right(y, z) && right(z, x);
-        let placement = Placement { affine, growth, error, normals, keeps_angles };
+            (min.min(p), max.max(p))
+        });
         let block = Block { min: min - error, max: max + error };
         Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block }) })
     }

@@ -20,6 +20,7 @@ use crate::mesh::surface::Rules;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct MeshOptions {
     /// How far the outlines of patches may leave the edges of triangles, in world units. The distance
     /// is added as a margin when they are drawn: a larger one is faster, and hides less near
@@ -41,6 +42,7 @@ pub struct MeshOptions {
 
 /// The sides from which triangles hide objects behind them: those from which the renderer draws them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Facing {
     /// From both sides.
     #[default]

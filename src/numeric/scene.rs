@@ -2,19 +2,15 @@
 //!
 //! A margin in units in the last place (ulp) is relative: one ulp of a double is at most 2.3e-16 of its value.
 
-/// Extents of objects and receivers across a light, and along it, are widened by this share of their own greatest
-/// coordinate, 4,500 ulp of it.
+/// The rectangle across a directional light is widened by this share of the greatest coordinate in it, 4,500 units in
+/// the last place (ulp) of that, and so is the range of a point light.
 ///
 /// It covers the transform into the frame of the light: a scalar product with an axis errs by less than 16 ulp of the
 /// greatest coordinate, and the axes are of length 1 and at right angles to as much, so that two points of one ray
-/// seem to lie beside each other by a few ulp of the greater coordinate of both. The factor of about 200 that is left
-/// is not needed; it costs nothing, since a pixel of the depth buffer is far wider.
+/// seem to lie beside each other by a few ulp of the greater coordinate of both; those of the farther point are in the
+/// margin with which the view tests bounds. It covers a distance from a point light, too. The factor of about 200 that
+/// is left is not needed; it costs nothing, since a pixel of the buffers is far wider.
 pub(crate) const LIGHT_EXTENT: f64 = 1e-12;
-
-/// The least width of the rectangle that a light's depth buffer covers, in world units. It keeps the pixels per unit
-/// finite where all receivers lie in a plane along the light. No margin: pixel numbers never fall as the coordinate
-/// grows, also as rounded, so that any width serves.
-pub(crate) const LEAST_LIGHT_WIDTH: f64 = 1e-200;
 
 /// The time before which an object that is somewhere `now` has not moved by a distance: seconds from world units and
 /// world units per second. Infinity for an object that does not move.

@@ -74,3 +74,18 @@ pub(crate) const OCCLUDER_ROUNDING: f64 = 1e-6;
 /// Boxes of regions in front of the near plane, and solids compared with them, count as larger by this share of
 /// the coordinates: far more than the rounding of the corners, far less than matters to a solid.
 pub(crate) const REGION: f64 = 1e-9;
+
+/// An error along each of three axes is shorter than this times itself: the root of 3 is less.
+pub(crate) const LENGTH_OF_ERROR: f64 = 2.0;
+
+/// Where a transform scales all axes alike but for [`crate::numeric::mesh::ANGLES`], it scales every length as the x
+/// axis but for this share.
+///
+/// Of the product of the matrix with its transpose, in units of the squared length of the x axis, eight elements differ
+/// from those of the identity by 1e-5 at most: its eigenvalues differ from 1 by the root of 8 times that at most, and
+/// their roots by half as much, 1.42e-5.
+pub(crate) const ALIKE: f64 = 2e-5;
+
+/// A convex occluder under a transform that must be pulled towards its middle by more than this share of itself, to
+/// make room for single precision, hides nothing: it is hardly thicker than that room.
+pub(crate) const MOST_PULL: f64 = 0.5;

@@ -18,6 +18,7 @@ use crate::shape::traits::Rows;
 /// The shape that is tested for visibility: the object's whole geometry must lie inside.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Bounds {
     /// A sphere.
     Sphere(Sphere),
@@ -27,8 +28,10 @@ pub enum Bounds {
     Oriented(Obb),
     /// The triangles themselves, in world space. Their bounding box is tested
     /// against the frustum; only cells that triangles touch contain the object.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Mesh(Arc<TriMesh>),
     /// A mesh under a transform.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Instance(Instance),
 }
 

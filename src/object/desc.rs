@@ -1,11 +1,14 @@
 //! Objects as the application describes them, and their ids.
 
+use glam::Affine3A;
+
 use crate::error::{Error, not_negative};
 use crate::numeric::shape::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
-use crate::object::{Bounds, Occluder};
+use crate::object::{Bounds, Occluder, Placed};
 
 /// When the application tells of the motion of a dynamic object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
@@ -20,6 +23,7 @@ pub enum Reports {
 
 /// Whether an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Motion {
     /// Stays where it is. It can still be updated, at the cost of taking it
     /// out of the static matrices and putting it back.
@@ -29,9 +33,13 @@ pub enum Motion {
         /// Greatest speed of any point in world units per second, if known.
         max_speed: Option<f32>,
         /// When its motion is reported.
+        #[cfg_attr(feature = "serde", serde(default))]
         reports: Reports,
     },
 }
+
+/// The mask of an object on all layers.
+pub(crate) const ALL_LAYERS: u32 = u32::MAX;
 
 /// An object to insert into a scene.
 ///
@@ -52,6 +60,10 @@ pub struct ObjectDesc {
     /// Whether a speed or a way of reports was given for an object that does not move.
     pub(crate) contradicts: bool,
     pub(crate) user_data: u64,
+    /// The layers that it is on, a bit for each.
+    pub(crate) layers: u32,
+    /// From the space of the shapes to world space, if they are not in the latter.
+    pub(crate) transform: Option<Affine3A>,
 }
 
 impl ObjectDesc {
@@ -67,7 +79,15 @@ impl ObjectDesc {
     }
 
     fn with_motion(bounds: Bounds, motion: Motion) -> Self {
-        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0 }
+        Self {
+            bounds,
+            occluder: None,
+            motion,
+            contradicts: false,
+            user_data: 0,
+            layers: ALL_LAYERS,
+            transform: None,
+        }
     }
 
     /// Lets the object hide others. The occluder must lie inside the object's
@@ -106,6 +126,59 @@ impl ObjectDesc {
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
         self
+    }
+
+    /// Puts the object on some layers only, a bit for each: it is shown by the views whose
+    /// [mask](crate::View::with_layers) has a bit in common with these. Without this call it is on all layers.
+    ///
+    /// An object that is not on all layers hides nothing, whatever its occluder: opaque cells are shared by the
+    /// views of all layers. On no layer (0) it is shown by no view.
+    #[must_use]
+    pub fn layers(mut self, mask: u32) -> Self {
+        self.layers = mask;
+        self
+    }
+
+    /// Places the object: its bounds and its occluder are in a space of their own, and `transform` leads from there to
+    /// world space. [`crate::Scene::set_transform`] moves both in one call.
+    ///
+    /// Transforms may turn, move and scale. The scale may differ by axis, but not for spheres. In world space a box
+    /// becomes a turned box, and a mesh an [`Instance`](crate::Instance). A box that a transform shears is tested by
+    /// the box around it and hides as a convex solid. Give a mesh itself, not an instance of it.
+    ///
+    /// A renderer transforms vertices in single precision. Bounds grow by that error and occluders shrink by
+    /// it: by about two millionths of the greatest coordinate. An occluder that is hardly thicker hides nothing.
+    ///
+    /// ```
+    /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+    /// use glam::{Affine3A, UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// // A door that turns around its hinge.
+    /// let leaf = Aabb::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.1));
+    /// let at = |angle| Affine3A::from_translation(Vec3::splat(8.0)) * Affine3A::from_rotation_y(angle);
+    /// let door = scene.insert(ObjectDesc::dynamic(leaf).occluder(leaf).placed(at(0.0)))?;
+    /// scene.set_transform(door, at(0.5))?;
+    /// assert_eq!(scene.transform(door)?, Some(at(0.5)));
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn placed(mut self, transform: Affine3A) -> Self {
+        self.transform = Some(transform);
+        self
+    }
+
+    /// Takes the shapes to world space. Returns them as they were, for an object that is placed.
+    ///
+    /// # Errors
+    /// As [`Placed::at`].
+    pub(crate) fn place(&mut self) -> Result<Option<Placed>, Error> {
+        let Some(transform) = self.transform else { return Ok(None) };
+        let placed = Placed { bounds: self.bounds.clone(), occluder: self.occluder.clone(), transform };
+        (self.bounds, self.occluder) = placed.at(transform)?;
+        Ok(Some(placed))
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {

@@ -22,6 +22,7 @@ use crate::shape::{Convex, Shape};
 /// solid geometry.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Occluder {
     /// A solid sphere.
     Sphere(Sphere),
@@ -30,10 +31,13 @@ pub enum Occluder {
     /// A solid box turned by a rotation.
     Oriented(Obb),
     /// A solid convex polytope in world space.
+    #[cfg_attr(feature = "serde", serde(with = "crate::shape::convex::stored"))]
     Convex(Arc<Convex>),
     /// The triangles of a mesh in world space, and the inside of a closed one.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Mesh(Arc<TriMesh>),
     /// The triangles of a mesh under a transform.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Instance(Instance),
 }
 

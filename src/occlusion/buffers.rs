@@ -118,6 +118,22 @@ impl OcclusionBuffers {
         (self.faces.iter_mut().filter(|b| b.is_active()), &mut self.surfaces)
     }
 
+    /// A box in world units as every eye sees it that may be the view's: relative to the origin.
+    pub(crate) fn relative(&self, block: &Block) -> Block {
+        let grow = self.uncertainty();
+        Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
+    }
+
+    /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
+    /// all of them, and what lies beyond.
+    pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {
+        let mut faces = std::mem::take(&mut self.faces);
+        for face in faces.iter_mut().filter(|face| face.is_active()) {
+            face.keep_before(receivers.iter().map(|block| self.relative(block)), ordered);
+        }
+        self.faces = faces;
+    }
+
     /// Draws an occluder. Returns whether it hides more than before.
     ///
     /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.

@@ -158,9 +158,9 @@ impl Face {
         DVec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.forward))
     }
 
-    /// A rectangle around the part of a box that the face sees, and the least depth of that part; `None` if the
-    /// face sees no part. The caller adds the margins.
-    pub(crate) fn block(&self, b: &Block) -> Option<(Rect, f64)> {
+    /// A rectangle around the part of a box that the face sees, and the least and greatest depth of that part; `None`
+    /// if the face sees no part. The caller adds the margins.
+    pub(crate) fn block(&self, b: &Block) -> Option<(Rect, (f64, f64))> {
         let (lo, hi) = if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
             let half = (b.max - b.min) * 0.5;
@@ -172,7 +172,7 @@ impl Face {
             (p.min(q), p.max(q))
         };
         if self.parallel {
-            return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, lo.z));
+            return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, (lo.z, hi.z)));
         }
         // Inside the face's pyramid depth is at least |u| and |v| times depth.
         let least = |lo: f64, hi: f64| lo.max(-hi).max(0.0);
@@ -185,7 +185,7 @@ impl Face {
         let low = |c: f64| if c >= 0.0 { c / far } else { c / near };
         let high = |c: f64| if c >= 0.0 { c / near } else { c / far };
         let rect = Rect { u0: low(lo.x), v0: low(lo.y), u1: high(hi.x), v1: high(hi.y) };
-        Some((rect, near))
+        Some((rect, (near, far)))
     }
 
     /// A rectangle around points, and their least depth; `None` if one is not in front of the eye.

@@ -16,8 +16,7 @@ pub struct OcclusionImage {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// Row by row, along the second and first axis of the side (see [`crate::matrix`]): the depth along
-    /// `direction`, in world units, from which on everything in the pixel is hidden. Infinite for open pixels, 0
+    /// Row by row: the depth along `direction`, in world units, from which on everything in the pixel is hidden. Infinite for open pixels, 0
     /// for pixels outside the view. For parallel rays it counts from a point in front of the scene.
     pub depth: Vec<f32>,
 }

@@ -87,7 +87,7 @@ impl Solid {
 
     /// Its silhouette with a rectangle around it and its least depth, if the face sees it.
     pub(crate) fn on_face(&self, face: &Face) -> Option<(Rect, f64, Silhouette)> {
-        let (rect, depth) = face.block(&self.block)?;
+        let (rect, (depth, _)) = face.block(&self.block)?;
         let silhouette = Silhouette::new(&self.outline, face);
         let tighter = match &self.outline {
             Outline::Sphere { .. } => silhouette.conic_rect(),

@@ -102,7 +102,7 @@ impl Target {
     }
 
     pub(crate) fn on_face(&self, face: &Face) -> Option<FaceTarget> {
-        let (mut rect, mut depth) = face.block(&self.block)?;
+        let (mut rect, (mut depth, _)) = face.block(&self.block)?;
         let silhouette = Silhouette::new(&self.outline, face);
         let tighter = match &self.outline {
             Outline::Sphere { center, radius } => {

@@ -4,10 +4,12 @@ pub(crate) mod cell;
 pub(crate) mod marks;
 pub(crate) mod point;
 pub(crate) mod receivers;
+pub(crate) mod sight;
 pub(crate) mod start;
 pub(crate) mod validity;
 
 use crate::error::Error;
+use crate::geometry::Block;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{CellOptions, Method};
 use crate::occlusion::image::OcclusionImage;
@@ -18,6 +20,15 @@ use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
+
+/// What a query is told besides its view.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Extras<'a> {
+    /// More cells that count as opaque, for [`Method::Cell`].
+    pub(crate) more: Option<&'a BitMatrix>,
+    /// Boxes before which objects lie that [`Method::Point`] finds; it leaves out others.
+    pub(crate) receivers: Option<&'a [Block]>,
+}
 
 /// Finds the objects that a view can see.
 ///
@@ -31,6 +42,8 @@ pub struct Query {
     marks: Marks,
     cell: CellScratch,
     point: PointScratch,
+    /// Whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
+    record: bool,
     visited: Option<BitMatrix>,
     hidden: Option<OcclusionMatrix>,
     pub(crate) shadows: ReceiverScratch,
@@ -51,6 +64,7 @@ impl Query {
             marks: Marks::default(),
             cell: CellScratch::new(CellOptions::default().mask_resolution),
             point: PointScratch::default(),
+            record: false,
             visited: None,
             hidden: None,
             shadows: ReceiverScratch::default(),
@@ -89,17 +103,19 @@ impl Query {
     ///
     /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
-        self.run_with(scene, view, None)
+        self.run_with(scene, view, Extras::default())
     }
 
-    /// As [`Query::run`], with more cells that count as opaque for [`Method::Cell`].
-    pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, more: Option<&BitMatrix>) -> &Pvs {
+    /// As [`Query::run`], with what some methods are told besides.
+    pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, extras: Extras) -> &Pvs {
+        let Extras { more, receivers } = extras;
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
         pvs.method = self.method;
         pvs.aggressive = more.is_some();
+        pvs.partial = receivers.is_some();
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match &self.method {
@@ -107,7 +123,7 @@ impl Query {
             Method::Cell(options) => {
                 pvs.revision = scene.revision();
                 let dims = scene.grid().dims();
-                let record = options.record_cells.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
+                let record = self.record.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
@@ -115,7 +131,8 @@ impl Query {
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point).run();
+                let walk = point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                walk.with_receivers(receivers).run();
             }
         }
         match &mut pvs.view {
@@ -130,7 +147,7 @@ impl Query {
         self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
         self.pvs.method = self.method;
-        self.pvs.aggressive = false;
+        (self.pvs.aggressive, self.pvs.partial) = (false, false);
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
@@ -152,29 +169,26 @@ impl Query {
         &self.pvs
     }
 
-    /// The cells that the last run of [`Method::Cell`] found hidden (H), if [`CellOptions::record_cells`] was set.
-    ///
-    /// Cells behind the last shell of the walk are hidden too, and not in it.
-    pub fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
-        self.hidden.as_ref()
+    /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
+    pub(crate) fn record_cells(&mut self, record: bool) {
+        self.record = record;
     }
 
-    /// The occlusion buffers of the last run of [`Method::Point`] as images, for debugging. Costs their pixels.
-    pub fn occlusion_images(&self) -> Vec<OcclusionImage> {
+    /// The cells visited and those found hidden by the last run, if they were recorded.
+    pub(crate) fn recorded(&self) -> (Option<&BitMatrix>, Option<&OcclusionMatrix>) {
+        (self.visited.as_ref(), self.hidden.as_ref())
+    }
+
+    /// The occlusion buffers of the last run of [`Method::Point`] as images.
+    pub(crate) fn occlusion_images(&self) -> Vec<OcclusionImage> {
         self.point.buffers.images()
-    }
-
-    /// The cells inside the frustum that the last run of [`Method::Cell`] visited, if [`CellOptions::record_cells`] was
-    /// set.
-    pub fn visited_cells(&self) -> Option<&BitMatrix> {
-        self.visited.as_ref()
     }
 }
 
 /// Fills the set with the objects whose bounds may intersect the frustum.
 fn run_frustum(scene: &Scene, view: &View, pvs: &mut Pvs) {
     pvs.revision = scene.moves();
-    for (slot, object) in scene.living() {
+    for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {
         pvs.stats.objects_tested += 1;
         let seen = match object.unreported_volume() {
             Some(volume) => view.may_see_volume(volume),

@@ -1,13 +1,48 @@
 //! The memory for the receivers of shadows, reused from one query of a light to the next.
 
-use std::collections::VecDeque;
+use std::collections::BinaryHeap;
 
 use crate::geometry::Block;
+use crate::occlusion::buffers::OcclusionBuffers;
 
-/// Lists of the parts of receivers.
+/// A part of the box of a receiver.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    /// How large it appears to the camera, roughly: its longest edge over its distance.
+    pub(crate) size: f64,
+    /// The slot of the receiver.
+    pub(crate) slot: u32,
+    pub(crate) block: Block,
+}
+
+/// Parts are in the order of their sizes.
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.size.total_cmp(&other.size)
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
+
+/// Lists of the parts of receivers, and where they are as the light sees them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ReceiverScratch {
+    /// Parts that may still be cut.
+    pub(crate) parts: BinaryHeap<Part>,
+    /// Boxes that together contain every point on which a shadow may be seen.
     pub(crate) pieces: Vec<Block>,
-    pub(crate) cutting: VecDeque<Block>,
-    pub(crate) depths: Vec<f64>,
+    /// Buffers that hide what lies before no piece, for methods that have no buffers.
+    pub(crate) mask: OcclusionBuffers,
 }

@@ -1,10 +1,10 @@
 //! Changing the objects of a scene.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
 use crate::id::ObjectId;
-use crate::object::{Bounds, ObjectDesc, Occluder, check_pair};
+use crate::object::{Bounds, ObjectDesc, Occluder, check_pair, instances_at};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 
@@ -19,12 +19,14 @@ impl Scene {
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
     /// by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed
-    /// objects, and more than 2^31 objects.
+    /// objects, and more than 2^31 objects; also transforms that [`Scene::set_transform`] would refuse.
     pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
+        let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let slot = self.slots.insert(Object::new(desc, self.now, self.moves))?;
+        let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
+        let occluder = self.slots.object_mut(slot).keep_idle(occluder);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
         Ok(self.id(slot))
@@ -40,7 +42,8 @@ impl Scene {
     ///
     /// A hidden object that stays inside its volume costs a comparison; others
     /// cost the cells that they enter or leave. For an object that is reported on
-    /// expiry this is the report, also where nothing changed.
+    /// expiry this is the report, also where nothing changed. An object that was
+    /// [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without
@@ -54,22 +57,68 @@ impl Scene {
         let bounds = bounds.into();
         check_pair(&bounds, occluder.as_ref())?;
         let object = self.find(id)?;
-        if occluder.is_none() && object.occluder().is_some() {
+        if occluder.is_none() && object.given_occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
+        self.slots.object_mut(id.slot).placed = None;
         self.report(id.slot, bounds, occluder);
         Ok(())
     }
 
     /// Gives an object another occluder, or takes away the one that it has. Its bounds stay.
     ///
-    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry, and an object that
+    /// was [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
         let bounds = self.bounds(id)?.clone();
         check_pair(&bounds, occluder.as_ref())?;
+        self.slots.object_mut(id.slot).placed = None;
+        self.report(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Moves a placed object: its bounds and its occluder together. `transform` leads from the space of its shapes to
+    /// world space, wherever the object was before.
+    ///
+    /// For objects that were described with [`ObjectDesc::placed`], and for objects whose bounds are an
+    /// [`Instance`](crate::Instance) of a mesh and whose occluder, if they have one, is an instance under the same
+    /// transform. Costs as [`Scene::update`], and the corners of the shapes; like that it is the report of an
+    /// object that is reported on expiry.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use casca::{GridSpec, Instance, ObjectDesc, Scene, TriMesh};
+    /// use glam::{Affine3A, UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+    /// let leaf = Instance::new(Arc::new(leaf), Affine3A::from_translation(Vec3::splat(8.0)))?;
+    /// let leaf = scene.insert(ObjectDesc::dynamic(leaf.clone()).occluder(leaf))?;
+    /// let turned = Affine3A::from_rotation_y(0.5) * Affine3A::from_scale(Vec3::new(1.0, 3.0, 1.0));
+    /// scene.set_transform(leaf, turned)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, objects that are not placed ([`Error::NotPlaced`]), transforms
+    /// that are not finite or lead to coordinates that are not in single precision, and transforms of spheres that do not
+    /// scale all axes alike. The object then stays where it is.
+    pub fn set_transform(&mut self, id: ObjectId, transform: Affine3A) -> Result<(), Error> {
+        let object = self.find(id)?;
+        let (bounds, occluder) = match &object.placed {
+            Some(placed) => placed.at(transform)?,
+            None => instances_at(object.bounds(), object.given_occluder(), transform)?
+                .ok_or(Error::NotPlaced(id))?,
+        };
+        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+            placed.transform = transform;
+        }
         self.report(id.slot, bounds, occluder);
         Ok(())
     }
@@ -83,9 +132,13 @@ impl Scene {
     pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
         let object = self.find(id)?;
+        if let Some(mut transform) = object.placed.as_ref().map(|placed| placed.transform) {
+            transform.translation += Vec3A::from(offset);
+            return self.set_transform(id, transform);
+        }
         let refused = || Error::FixedMesh(id);
         let bounds = object.bounds().moved(offset)?.ok_or_else(refused)?;
-        let occluder = match object.occluder() {
+        let occluder = match object.given_occluder() {
             Some(occluder) => Some(occluder.moved(offset)?.ok_or_else(refused)?),
             None => None,
         };
@@ -99,6 +152,28 @@ impl Scene {
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
         self.find(id)?;
         self.slots.object_mut(id.slot).user_data = user_data;
+        Ok(())
+    }
+
+    /// Puts an object on other layers: see [`ObjectDesc::layers`]. Results that were found before do not hold any more.
+    ///
+    /// It is no report for an object that is reported on expiry. Costs one look-up; where the object starts or
+    /// stops to hide others, the cells that its occluder fills.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn set_layers(&mut self, id: ObjectId, mask: u32) -> Result<(), Error> {
+        let occluder = self.find(id)?.given_occluder().cloned();
+        let object = self.slots.object_mut(id.slot);
+        if object.layers == mask {
+            return Ok(());
+        }
+        object.layers = mask;
+        let occluder = object.keep_idle(occluder);
+        self.revision += 1;
+        if occluder.is_some() != self.object(id.slot).occluder().is_some() {
+            self.change_occluder(id.slot, occluder);
+        }
         Ok(())
     }
 

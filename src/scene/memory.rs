@@ -57,8 +57,12 @@ impl Scene {
         let mut counted = HashSet::new();
         let mut once = |at: *const u8, bytes: usize| if counted.insert(at) { bytes } else { 0 };
         let shared = self.living().flat_map(|(_, object)| {
-            let occluder = object.occluder().and_then(Occluder::shared);
-            object.bounds().shared().into_iter().chain(occluder)
+            let occluder = object.given_occluder().and_then(Occluder::shared);
+            let own = object.placed.iter().flat_map(|placed| {
+                let occluder = placed.occluder.as_ref().and_then(Occluder::shared);
+                placed.bounds.shared().into_iter().chain(occluder)
+            });
+            object.bounds().shared().into_iter().chain(occluder).chain(own)
         });
         shared.map(|(at, bytes)| once(at, bytes)).sum()
     }

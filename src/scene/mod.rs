@@ -181,8 +181,8 @@ impl Scene {
         self.len() == 0
     }
 
-    /// Whether a cell is opaque (O). Costs two look-ups. Cells outside the grid are not.
-    pub fn is_opaque(&self, cell: IVec3) -> bool {
+    /// Whether a cell is opaque (O). Cells outside the grid are not.
+    pub(crate) fn is_opaque(&self, cell: IVec3) -> bool {
         self.static_opacity().get(cell) || self.known_dynamic_opacity().is_some_and(|o| o.get(cell))
     }
 
@@ -191,33 +191,26 @@ impl Scene {
         (self.overdue_occluders == 0).then_some(self.moving.bits())
     }
 
-    /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid is known to.
-    pub fn is_occupied(&self, cell: IVec3) -> bool {
-        self.grid.contains(cell) && self.ids.get(cell).next().is_some()
-    }
-
     /// Os: the opaque cells of static objects.
     #[inline]
-    pub fn static_opacity(&self) -> &OpacityMatrix {
+    pub(crate) fn static_opacity(&self) -> &OpacityMatrix {
         self.fixed.bits()
     }
 
-    /// The opaque cells of visible dynamic objects; with Os they make O, except while an occluder that is
-    /// [reported on expiry](crate::Reports::OnExpiry) is due for a report: then O is Os.
-    #[inline]
-    pub fn dynamic_opacity(&self) -> &OpacityMatrix {
+    /// The opaque cells of listed dynamic objects, also of those of unknown place.
+    pub(crate) fn dynamic_opacity(&self) -> &OpacityMatrix {
         self.moving.bits()
     }
 
     /// I: the objects that touch each cell.
     #[inline]
-    pub fn id_matrix(&self) -> &IdMatrix {
+    pub(crate) fn id_matrix(&self) -> &IdMatrix {
         &self.ids
     }
 
     /// Txy, Txz, Tyz: the temporal bounding volumes.
     #[inline]
-    pub fn tbv_matrix(&self) -> &TbvMatrix {
+    pub(crate) fn tbv_matrix(&self) -> &TbvMatrix {
         self.volumes.matrix()
     }
 

@@ -1,17 +1,24 @@
 //! What a scene stores of each object.
 
 use crate::geometry::Block;
-use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
+use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
+use crate::view::View;
 
 /// One object.
 #[derive(Debug, Clone)]
 pub(crate) struct Object {
     pub(super) bounds: Bounds,
+    /// The shape that hides others; none if the object is not on all layers.
     pub(super) occluder: Option<Occluder>,
+    /// The occluder of an object that is not on all layers. It hides nothing.
+    idle_occluder: Option<Box<Occluder>>,
+    pub(super) layers: u32,
     pub(super) motion: Motion,
     pub(super) user_data: u64,
+    /// Its shapes in its own space, if it is placed by a transform.
+    pub(super) placed: Option<Box<Placed>>,
     state: State,
     pub(super) validity: Validity,
     /// Whether its cells are in I; objects with too many cells are not.
@@ -26,12 +33,15 @@ pub(crate) struct Object {
 
 impl Object {
     /// A listed object as described, but without its occluder: the scene adds that.
-    pub(super) fn new(desc: ObjectDesc, now: f64, moved: u64) -> Self {
+    pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, now: f64, moved: u64) -> Self {
         Self {
             bounds: desc.bounds,
             occluder: None,
+            idle_occluder: None,
+            layers: desc.layers,
             motion: desc.motion,
             user_data: desc.user_data,
+            placed: placed.map(Box::new),
             state: State::Listed,
             validity: Validity::first(),
             in_cells: false,
@@ -47,9 +57,31 @@ impl Object {
         &self.bounds
     }
 
+    /// The shape that hides others.
     #[inline]
     pub(crate) fn occluder(&self) -> Option<&Occluder> {
         self.occluder.as_ref()
+    }
+
+    /// The occluder that the application gave, also if it hides nothing.
+    pub(crate) fn given_occluder(&self) -> Option<&Occluder> {
+        self.occluder.as_ref().or(self.idle_occluder.as_deref())
+    }
+
+    /// Keeps an occluder that hides nothing because of the layers, and returns one that hides.
+    pub(super) fn keep_idle(&mut self, occluder: Option<Occluder>) -> Option<Occluder> {
+        if self.layers == ALL_LAYERS {
+            self.idle_occluder = None;
+            return occluder;
+        }
+        self.idle_occluder = occluder.map(Box::new);
+        None
+    }
+
+    /// Whether a view shows the layers that it is on.
+    #[inline]
+    pub(crate) fn is_shown(&self, view: &View) -> bool {
+        self.layers & view.layers() != 0
     }
 
     #[inline]

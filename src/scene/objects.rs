@@ -1,10 +1,10 @@
 //! Reading the objects of a scene: one by its id, or all of them.
 
-use glam::DVec3;
+use glam::{Affine3A, DVec3};
 
 use crate::error::Error;
 use crate::id::ObjectId;
-use crate::object::{Bounds, Motion, Occluder};
+use crate::object::{Bounds, Motion, Occluder, transform_of_instances};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 use crate::scene::state::State;
@@ -19,14 +19,19 @@ impl<'a> ObjectRef<'a> {
         self.0.bounds()
     }
 
-    /// The shape that hides others, if it has one.
+    /// The shape that hides others, if it has one. It hides nothing if the object is not on all layers.
     pub fn occluder(&self) -> Option<&'a Occluder> {
-        self.0.occluder()
+        self.0.given_occluder()
     }
 
     /// Whether it moves, and how.
     pub fn motion(&self) -> Motion {
         self.0.motion
+    }
+
+    /// The layers that it is on: see [`crate::ObjectDesc::layers`].
+    pub fn layers(&self) -> u32 {
+        self.0.layers
     }
 
     /// The number that the application gave it: see [`Scene::user_data`].
@@ -75,12 +80,22 @@ impl Scene {
         self.find(id).map(Object::bounds)
     }
 
-    /// The shape by which an object hides others, if it has one.
+    /// The shape by which an object hides others, if it has one. It hides nothing if the object is not on all layers.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn occluder(&self, id: ObjectId) -> Result<Option<&Occluder>, Error> {
-        self.find(id).map(Object::occluder)
+        self.find(id).map(Object::given_occluder)
+    }
+
+    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for other objects.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn transform(&self, id: ObjectId) -> Result<Option<Affine3A>, Error> {
+        let object = self.find(id)?;
+        let own = object.placed.as_ref().map(|placed| placed.transform);
+        Ok(own.or_else(|| transform_of_instances(object.bounds(), object.given_occluder())))
     }
 
     /// The corners of the temporal bounding volume that an object is in, in world units; `None` if it is in none.
@@ -92,6 +107,14 @@ impl Scene {
             State::Hidden(hidden) => Some((hidden.tbv.block.min, hidden.tbv.block.max)),
             _ => None,
         })
+    }
+
+    /// The layers that an object is on, a bit for each: see [`crate::ObjectDesc::layers`].
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn layers(&self, id: ObjectId) -> Result<u32, Error> {
+        self.find(id).map(|object| object.layers)
     }
 
     /// The number that the application gave an object, 0 if it gave none: an index into its own tables, or the handle

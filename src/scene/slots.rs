@@ -163,7 +163,7 @@ mod tests {
     use crate::object::ObjectDesc;
 
     fn object() -> Object {
-        Object::new(ObjectDesc::fixed(Sphere::new(Vec3::ZERO, 1.0)), 0.0, 0)
+        Object::new(ObjectDesc::fixed(Sphere::new(Vec3::ZERO, 1.0)), None, 0.0, 0)
     }
 
     #[test]

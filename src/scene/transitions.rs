@@ -18,6 +18,7 @@ impl Scene {
     pub(super) fn report(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
         self.locate(slot);
         let object = self.slots.object_mut(slot);
+        let occluder = object.keep_idle(occluder);
         object.reported = self.now;
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() {
@@ -38,6 +39,22 @@ impl Scene {
                 self.exchange_shape(slot, bounds, occluder);
                 self.found_again(slot, volume);
             }
+        }
+    }
+
+    /// Gives an object another occluder, wherever it is.
+    pub(super) fn change_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
+        let object = self.object(slot);
+        let (bounds, before) = (object.bounds.clone(), object.occluder.is_some());
+        match object.state() {
+            State::Listed => self.relist(slot, bounds, occluder),
+            State::Overdue => {
+                self.overdue_occluders -= u32::from(before);
+                self.overdue_occluders += u32::from(occluder.is_some());
+                self.relist(slot, bounds, occluder);
+                self.always.insert(slot);
+            }
+            State::Hidden(_) | State::Unlocated { .. } => self.exchange_occluder(slot, occluder),
         }
     }
 

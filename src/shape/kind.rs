@@ -5,7 +5,6 @@ use glam::{DVec3, Vec3};
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::body::Body;
-use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::shape::Shape;
@@ -75,11 +74,6 @@ pub(crate) trait Kind: Shape {
     fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {
         let block = self.block();
         around.meets(&block) && block.may_reach(planes)
-    }
-
-    /// Its extent along axes at right angles.
-    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
-        self.block().extent(axes)
     }
 
     /// How far its nearest point is from an eye; not positive for an eye inside.
@@ -157,16 +151,10 @@ mod tests {
             |state: &mut u32| block.min + (block.max - block.min) * (any(state) * 0.5 + DVec3::splat(0.5));
         let points: Vec<DVec3> = (0..200).map(|_| point(state)).filter(|p| kind.contains_point(*p)).collect();
         let along = any(state).normalize();
-        let (right, up) = along.any_orthonormal_pair();
-        let frame = [right, up, along];
-        let extent = kind.extent(&frame);
         let (center, radius) = kind.ball();
         let (eye, origin) = (any(state) * 9.0, any(state) * 9.0);
         let outer = kind.outer(origin, 0.0);
         for &p in &points {
-            let at = DVec3::from_array(frame.map(|axis| axis.dot(p)));
-            assert!((at - extent.middle).abs().cmple(extent.half + 1e-9).all());
-            assert!(p.abs().max_element() <= extent.greatest + 1e-9);
             assert!(p.distance(center) <= radius + 1e-9);
             assert!(kind.distance_from(eye) <= p.distance(eye) + 1e-9);
             assert!(kind.distance_along(along) <= p.dot(along) + 1e-9);

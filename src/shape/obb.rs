@@ -7,7 +7,6 @@ use glam::{DMat3, DVec3, IVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::body::Body;
-use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Obb};
 use crate::grid::Grid;
@@ -133,13 +132,6 @@ impl Kind for Obb {
             way.dot(middle - center).abs() > own + way.abs().dot(half) * (1.0 + REGION) + margin
         });
         !apart && self.may_reach(planes)
-    }
-
-    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
-        let (center, own, margin) = self.parts();
-        let greatest = center.abs().max_element() + self.half.as_dvec3().element_sum();
-        let half = |axis: DVec3| (0..3).map(|i| own.col(i).dot(axis).abs()).sum::<f64>() + margin;
-        Extent::new(axes, center, half, greatest)
     }
 
     fn distance_from(&self, eye: DVec3) -> f64 {

@@ -6,7 +6,6 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::body::Body;
-use crate::geometry::extent::Extent;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Sphere};
 use crate::grid::Grid;
@@ -143,11 +142,6 @@ impl Kind for Sphere {
         // Not written the other way round, so that NaN is doubt.
         let apart = away.length() > r + REGION * (r + c.abs().max_element());
         !apart && self.may_reach(planes)
-    }
-
-    fn extent(&self, axes: &[DVec3; 3]) -> Extent {
-        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        Extent::new(axes, c, |_| r, c.abs().max_element() + r)
     }
 
     fn distance_from(&self, eye: DVec3) -> f64 {

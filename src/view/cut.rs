@@ -11,6 +11,7 @@ use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::REGION;
 use crate::numeric::view::ALONG_RAYS;
 use crate::object::Occluder;
+use crate::shape::Shape;
 use crate::view::{Origin, View};
 
 impl View {
@@ -36,7 +37,14 @@ impl View {
             let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
             let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
-            let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+            let region = Self {
+                origin: self.origin,
+                planes,
+                cutting: 0,
+                widened: 0.0,
+                ordered: false,
+                layers: self.layers,
+            };
             let corners = region.corners(min, max);
             let block = corners.iter().fold(None, |b: Option<Block>, &c| {
                 Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
@@ -50,9 +58,32 @@ impl View {
         let Origin::Eye { at, error } = self.origin else { return None };
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
         let planes = axes.map(|n| HalfSpace { normal: n, offset: error - n.dot(at) }).collect();
-        let region = Self { origin: self.origin, planes, cutting: 0, widened: 0.0, ordered: false };
+        let region = Self {
+            origin: self.origin,
+            planes,
+            cutting: 0,
+            widened: 0.0,
+            ordered: false,
+            layers: self.layers,
+        };
         (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
     }
+}
+
+/// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye, which may be anywhere in
+/// `unsure`, or where the near plane cuts into it, for which `cut` has the regions between eye and near plane.
+pub(crate) fn may_start_in(
+    view: &View,
+    cut: &[(View, Block)],
+    unsure: Option<&(View, Block)>,
+    occluder: &Occluder,
+) -> bool {
+    let meets = |(region, around): &(View, Block)| may_meet(occluder, region, around);
+    cut.iter().any(meets)
+        || match view.origin {
+            Origin::Direction(d) => view.cuts_front(d, &occluder.block()),
+            Origin::Eye { at, .. } => occluder.contains_point(at) || unsure.is_some_and(meets),
+        }
 }
 
 /// Whether an occluder may intersect a convex region that lies in `around`; in doubt, yes.

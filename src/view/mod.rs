@@ -38,13 +38,14 @@ pub struct View {
     widened: f64,
     /// Whether it is known at which end parallel rays start.
     ordered: bool,
+    /// The layers that it shows, a bit for each.
+    layers: u32,
 }
 
 impl View {
     /// The view of a perspective or orthographic camera, from the matrix that
     /// takes world space to clip space with depth 0 to 1.
     ///
-    /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
     /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
     /// The eye is found from the matrix, to the precision that single floats
     /// leave (about 1e-6 of its distance from the origin). Where that does not tell the cell of the eye, the
@@ -115,7 +116,21 @@ impl View {
     /// Parallel rays that start infinitely far away and run along `direction`, inside all of the half-spaces.
     /// Directions and normals have length 1.
     pub(crate) fn parallel(direction: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
-        Self { origin: Origin::Direction(direction), planes, cutting: 0, widened: 0.0, ordered: true }
+        Self {
+            origin: Origin::Direction(direction),
+            planes,
+            cutting: 0,
+            widened: 0.0,
+            ordered: true,
+            layers: u32::MAX,
+        }
+    }
+
+    /// The part of space around an eye that lies inside all of the half-spaces, each of which contains the eye.
+    /// Normals have length 1.
+    pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
+        let origin = Origin::Eye { at: eye, error: 0.0 };
+        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false, layers: u32::MAX }
     }
 
     /// Whether it is known where rays start.
@@ -123,7 +138,6 @@ impl View {
         self.ordered || self.eye().is_some()
     }
 
-    /// All that an eye sees, in every direction and however far.
     /// All of space around an eye, in every direction and however far.
     ///
     /// # Errors
@@ -154,7 +168,46 @@ impl View {
         let rounding = |p: &HalfSpace| THROUGH_EYE * (at.abs().dot(p.normal.abs()) + p.offset.abs());
         let cuts = |p: &HalfSpace| p.distance(at) < -rounding(p);
         let cutting = planes.iter().zip(0..).filter(|(p, _)| cuts(p)).map(|(_, i)| 1 << i).sum();
-        Ok(Self { origin: Origin::Eye { at, error: 0.0 }, planes, cutting, widened: 0.0, ordered: false })
+        Ok(Self {
+            origin: Origin::Eye { at, error: 0.0 },
+            planes,
+            cutting,
+            widened: 0.0,
+            ordered: false,
+            layers: u32::MAX,
+        })
+    }
+
+    /// The same view of some layers only: it shows an object if `mask` has a bit in common with the
+    /// [layers](crate::ObjectDesc::layers) of the object. A new view shows all layers; the mask 0 shows nothing.
+    ///
+    /// ```
+    /// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// const WORLD: u32 = 1;
+    /// const FIRST_PERSON: u32 = 2;
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let ball = Sphere::new(Vec3::splat(9.5), 1.0);
+    /// let head = scene.insert(ObjectDesc::dynamic(ball).layers(WORLD))?;
+    /// let hands = scene.insert(ObjectDesc::dynamic(ball).layers(FIRST_PERSON))?;
+    /// let view = View::omnidirectional(Vec3::splat(2.5))?;
+    /// let mut query = Query::new();
+    /// assert_eq!(query.run(&scene, &view.clone().with_layers(FIRST_PERSON)).visible(), [hands]);
+    /// assert_eq!(query.run(&scene, &view.with_layers(WORLD)).visible(), [head]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_layers(mut self, mask: u32) -> Self {
+        self.layers = mask;
+        self
+    }
+
+    /// The layers that it shows, a bit for each: see [`View::with_layers`].
+    pub fn layers(&self) -> u32 {
+        self.layers
     }
 
     /// The eye in world units; `None` for parallel rays.
@@ -168,6 +221,6 @@ impl View {
 
 impl From<Frustum> for View {
     fn from(Frustum { origin, planes, cutting, widened }: Frustum) -> Self {
-        Self { origin, planes, cutting, widened, ordered: false }
+        Self { origin, planes, cutting, widened, ordered: false, layers: u32::MAX }
     }
 }

@@ -1,6 +1,7 @@
 //! The inside of closed meshes against parity along rays in any direction.
 
-use casca::{Grid, GridSpec, Shape, TriMesh};
+use casca::internals::Shape;
+use casca::{Grid, GridSpec, TriMesh};
 use casca_lab::cases;
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use proptest::prelude::*;

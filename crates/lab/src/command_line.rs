@@ -147,7 +147,7 @@ impl FromStr for SceneName {
         if ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf") {
             return Ok(Self::File(PathBuf::from(name)));
         }
-        let kinds = SceneKind::ALL.map(SceneKind::name).join(", ");
+        let kinds = SceneKind::names();
         Err(format!("neither a procedural scene ({kinds}) nor a .glb or .gltf file"))
     }
 }

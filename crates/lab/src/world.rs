@@ -50,6 +50,38 @@ impl Mesh {
         Self { positions: box_corners(min, max).to_vec(), triangles: BOX_TRIANGLES.to_vec() }
     }
 
+    /// Adds the triangles of another mesh.
+    pub fn append(&mut self, other: Self) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(other.positions);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+
+    /// The least and the greatest corner of its vertices under a transform.
+    pub fn bounds(&self, transform: &Affine3A) -> (Vec3, Vec3) {
+        let points = self.positions.iter().map(|&p| transform.transform_point3(p));
+        points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+    }
+
+    /// Whether it bounds solids and its triangles face outwards: vertices of equal positions taken as one, each edge
+    /// is run along as often in one direction as in the other, and the volume inside is positive.
+    pub fn is_closed(&self) -> bool {
+        let bits = |v: u32| self.positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
+        let mut balance: HashMap<_, i32> = HashMap::new();
+        let mut volume = 0.0;
+        for t in &self.triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                let (a, b) = (bits(a), bits(b));
+                if a != b {
+                    *balance.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { -1 };
+                }
+            }
+            let [a, b, c] = t.map(|v| self.positions[v as usize].as_dvec3());
+            volume += a.dot(b.cross(c));
+        }
+        volume > 0.0 && balance.values().all(|&n| n == 0)
+    }
+
     /// An icosahedron cut into 4^`cuts` times its triangles, with vertices at distance 1 from the origin.
     pub fn ball(cuts: u32) -> Self {
         let g = (1.0 + 5f32.sqrt()) / 2.0;

@@ -93,6 +93,27 @@ pub struct PngError {
     why: png::EncodingError,
 }
 
+impl PngError {
+    /// The file at `path` was not written.
+    pub(crate) fn new(path: &Path, why: png::EncodingError) -> Self {
+        Self { path: path.to_owned(), why }
+    }
+}
+
+/// A picture of four bytes a pixel at half its width and height: each pixel is the mean of four.
+pub fn halved(pixels: &[u8], (width, height): (u32, u32)) -> Vec<u8> {
+    let (row, halves) = (width as usize * 4, (width as usize / 2, height as usize / 2));
+    let mut small = Vec::with_capacity(halves.0 * halves.1 * 4);
+    for y in 0..halves.1 {
+        for x in 0..halves.0 * 4 {
+            let at = 2 * y * row + x / 4 * 8 + x % 4;
+            let sum: u32 = [at, at + 4, at + row, at + row + 4].iter().map(|&i| u32::from(pixels[i])).sum();
+            small.push((sum / 4) as u8);
+        }
+    }
+    small
+}
+
 /// Writes a picture of four bytes a pixel as a PNG.
 ///
 /// # Errors
@@ -107,5 +128,19 @@ pub fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Res
         writer.write_image_data(&opaque)?;
         writer.finish()
     };
-    write().map_err(|why| PngError { path: path.to_owned(), why })
+    write().map_err(|why| PngError::new(path, why))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_picture_has_the_mean_of_four_pixels() {
+        let grey = |v: u8| [v, v, v, 255];
+        let pixels: Vec<u8> = [0, 100, 8, 8, 50, 50, 8, 8].into_iter().flat_map(grey).collect();
+        assert_eq!(halved(&pixels, (4, 2)), [grey(50), grey(8)].concat());
+        // An odd row or column is cut off.
+        assert_eq!(halved(&pixels[..24], (3, 2)).len(), 4);
+    }
 }

@@ -18,6 +18,9 @@ impl Shot {
     }
 }
 
+/// The colour of pixels that differ.
+pub const MARK: [u8; 4] = [220, 0, 30, 255];
+
 /// A pale picture with the pixels that differ in red, and some around each.
 pub fn marked(picture: &[u8], differing: &[bool], (width, height): (u32, u32)) -> Vec<u8> {
     let mut pale: Vec<u8> = picture.iter().map(|v| 140 + v / 3).collect();
@@ -26,7 +29,7 @@ pub fn marked(picture: &[u8], differing: &[bool], (width, height): (u32, u32)) -
         let (x, y) = (p % width, p / width);
         for near_y in y.saturating_sub(1)..(y + 2).min(height) {
             for near_x in x.saturating_sub(1)..(x + 2).min(width) {
-                pale[(near_y * width + near_x) * 4..][..4].copy_from_slice(&[220, 0, 30, 255]);
+                pale[(near_y * width + near_x) * 4..][..4].copy_from_slice(&MARK);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The parts that programs which show casca at work have in common. Nothing here knows the library.
 //!
+//! - [`animation`]: pictures in a row, as one animated PNG.
 //! - [`gpu`]: the graphics device, and reading textures back.
 //! - [`canvas`]: pictures and item buffers without a window.
 //! - [`compare`]: two pictures, pixel by pixel.
@@ -9,6 +10,7 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod animation;
 pub mod canvas;
 pub mod compare;
 pub mod fly;

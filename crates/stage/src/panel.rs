@@ -77,6 +77,47 @@ impl Panel {
     }
 }
 
+/// How a legend shows a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sample {
+    /// A filled box.
+    Area,
+    /// A line.
+    Line,
+    /// A line around an area of another colour.
+    Framed([u8; 3]),
+}
+
+/// An entry of a legend.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Red, green, blue, opacity.
+    pub colour: [u8; 4],
+    /// How it is shown.
+    pub sample: Sample,
+    /// Its meaning.
+    pub text: String,
+}
+
+impl Entry {
+    /// Adds a sample of the colour and its meaning, side by side.
+    pub fn add(&self, ui: &mut egui::Ui) {
+        ui.horizontal(|ui| {
+            let high = ui.text_style_height(&egui::TextStyle::Body);
+            let (place, _) = ui.allocate_exact_size(egui::vec2(1.6 * high, high), egui::Sense::hover());
+            let [r, g, b, _] = self.colour;
+            let colour = Color32::from_rgb(r, g, b);
+            let thick = if self.sample == Sample::Line { 0.2 * high } else { 0.75 * high };
+            let sample = egui::Rect::from_center_size(place.center(), egui::vec2(place.width(), thick));
+            ui.painter().rect_filled(sample, 0.0, colour);
+            if let Sample::Framed([r, g, b]) = self.sample {
+                ui.painter().rect_filled(sample.shrink(0.14 * high), 0.0, Color32::from_rgb(r, g, b));
+            }
+            ui.label(&self.text);
+        });
+    }
+}
+
 /// A dark box at a corner or side of the picture, `offset` points away from it.
 pub fn boxed(
     context: &egui::Context,

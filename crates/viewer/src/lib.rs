@@ -6,13 +6,17 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+pub mod birds_eye;
+pub mod camera_fit;
 pub mod draw;
 pub mod frame_loop;
 pub mod geometry;
 pub mod headless;
+pub mod legend;
 pub mod overlays;
 pub mod panel;
 pub mod playback;
 pub mod proof;
 pub mod renderer;
+pub mod side_by_side;
 pub mod window;

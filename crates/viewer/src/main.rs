@@ -1,6 +1,7 @@
 //! Draws exactly what the PVS says, in a window or into pictures.
 //!
-//! `cargo run --release -p casca-viewer` opens a window; `-- --help` lists the options.
+//! `cargo run --release -p casca-viewer` opens a window; `-- --help` lists the options. `-- --headless --birds-eye
+//! --animation` makes the animation at the top of README.md.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 1..=8192;
 )]
 struct Options {
     /// spheres, city, rooms, forest, crowd, or glTF 2.0 files (.glb), comma-separated
-    /// [default: all procedural scenes]
+    /// [default: the procedural scenes of solids]
     #[arg(long, value_delimiter = ',')]
     scene: Vec<SceneName>,
     /// How what is drawn is decided: all, frustum, point, cell, hzb or rays
@@ -48,9 +49,12 @@ struct Options {
     /// Size of pictures and of the window, up to 8192x8192
     #[arg(long, default_value = "1280x720", value_parser = parse_size)]
     size: (u32, u32),
-    /// Pictures are taken from behind and above the camera that is culled for
-    #[arg(long)]
-    bird: bool,
+    /// Pictures show the whole scene from above, with the camera, its frustum and the culled objects
+    #[arg(long, requires = "headless")]
+    birds_eye: bool,
+    /// Also writes the pictures as one animated PNG
+    #[arg(long, requires = "headless")]
+    animation: bool,
     /// Layers over the pictures, comma-separated: hidden, volumes, cells, caps, buffers, frustum
     #[arg(long, value_delimiter = ',', value_parser = parse_layer)]
     layers: Vec<Layer>,
@@ -80,7 +84,7 @@ fn parse_layer(text: &str) -> Result<Layer, String> {
 /// Whether all that was to be proved holds.
 fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
     let scenes = match &options.scene[..] {
-        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
+        [] => SceneKind::SOLIDS.map(SceneName::Built).to_vec(),
         given => given.to_vec(),
     };
     // A proof takes minutes: what cannot be read or written is said before it.
@@ -112,7 +116,8 @@ fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
                 frames: options.frames as usize,
                 out: &options.out,
                 size: options.size,
-                bird: options.bird,
+                birds_eye: options.birds_eye,
+                animation: options.animation,
                 layers: &options.layers,
             };
             holds &= headless::pictures(&gpu, &mut playback, &plan)? == 0;
@@ -155,6 +160,7 @@ mod tests {
             assert!(said.contains(word), "{words:?}: {said}");
         }
         assert_eq!(options(&["--size", "8192x1"]).unwrap().size, (8192, 1));
+        assert!(options(&["--animation"]).unwrap_err().contains("--headless"));
     }
 
     #[test]

@@ -2,13 +2,14 @@
 
 use std::thread::{self, JoinHandle};
 
-use casca::matrix::BitMatrix;
-use casca::reference::{Cap, occlusion_by_caps};
-use casca::{CellOptions, Query, Scene};
+use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
+use casca::{Method, Query, Scene};
 use casca_lab::drive::view_of;
+use casca_lab::pictures::palette::{self, rgba};
 use casca_lab::world::{Camera, Object, Shape};
-use glam::{Affine3A, DVec3, IVec2, IVec3, Vec3};
+use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
 
+use crate::camera_fit::{Solid, in_view};
 use crate::playback::Frame;
 use crate::renderer::{Corner, Line, Marks};
 
@@ -47,14 +48,24 @@ impl Layer {
     }
 }
 
-const HIDDEN: [u8; 4] = [190, 70, 10, 190];
-const VOLUME: [u8; 4] = [130, 30, 170, 220];
-const OPAQUE_CELL: [u8; 4] = [40, 50, 70, 215];
-const HIDDEN_CELL: [u8; 4] = [235, 120, 30, 90];
-const OPEN_CELL: [u8; 4] = [60, 170, 90, 90];
-const CAP: [u8; 4] = [0, 110, 140, 255];
-const FRUSTUM: [u8; 4] = [20, 20, 30, 255];
-const LOST: [u8; 4] = [225, 0, 20, 255];
+/// The wireframe of a hidden object.
+pub const HIDDEN: [u8; 4] = rgba(palette::HIDDEN, 200);
+/// A temporal bounding volume.
+pub const VOLUME: [u8; 4] = rgba(palette::VOLUME, 220);
+/// A cell that hides.
+pub const OPAQUE_CELL: [u8; 4] = rgba(palette::OPAQUE_CELL, 215);
+/// A cell that is hidden.
+pub const HIDDEN_CELL: [u8; 4] = rgba(palette::HIDDEN_CELL, 120);
+/// A cell that may be seen.
+pub const VISIBLE_CELL: [u8; 4] = rgba(palette::VISIBLE_CELL, 120);
+/// The outline of a cap.
+pub const CAP: [u8; 4] = rgba(palette::WALK, 255);
+/// The border of the frustum that is culled for.
+pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
+/// Its section at the height of the eye.
+pub const LIT: [u8; 4] = rgba(palette::LIT, 70);
+/// The wireframe of a visible object that was lost.
+pub const LOST: [u8; 4] = [220, 0, 30, 255];
 /// Of how many shells caps are drawn: of all, they would fill the picture.
 const CAP_SHELLS: i32 = 8;
 
@@ -62,6 +73,8 @@ const CAP_SHELLS: i32 = 8;
 #[derive(Default)]
 pub struct Overlays {
     on: [bool; 6],
+    /// Whether of the frustum only its section at the height of the eye is drawn.
+    pub is_frustum_flat: bool,
     recorder: Option<Query>,
     frustum: Option<Query>,
     caps: Caps,
@@ -131,8 +144,11 @@ impl Overlays {
             self.caps(frame, &mut marks);
         }
         if self.is_on(Layer::Frustum) {
-            let grid = frame.scene.grid();
-            marks.frustum(&frame.camera, (grid.max() - grid.min()).length() as f32 * 0.3);
+            let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
+            if !self.is_frustum_flat {
+                marks.edges(&seen, 1.0, FRUSTUM);
+            }
+            marks.section(&mut seen, f64::from(frame.camera.eye.y));
         }
         for &i in lost {
             marks.wireframe(&frame.objects[i], 3.0, LOST);
@@ -141,26 +157,45 @@ impl Overlays {
     }
 
     fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let query = match self.frustum.take() {
-            Some(query) => query,
-            None => Query::with_method(casca::Method::Frustum)?,
-        };
-        let query = self.frustum.insert(query);
-        for id in query.run(frame.scene, &view_of(&frame.camera)?).visible() {
-            if frame.visible.binary_search(&id.index()).is_err() {
-                marks.wireframe(&frame.objects[id.index()], 1.0, HIDDEN);
-            }
+        for i in self.culled(frame)? {
+            marks.wireframe(&frame.objects[i], 1.0, HIDDEN);
         }
         Ok(())
     }
 
+    /// The objects in the frustum that are not drawn, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn culled(&mut self, frame: &Frame<'_>) -> Result<Vec<usize>, casca::Error> {
+        let mut culled = self.in_frustum(frame.scene, &frame.camera)?;
+        culled.retain(|i| frame.visible.binary_search(i).is_err());
+        Ok(culled)
+    }
+
+    /// The objects in the frustum of a camera, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
+        let query = match self.frustum.take() {
+            Some(query) => query,
+            None => Query::with_method(Method::Frustum)?,
+        };
+        let query = self.frustum.insert(query);
+        let found = query.run(scene, &view_of(camera)?).visible();
+        let mut found: Vec<usize> = found.iter().map(|id| id.index()).collect();
+        found.sort_unstable();
+        Ok(found)
+    }
+
     fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let recorded = casca::Method::Cell(CellOptions::default().record_cells(true));
         let query = match self.recorder.take() {
             Some(query) => query,
-            None => Query::with_method(recorded)?,
+            None => Query::with_method(Method::cell())?,
         };
         let query = self.recorder.insert(query);
+        query.record_cells(true);
         query.run(frame.scene, &view_of(&frame.camera)?);
         let grid = frame.scene.grid();
         let level = grid.cell_of(frame.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1);
@@ -173,7 +208,7 @@ impl Overlays {
                 } else if is_in(query.hidden_cells()) {
                     HIDDEN_CELL
                 } else if is_in(query.visited_cells()) {
-                    OPEN_CELL
+                    VISIBLE_CELL
                 } else {
                     continue;
                 };
@@ -208,7 +243,7 @@ impl Overlays {
                 ((lo + hi) * 0.5).as_vec3()
             };
             for polygon in &cap.polygons {
-                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, point(at))) {
+                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, &[point(at)])) {
                     continue;
                 }
                 for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
@@ -219,11 +254,6 @@ impl Overlays {
             }
         }
     }
-}
-
-fn in_view(camera: &Camera, p: Vec3) -> bool {
-    let c = camera.view_projection() * p.extend(1.0);
-    c.w > 0.0 && c.x.abs() <= c.w && c.y.abs() <= c.w
 }
 
 impl Marks {
@@ -280,17 +310,31 @@ impl Marks {
         }
     }
 
-    /// The frustum of a camera, as far as `reach`.
-    pub fn frustum(&mut self, camera: &Camera, reach: f32) {
-        let inverse = camera.view_projection().as_dmat4().inverse();
-        let corner = |x: f64, y: f64| {
-            let ray = inverse.project_point3(DVec3::new(x, y, 0.5)) - camera.eye.as_dvec3();
-            camera.eye + (ray.normalize_or_zero() * f64::from(reach)).as_vec3()
-        };
-        let far = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y));
-        for i in 0..4 {
-            self.line(camera.eye, far[i], 2.5, FRUSTUM);
-            self.line(far[i], far[(i + 1) % 4], 2.5, FRUSTUM);
+    /// The edges of a solid.
+    fn edges(&mut self, solid: &Solid, width: f32, colour: [u8; 4]) {
+        solid.faces.iter().for_each(|face| self.outline(face, width, colour));
+    }
+
+    /// The border of a polygon.
+    fn outline(&mut self, corners: &[DVec3], width: f32, colour: [u8; 4]) {
+        for (i, corner) in corners.iter().enumerate() {
+            self.line(corner.as_vec3(), corners[(i + 1) % corners.len()].as_vec3(), width, colour);
         }
+    }
+
+    /// The section of the seen part of a scene at some height: its border, and the area inside.
+    fn section(&mut self, seen: &mut Solid, height: f64) {
+        let section = seen.cut(DVec4::new(0.0, -1.0, 0.0, height)).unwrap_or_default();
+        self.outline(&section, 3.0, FRUSTUM);
+        for i in 2..section.len() {
+            for p in [section[0], section[i - 1], section[i]] {
+                self.fills.push(Corner { position: p.as_vec3().to_array(), colour: LIT });
+            }
+        }
+    }
+
+    /// Makes all lines wider.
+    pub fn widen(&mut self, factor: f32) {
+        self.lines.iter_mut().for_each(|line| line.width *= factor);
     }
 }

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use casca::OcclusionImage;
+use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
 use casca_stage::gpu::Gpu;
-use casca_stage::panel::{Panel, boxed};
+use casca_stage::panel::{Entry, Panel, boxed};
 
 use crate::overlays::{Layer, Overlays};
 use crate::playback::Method;
@@ -27,6 +27,8 @@ pub struct Numbers {
     pub times: (Duration, Duration),
     /// From an item buffer: objects that pixels show, and how many of them were not drawn.
     pub check: Option<(usize, usize)>,
+    /// The meanings of the colours.
+    pub legend: Vec<Entry>,
     /// Whether help is shown.
     pub help: bool,
 }
@@ -42,6 +44,70 @@ pub fn draw(
     let insets: Vec<TextureHandle> =
         images.iter().map(|image| panel.image("occlusion buffer", inset(image))).collect();
     panel.draw(gpu, target, scale, &|context| show(context, numbers, overlays, &insets));
+}
+
+/// Draws a title and a legend over a target, where a point is `scale` pixels wide, and a mark at a camera's eye,
+/// whose place is in shares of the picture from its left upper corner.
+pub fn caption(
+    panel: &mut Panel,
+    (gpu, target, scale): (&Gpu, &Target, f32),
+    title: &str,
+    legend: &[Entry],
+    [x, y]: [f32; 2],
+) {
+    panel.draw(gpu, target, scale, &|context| {
+        let across = context.content_rect().width();
+        mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
+        strip(context, "title", Align2::CENTER_TOP, &mut |ui| {
+            ui.label(RichText::new(title).size(23.0));
+        });
+        strip(context, "legend", Align2::CENTER_BOTTOM, &mut |ui| {
+            legend.chunks(4).for_each(|row| legend_row(ui, across - 16.0, row));
+        });
+    });
+}
+
+/// Entries side by side. Their widths do not depend on numbers: when those change, nothing moves.
+fn legend_row(ui: &mut egui::Ui, across: f32, row: &[Entry]) {
+    let share = |entry: &Entry| entry.text.trim_end_matches(|c: char| c.is_ascii_digit()).len() + 9;
+    let unit = across / row.iter().map(share).sum::<usize>().max(66) as f32;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for entry in row {
+            let wide = unit * share(entry) as f32;
+            ui.allocate_ui(egui::vec2(wide, 22.0), |ui| {
+                ui.set_min_width(wide);
+                ui.spacing_mut().item_spacing.x = 8.0;
+                entry.add(ui);
+            });
+        }
+    });
+}
+
+/// A dot with the word "camera".
+fn mark_eye(context: &egui::Context, at: egui::Vec2) {
+    let painter = context.layer_painter(egui::LayerId::background());
+    let at = at.to_pos2();
+    let text = painter.layout_no_wrap("camera".to_owned(), egui::FontId::proportional(15.0), Color32::BLACK);
+    let middle = at - egui::vec2(0.0, 20.0);
+    let word = egui::Rect::from_center_size(middle, text.size());
+    painter.rect_filled(word.expand2(egui::vec2(4.0, 0.0)), 3.0, Color32::from_white_alpha(225));
+    painter.galley(word.min, text, Color32::BLACK);
+    painter.circle_filled(at, 6.5, Color32::WHITE);
+    painter.circle_filled(at, 4.5, Color32::BLACK);
+}
+
+/// A white strip across the picture.
+fn strip(context: &egui::Context, name: &str, side: Align2, add: &mut dyn FnMut(&mut egui::Ui)) {
+    let area = egui::Area::new(egui::Id::unique(name)).anchor(side, [0.0, 0.0]);
+    area.interactable(false).fade_in(false).show(context, |ui| {
+        egui::Frame::new().fill(Color32::WHITE).inner_margin(8).show(ui, |ui| {
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(30));
+            ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(15.0));
+            ui.set_width(context.content_rect().width() - 16.0);
+            add(ui);
+        });
+    });
 }
 
 fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets: &[TextureHandle]) {
@@ -71,19 +137,12 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
         if numbers.frozen {
             ui.label(RichText::new("the culling camera stands still").color(Color32::YELLOW));
         }
-        for layer in Layer::EVERY.into_iter().filter(|&layer| overlays.is_on(layer)) {
-            let text = match layer {
-                Layer::Hidden => "orange wireframe: hidden objects, not drawn",
-                Layer::Volumes => "violet boxes: volumes that hidden moving objects stay in",
-                Layer::Cells => "cells at eye height: grey opaque, orange hidden, green seen",
-                Layer::Caps if !overlays.are_caps_ready() => "cap polygons are being traced",
-                Layer::Caps => {
-                    "blue outlines: what blocks the view from the eye's cell, on some shells of cells"
-                }
-                Layer::Buffers => "insets: occlusion buffers, dark is covered nearby, white is open",
-                Layer::Frustum => "black lines: the culling camera's frustum, cut short",
-            };
-            ui.label(text);
+        numbers.legend.iter().for_each(|entry| entry.add(ui));
+        if overlays.is_on(Layer::Caps) && !overlays.are_caps_ready() {
+            ui.label("cap polygons are being traced");
+        }
+        if !insets.is_empty() {
+            ui.label("insets: occlusion buffers, dark is covered nearby, white is open");
         }
     });
     if !insets.is_empty() {
@@ -99,7 +158,7 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
             ui.set_max_width(context.content_rect().width() - 40.0);
             let layers: Vec<String> =
                 Layer::EVERY.iter().zip(1..).map(|(layer, key)| format!("{key} {}", layer.name())).collect();
-            ui.label("W A S D Q E fly (Shift: faster)   right mouse button: look   P back to the path   Space: pause   F freeze the culling camera");
+            ui.label("W A S D Q E fly (Shift: faster)   right mouse button: look   P back to the path   Space: pause   F freeze the culling camera   B look at it from above, and back");
             ui.label(format!(
                 "M method   C check   N next scene   {}   H help   Esc quit",
                 layers.join("   ")

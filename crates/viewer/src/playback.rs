@@ -45,6 +45,15 @@ impl Method {
         !matches!(self, Self::Hzb | Self::Rays)
     }
 
+    /// The samples of its depth buffer, if it has one.
+    pub fn samples(self) -> Option<(usize, usize)> {
+        match self {
+            Self::Hzb => Some(HZB),
+            Self::Rays => Some(RAYS),
+            Self::All | Self::Frustum | Self::Point | Self::Cell => None,
+        }
+    }
+
     /// The next one.
     pub fn next(self) -> Self {
         Self::EVERY[(self as usize + 1) % Self::EVERY.len()]

@@ -17,6 +17,7 @@ use casca_stage::gpu::{COLOUR, Gpu};
 use crate::draw::{Painter, coloured};
 use crate::playback::{Method, Playback};
 use crate::renderer::Renderer;
+use crate::side_by_side::{Drawn, write_page};
 
 /// What the pictures of one method gave, over all frames.
 #[derive(Debug, Clone, Copy)]
@@ -67,10 +68,14 @@ pub fn prove(
         let mut shoot = |set: &[usize]| painter.shot(&camera, &coloured(&playback.geometry, objects, set));
         let everything: Vec<usize> = (0..objects.len()).collect();
         let want = shoot(&everything)?;
+        let mut casca: Option<Drawn> = None;
         for (row, set) in rows.iter_mut().zip(&sets) {
             let got = shoot(set)?;
             let differing = want.differing(&got);
             let count = row.add(&differing, set.len());
+            if row.method == Method::Point {
+                casca = Some(Drawn { method: row.method, shot: got.clone(), lost: differing.clone() });
+            }
             if count == 0 {
                 continue;
             }
@@ -82,6 +87,17 @@ pub fn prove(
             if row.method.is_safe() {
                 let place = format!("{} frame {at}, {}", playback.world.name, row.method);
                 say_loss(&place, &differing, (&want, &got), objects, canvas.size().0 as usize);
+            } else if let (Some(out), Some(casca)) = (out, &casca) {
+                let beside = Drawn { method: row.method, shot: got, lost: differing };
+                let (scene, (width, height)) = (&playback.world.name, canvas.size());
+                let name = format!("{scene}-{at:04}-{}-beside-point.png", row.method);
+                let samples =
+                    row.method.samples().map(|(w, h)| format!(" The depth buffer has {w}x{h} samples."));
+                let place = format!(
+                    "One frame of the scene {scene}, {width}x{height} pixels.{}",
+                    samples.unwrap_or_default()
+                );
+                write_page(gpu, &out.join(name), canvas.size(), (&want, [&beside, casca]), &place)?;
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::geometry::{DrawList, Geometry, Instance};
 
 /// No object, in item buffers.
 pub const NO_ITEM: u32 = u32::MAX;
-/// What is behind everything.
+/// The colour into which the shaders fade.
 const SKY: wgpu::Color = wgpu::Color { r: 0.83, g: 0.88, b: 0.93, a: 1.0 };
 
 /// The camera as the shaders take it.
@@ -134,6 +134,8 @@ pub struct Renderer {
     fill_corners: Growing,
     /// How fast things fade into the sky, by distance.
     pub haze: f32,
+    /// The colour behind everything.
+    pub sky: wgpu::Color,
 }
 
 impl Renderer {
@@ -189,6 +191,7 @@ impl Renderer {
             line_ends: Growing::new(gpu, BufferUsages::VERTEX),
             fill_corners: Growing::new(gpu, BufferUsages::VERTEX),
             haze: 0.0,
+            sky: SKY,
         }
     }
 
@@ -210,7 +213,7 @@ impl Renderer {
 
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let nothing = wgpu::Color { r: f64::from(NO_ITEM), ..wgpu::Color::default() };
-        let clear = if output == Output::Picture { SKY } else { nothing };
+        let clear = if output == Output::Picture { self.sky } else { nothing };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target.colour,

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
+use casca::internals::QueryInternals;
 use casca_lab::command_line::SceneName;
 use casca_lab::scenes::{SceneKind, SceneOptions};
 use casca_lab::world::{Camera, FRAME_SECONDS};
@@ -15,8 +16,10 @@ use casca_stage::window::{Demo, Done, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
+use crate::birds_eye::{FOV_Y, above_frustum, from_above};
 use crate::draw::{Painter, coloured};
 use crate::headless::haze;
+use crate::legend;
 use crate::overlays::{Layer, Overlays};
 use crate::panel::{self, Numbers};
 use crate::playback::{Method, Playback};
@@ -53,12 +56,20 @@ struct Viewer {
     method: Method,
     fly: Option<Fly>,
     frozen: Option<Camera>,
+    /// While it looks from above: how it looked before.
+    before: Option<Before>,
     paused: bool,
     help: bool,
     /// Where item buffers are drawn, while every frame is checked by one.
     check: Option<Canvas>,
     /// Time that the scene is behind.
     behind: f64,
+}
+
+/// The camera that looks, and whether it is culled for.
+struct Before {
+    fly: Option<Fly>,
+    frozen: Option<Camera>,
 }
 
 impl Viewer {
@@ -81,6 +92,7 @@ impl Viewer {
             method,
             fly: None,
             frozen: None,
+            before: None,
             paused: false,
             help: true,
             check: None,
@@ -106,9 +118,33 @@ impl Viewer {
         match &self.fly {
             None => self.playback.path_camera(aspect),
             Some(fly) => {
-                Camera::look_at(fly.eye, fly.eye + fly.forward(), 60.0, aspect, 1e-3 * reach, 4.0 * reach)
+                Camera::look_at(fly.eye, fly.eye + fly.forward(), FOV_Y, aspect, 1e-3 * reach, 4.0 * reach)
             }
         }
+    }
+
+    /// Freezes the culling camera where this one is, or frees it.
+    fn freeze(&mut self, camera: Option<Camera>) {
+        self.frozen = camera;
+        // The frustum shows which camera is frozen.
+        if self.frozen.is_some() != self.overlays.is_on(Layer::Frustum) {
+            self.overlays.toggle(Layer::Frustum);
+        }
+    }
+
+    /// Freezes the culling camera and looks at it from above, or returns to the view before that.
+    fn look_from_above(&mut self, aspect: f32) {
+        if let Some(Before { fly, frozen }) = self.before.take() {
+            self.fly = fly;
+            self.freeze(frozen);
+            return;
+        }
+        let frozen = self.frozen.unwrap_or_else(|| self.camera(aspect));
+        let grid = &self.playback.world.grid;
+        let above = above_frustum(&frozen, (grid.min.as_dvec3(), grid.max.as_dvec3()), aspect);
+        self.before = Some(Before { fly: self.fly, frozen: self.frozen });
+        self.fly = Some(Fly::new(above.eye, -above.view.row(2).truncate()));
+        self.freeze(Some(frozen));
     }
 
     /// Turns to the next scene.
@@ -117,7 +153,8 @@ impl Viewer {
         let Some(scene) = self.scenes.get(self.scene) else { return Ok(()) };
         self.playback = playback_of(scene, &self.options)?;
         self.renderer = renderer_of(&screen.gpu, screen.format(), &self.playback);
-        (self.fly, self.frozen) = (None, None);
+        (self.fly, self.before) = (None, None);
+        self.freeze(None);
         self.overlays.forget_scene();
         Ok(())
     }
@@ -127,19 +164,22 @@ impl Demo for Viewer {
     fn press(&mut self, key: KeyCode, screen: &Screen) -> Done {
         match key {
             KeyCode::KeyF => {
-                let camera = self.camera(screen.aspect());
-                self.frozen = self.frozen.is_none().then_some(camera);
-                // The frustum tells what is frozen.
-                if self.frozen.is_some() != self.overlays.is_on(Layer::Frustum) {
-                    self.overlays.toggle(Layer::Frustum);
+                let free = self.frozen.is_none().then(|| self.camera(screen.aspect()));
+                if let Some(Before { fly, .. }) = self.before.take() {
+                    self.fly = fly;
                 }
+                self.freeze(free);
             }
+            KeyCode::KeyB => self.look_from_above(screen.aspect()),
             KeyCode::KeyM => self.method = self.method.next(),
             KeyCode::KeyC => {
                 self.check = self.check.is_none().then(|| Canvas::new(&screen.gpu, screen.size()));
             }
             KeyCode::KeyH => self.help ^= true,
-            KeyCode::KeyP => self.fly = None,
+            KeyCode::KeyP => {
+                self.before = None;
+                self.fly = None;
+            }
             KeyCode::Space => self.paused ^= true,
             KeyCode::KeyN => return self.next_scene(screen),
             _ => {
@@ -178,8 +218,10 @@ impl Demo for Viewer {
         let culled_for = self.frozen.unwrap_or(watcher);
         let name = self.playback.world.name.clone();
         let (gpu, scale) = (&screen.gpu, screen.scale());
+        // From above the colours have meanings: they must not fade.
+        self.renderer.haze = if self.before.is_some() { 0.0 } else { haze(&self.playback) };
         let Self { renderer, panel, overlays, check, method, .. } = self;
-        let (frozen, help) = (self.frozen.is_some(), self.help);
+        let (frozen, help, is_above) = (self.frozen.is_some(), self.help, self.before.is_some());
         self.playback.frame(*method, &culled_for, &mut |frame| {
             let objects = (frame.geometry, frame.objects);
             let found = match check {
@@ -189,9 +231,15 @@ impl Demo for Viewer {
                 None => None,
             };
             let start = Instant::now();
-            let list = coloured(frame.geometry, frame.objects, &frame.visible);
             let lost: &[usize] = found.as_ref().map_or(&[], |found| &found.lost);
             let marks = overlays.marks(&frame, lost)?;
+            let (list, mut legend) = if is_above {
+                let above = from_above(&frame, overlays, (&watcher, lost))?;
+                (above.list, above.legend)
+            } else {
+                (coloured(frame.geometry, frame.objects, &frame.visible), Vec::new())
+            };
+            legend::join(&mut legend, legend::of_marks(&marks, &watcher));
             renderer.draw(gpu, Output::Picture, target, &watcher, &list, &marks);
             gpu.wait()?;
             let numbers = Numbers {
@@ -202,6 +250,7 @@ impl Demo for Viewer {
                 visible: (frame.visible.len(), frame.objects.len()),
                 times: (frame.time, start.elapsed()),
                 check: found.as_ref().map(|found| (found.shown.len(), found.lost.len())),
+                legend,
                 help,
             };
             let images =

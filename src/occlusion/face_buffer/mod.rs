@@ -2,6 +2,7 @@
 
 mod draw;
 mod frustum;
+mod receivers;
 mod search;
 
 use smallvec::SmallVec;
@@ -46,6 +47,15 @@ pub(crate) struct ListedPatch {
     pub(crate) pixels: PixelRect,
 }
 
+/// The receivers in a tile.
+#[derive(Debug, Clone, Copy)]
+struct Received {
+    /// The pixels that they may touch.
+    mask: u64,
+    /// None of them is less near.
+    near: f32,
+}
+
 /// One face, as far as the view looks through it.
 #[derive(Debug, Clone)]
 pub(crate) struct FaceBuffer {
@@ -61,6 +71,7 @@ pub(crate) struct FaceBuffer {
     occluders: Bins<Listed>,
     patches: Bins<ListedPatch>,
     drawn: Vec<Drawn>,
+    received: Vec<Received>,
 }
 
 impl FaceBuffer {
@@ -75,6 +86,7 @@ impl FaceBuffer {
             occluders: Bins::new(),
             patches: Bins::new(),
             drawn: Vec::new(),
+            received: Vec::new(),
         }
     }
 
@@ -174,7 +186,7 @@ impl FaceBuffer {
     /// Whether every pixel of the rectangle around a box is covered nearer than it.
     #[inline]
     pub(crate) fn hides_block(&self, block: &Block) -> bool {
-        let Some((rect, depth)) = self.face.block(block) else { return true };
+        let Some((rect, (depth, _))) = self.face.block(block) else { return true };
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
     }
 

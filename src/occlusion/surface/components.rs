@@ -53,7 +53,7 @@ pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &Surfac
 fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scratch: &mut SurfaceScratch) {
     let projector = Projector::new(buffer, limit);
     for (d, drawable) in batch.iter().zip(0..) {
-        let Some((rect, depth)) = buffer.face().block(&d.block) else { continue };
+        let Some((rect, (depth, _))) = buffer.face().block(&d.block) else { continue };
         let near = above(buffer.face().nearness_of(depth));
         let pixels = buffer.window().touched_by(&rect);
         if pixels.is_empty() || buffer.hides_pixels(&pixels, near) {

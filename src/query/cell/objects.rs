@@ -34,11 +34,11 @@ impl Walk<'_> {
 
     /// Decides an object one of whose cells is in sight.
     pub(super) fn decide(&mut self, slot: u32) {
-        if !self.marks.decide(slot) {
+        let object = self.scene.object(slot);
+        if !self.marks.decide(slot) || !object.is_shown(self.view) {
             return;
         }
         self.stats.objects_tested += 1;
-        let object = self.scene.object(slot);
         // An object whose place is not known may be anywhere.
         if object.is_unlocated() || self.view.may_see(object.bounds()) {
             self.pvs.push(self.scene.id(slot));
@@ -49,12 +49,12 @@ impl Walk<'_> {
     /// there on decide. Nearer ones are hidden, or the surface around them would have
     /// been seen before.
     pub(super) fn reveal(&mut self, slot: u32, m: i32) {
-        if !self.marks.reveal(slot) {
+        let object = self.scene.object(slot);
+        if !self.marks.reveal(slot) || !object.is_shown(self.view) {
             return;
         }
         self.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.scene.id(slot));
-        let object = self.scene.object(slot);
         if object.on_expiry() {
             // Its bounds are old: it may be anywhere in the volume.
             self.marks.decide(slot);

@@ -46,7 +46,21 @@ pub(crate) struct Walk<'a> {
     fuses: Option<bool>,
     /// The shells of bricks around the eye's brick, if the walk goes in shells.
     around: Option<Shells>,
+    /// Only the objects before these boxes are asked for.
+    receivers: Option<&'a [Block]>,
     stats: Stats,
+}
+
+/// How finely the buffers of a view of the scene are divided.
+pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
+    let (min, max) = scene.extent();
+    Pitch {
+        pixels: 90.0 / f64::from(options.pixel_degrees),
+        least: f64::from(options.min_pixels),
+        nearest: NEAREST * scene.grid().cell_size(),
+        reach: (max - min).length() * 0.5,
+        middle: (min + max) * 0.5,
+    }
 }
 
 impl<'a> Walk<'a> {
@@ -74,21 +88,24 @@ impl<'a> Walk<'a> {
             grid,
             fuses: None,
             around: Shells::around_eye(&grid, view, Start::Eye),
+            receivers: None,
             stats: Stats::default(),
         }
     }
 
+    /// Leaves out objects that lie before none of the receivers.
+    pub(crate) fn with_receivers(mut self, receivers: Option<&'a [Block]>) -> Self {
+        self.receivers = receivers;
+        self
+    }
+
     /// Fills the set.
     pub(crate) fn run(mut self) {
-        let (min, max) = self.scene.extent();
-        let pitch = Pitch {
-            pixels: 90.0 / f64::from(self.options.pixel_degrees),
-            least: f64::from(self.options.min_pixels),
-            nearest: NEAREST * self.scene.grid().cell_size(),
-            reach: (max - min).length() * 0.5,
-            middle: (min + max) * 0.5,
-        };
+        let pitch = pitch(self.scene, self.options);
         self.scratch.buffers.begin(self.view, &pitch);
+        if let Some(receivers) = self.receivers {
+            self.scratch.buffers.keep_before(receivers, self.view.is_ordered());
+        }
         self.stats.pixels = self.scratch.buffers.pixels();
         for &slot in self.scene.always() {
             self.find(slot);

@@ -7,10 +7,10 @@ use crate::query::point::Walk;
 impl Walk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: u32) {
-        if !self.marks.decide(slot) {
+        let object = self.scene.object(slot);
+        if !self.marks.decide(slot) || !object.is_shown(self.view) {
             return;
         }
-        let object = self.scene.object(slot);
         let scratch = &mut *self.scratch;
         if object.is_unlocated() || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.

@@ -8,9 +8,7 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
-use crate::shape::Shape;
-use crate::view::View;
-use crate::view::cut::may_meet;
+use crate::view::cut::may_start_in;
 
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
@@ -34,14 +32,7 @@ impl Walk<'_> {
             return;
         }
         let buffers = &mut self.scratch.buffers;
-        let block = occluder.block();
-        // One sees through a solid where the near plane cuts into it.
-        let cut = self.cut.iter().any(|(region, around)| may_meet(occluder, region, around));
-        let cut = cut || buffers.direction().is_some_and(|d| self.view.cuts_front(d, &block));
-        let unsure = |(region, around): &(View, Block)| may_meet(occluder, region, around);
-        let inside = buffers.direction().is_none()
-            && (occluder.contains_point(buffers.origin()) || self.unsure.as_ref().is_some_and(unsure));
-        if cut || inside {
+        if may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder) {
             self.stats.eye_in_occluder = true;
             return;
         }

@@ -52,8 +52,7 @@ impl PointScratch {
     }
 
     /// Whether a box in world units is hidden by the occluders drawn so far.
-    pub(super) fn hides(&self, bounds: &Block) -> bool {
-        let (origin, grow) = (self.buffers.origin(), self.buffers.uncertainty());
-        self.buffers.hides(&Block { min: bounds.min - origin - grow, max: bounds.max - origin + grow })
+    pub(crate) fn hides(&self, bounds: &Block) -> bool {
+        self.buffers.hides(&self.buffers.relative(bounds))
     }
 }

@@ -65,7 +65,7 @@ impl Walk<'_> {
 
     /// Marks the volume of an object as revealed, and finds the object.
     fn reveal(&mut self, slot: u32) {
-        if !self.marks.reveal(slot) {
+        if !self.marks.reveal(slot) || !self.scene.object(slot).is_shown(self.view) {
             return;
         }
         self.stats.tbvs_revealed += 1;

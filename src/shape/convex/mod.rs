@@ -4,6 +4,8 @@ mod cells;
 mod hull;
 mod kind;
 mod planes;
+#[cfg(feature = "serde")]
+pub(crate) mod stored;
 #[cfg(test)]
 mod tests;
 
@@ -11,9 +13,10 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Plane;
+use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
-use crate::numeric::shape::{CORNER, FLAT, KEPT, MAX_PULL};
+use crate::numeric::shape::{CORNER, FLAT, KEPT, LENGTH_OF_ERROR, MAX_PULL, MOST_PULL};
 use crate::shape::convex::hull::{Closed, closed};
 
 /// The most points or half-spaces of a [`Convex`].
@@ -152,13 +155,47 @@ impl Convex {
             }
         }
         moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (reach + self.reach());
-        for (f, face) in moved.faces.iter_mut().enumerate() {
-            let own = moved.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
+        moved.fit_faces(reach);
+        Ok(moved)
+    }
+
+    /// Moves faces, whose directions stay, to their corners.
+    fn fit_faces(&mut self, reach: f64) {
+        for (f, face) in self.faces.iter_mut().enumerate() {
+            let own = self.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
             let ends =
-                own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(moved.vertices[usize::from(v)]));
+                own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(self.vertices[usize::from(v)]));
             face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
         }
-        Ok(moved)
+    }
+
+    /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if hardly anything of
+    /// it is left.
+    pub(crate) fn inside_hull(points: &[DVec3], room: f64) -> Option<Self> {
+        let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let mut solid = Self::hull(points, CORNER * reach)?;
+        let middle = solid.middle();
+        let depth = solid.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
+        // A ball of the pull times the depth around each corner as pulled lies in the hull, and a ball of the room.
+        let pull = (room + 2.0 * CORNER * reach) / depth;
+        if !(0.0..MOST_PULL).contains(&pull) {
+            return None;
+        }
+        for v in &mut solid.vertices {
+            *v = middle + (*v - middle) * (1.0 - pull);
+        }
+        solid.fit_faces(reach);
+        solid.lost = solid.beyond(points) + room + CORNER * reach;
+        Some(solid)
+    }
+
+    /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it is left.
+    pub(crate) fn placed(&self, placement: &Placement) -> Option<Self> {
+        let points: Vec<DVec3> =
+            self.vertices.iter().map(|&v| placement.affine.transform_point3(v)).collect();
+        let mut solid = Self::inside_hull(&points, LENGTH_OF_ERROR * placement.error)?;
+        solid.lost += self.lost * placement.growth;
+        Some(solid)
     }
 
     /// The corners.

@@ -1,5 +1,6 @@
 //! The calls whose behaviour changes with the library's next interface: the place to follow it.
 
+use casca::internals::SceneInternals;
 use casca::{Error, FrameReport, MemoryUse, ObjectId, Pvs, Scene, View};
 use glam::{Mat4, Vec3};
 

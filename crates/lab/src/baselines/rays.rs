@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use fearless_simd::dispatch;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -9,7 +10,9 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 
-use super::{DepthPyramid, Screen, bounds, front_to_back};
+use super::DepthPyramid;
+use super::models::Models;
+use super::screen::{Boxes, Screen};
 use crate::world::{Camera, Motion, Object, Shape};
 
 /// What a ray can hit.
@@ -27,6 +30,9 @@ enum Part {
 pub struct RayBuffer {
     depth: DepthPyramid,
     fixed: (Bvh2, Vec<Part>),
+    models: Models,
+    boxes: Boxes,
+    order: Vec<u64>,
 }
 
 fn parts(object: &Object, out: &mut Vec<Part>) {
@@ -98,7 +104,13 @@ impl RayBuffer {
             parts(object, &mut fixed);
         }
         let params = BvhBuildParams::medium_build();
-        Self { depth: DepthPyramid::new(width, height), fixed: tree(fixed, params) }
+        Self {
+            depth: DepthPyramid::new(width, height),
+            fixed: tree(fixed, params),
+            models: Models::default(),
+            boxes: Boxes::default(),
+            order: Vec::new(),
+        }
     }
 
     /// The buffer as the last frame left it.
@@ -117,8 +129,9 @@ impl RayBuffer {
             }
         }
         let moving = tree(moving, BvhBuildParams::fastest_build());
-        let inverse = screen.matrix.inverse();
-        let forward = Vec3A::from(screen.matrix.row(3).truncate());
+        let matrix = camera.view_projection();
+        let inverse = matrix.inverse();
+        let forward = Vec3A::from(matrix.row(3).truncate());
         let eye = camera.eye;
         let direction = |x: f32, y: f32| {
             let clip = Vec3::new(x / width as f32 * 2.0 - 1.0, 1.0 - y / height as f32 * 2.0, 0.5);
@@ -133,8 +146,7 @@ impl RayBuffer {
         self.depth.clear();
         for y in 0..height {
             let start = origin + down * y as f32;
-            let row = self.depth.row(y, 0, width);
-            for (x, near) in row.iter_mut().enumerate() {
+            for x in 0..width {
                 let d = Vec3A::from(start + across * x as f32);
                 let length = d.length();
                 let ray = Ray::new(eye.into(), d / length, 0.0, f32::MAX);
@@ -150,13 +162,18 @@ impl RayBuffer {
                     });
                 }
                 // d has depth 1.
-                *near = length / first;
+                self.depth.set(x, y, length / first);
             }
         }
-        front_to_back(objects, in_frustum, eye)
-            .into_iter()
-            .map(|(_, i)| i)
-            .filter(|&i| screen.rectangle(bounds(&objects[i].shape)).is_none_or(|r| self.depth.sees(&r)))
-            .collect()
+        let Self { depth, models, boxes, order, .. } = self;
+        models.of_scene(objects);
+        boxes.fill(in_frustum.iter().map(|&i| models.bounds(i, &objects[i].shape)));
+        dispatch!(depth.level(), simd => {
+            boxes.project(simd, &screen);
+            boxes.front_to_back(order);
+            let numbers = order.iter().map(|&key| key as u32 as usize);
+            let open = numbers.filter(|&n| !depth.hides_in(simd, &boxes.rects[n]));
+            open.map(|n| in_frustum[n]).collect()
+        })
     }
 }

@@ -1,5 +1,7 @@
+use glam::Vec3;
+
 use super::*;
-use crate::world::Motion;
+use crate::world::{Camera, Motion, Object, Shape};
 
 fn object(shape: Shape) -> Object {
     Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true }

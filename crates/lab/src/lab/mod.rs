@@ -5,6 +5,7 @@
 //! the library and the methods of today's engines are measured by the same code.
 
 mod aggressive;
+pub mod buffer;
 mod contender;
 mod front;
 mod machine;

@@ -1,6 +1,6 @@
 //! Shadow casters: how many objects a shadow map has to draw.
 
-use casca::{Method, Query, View};
+use casca::{Light, Method, Query, View};
 use glam::{Mat4, Vec3, camera};
 
 use super::walker::Walker;
@@ -59,12 +59,13 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
         let done = walker.walk::<LabError>(frames, |walker, _, frame| {
             let scene = &walker.driver(0).scene;
             let view = view_of(&frame.camera)?;
-            let (pvs, time) = timed(|| eye.run(scene, &view));
+            let (found, time) = timed(|| eye.run(scene, &view).len());
             eye_ms.push(time.as_secs_f64() * 1e3);
-            let (found, time) = timed(|| sun.shadow_casters(scene, pvs, SUN, &mut casters));
+            seen += found;
+            let (found, time) =
+                timed(|| sun.shadow_casters(scene, &eye, &Light::Directional(SUN), &mut casters));
             found?;
             sun_ms.push(time.as_secs_f64() * 1e3);
-            seen += pvs.len();
             cast += casters.len();
             lit += all.run(scene, &over).len();
             Ok(())
@@ -87,7 +88,7 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
     section.text(format!(
         "`Query::shadow_casters` finds the objects that may cast a shadow onto anything in the camera's PVS and view, \
          without those that stand in the shadow of others. A shadow map with these alone shows the same visible shadows \
-         (`tests/shadows.rs` compares that with exact rays). **It needs {least:.0}% to {most:.0}% of the objects that \
+         (`tests/shadows` compares that with exact rays). **It needs {least:.0}% to {most:.0}% of the objects that \
          the sun sees of the whole scene**, which a shadow map has to draw without knowing the camera. The sun's light \
          goes along ({}, {}, {}); means and medians over {frames} frames of each walk.",
         SUN.x, SUN.y, SUN.z

@@ -14,9 +14,9 @@ pub(super) enum Place<'a> {
     File(&'a Path),
 }
 
-/// All procedural scenes, then the files of the lab.
+/// The procedural scenes of solids, then the files of the lab.
 pub(super) fn places<'a>(lab: &'a Lab) -> Vec<Place<'a>> {
-    let built = SceneKind::ALL.iter().copied().map(Place::Built);
+    let built = SceneKind::SOLIDS.iter().copied().map(Place::Built);
     built.chain(lab.files.iter().map(|f| Place::File(f))).collect()
 }
 
@@ -24,11 +24,7 @@ impl Place<'_> {
     /// What kind of scene it is, in a few words; files are told by their names.
     pub(super) fn kind(&self) -> String {
         match self {
-            Self::Built(SceneKind::Spheres) => "clutter of round solids, some of it moving".to_owned(),
-            Self::Built(SceneKind::City) => "streets with many small things".to_owned(),
-            Self::Built(SceneKind::Rooms) => "indoors".to_owned(),
-            Self::Built(SceneKind::Forest) => "open, thin occluders".to_owned(),
-            Self::Built(SceneKind::Crowd) => "100,000 moving objects among walls".to_owned(),
+            Self::Built(kind) => kind.description().to_owned(),
             Self::File(_) => "triangle meshes".to_owned(),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use casca::OcclusionImage;
+use casca::internals::OcclusionImage;
 use plotters::style::RGBColor;
 
 use super::palette::{HIDDEN, LOST, OPEN_PIXEL, QUIET, SPARE, TEXT, VISIBLE};

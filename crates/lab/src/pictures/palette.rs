@@ -96,33 +96,48 @@ pub fn other(number: usize) -> Style {
 }
 
 /// Hidden, and left out by the method.
-pub(super) const HIDDEN: RGBColor = RGBColor(0, 158, 115);
+pub const HIDDEN: RGBColor = RGBColor(0, 158, 115);
 /// Visible, but lost by the method.
-pub(super) const LOST: RGBColor = RGBColor(213, 94, 0);
+pub const LOST: RGBColor = RGBColor(213, 94, 0);
 /// Hidden, but drawn.
 pub(super) const SPARE: RGBColor = RGBColor(240, 228, 66);
 /// Visible, and found by the method.
 pub(super) const VISIBLE: RGBColor = RGBColor(130, 140, 160);
+/// An object that is drawn, in a view from above.
+pub const DRAWN: RGBColor = RGBColor(230, 159, 0);
+/// An object in the frustum that is culled, in a view from above.
+pub const CULLED: RGBColor = RGBColor(86, 140, 200);
+/// An object outside the frustum, in a view from above.
+pub const OUTSIDE: RGBColor = RGBColor(214, 214, 216);
+/// The inside of the frustum, in a view from above.
+pub const LIT: RGBColor = RGBColor(240, 228, 66);
+/// The ground, in a view from above.
+pub const GROUND: RGBColor = RGBColor(246, 245, 242);
 /// A cell that hides.
-pub(super) const OPAQUE_CELL: RGBColor = RGBColor(60, 60, 66);
+pub const OPAQUE_CELL: RGBColor = RGBColor(60, 60, 66);
 /// A cell that is hidden.
-pub(super) const HIDDEN_CELL: RGBColor = RGBColor(150, 205, 235);
+pub const HIDDEN_CELL: RGBColor = RGBColor(150, 205, 235);
 /// A cell that may be seen.
-pub(super) const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
+pub const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
 /// A cell with objects in it that the walk did not come to.
 pub(super) const UNVISITED_CELL: RGBColor = RGBColor(205, 205, 205);
 /// A temporal bounding volume.
-pub(super) const VOLUME: RGBColor = RGBColor(175, 60, 130);
+pub const VOLUME: RGBColor = RGBColor(175, 60, 130);
 /// The camera.
-pub(super) const CAMERA: RGBColor = RGBColor(213, 94, 0);
+pub const CAMERA: RGBColor = RGBColor(213, 94, 0);
 /// Where the camera goes.
-pub(super) const WALK: RGBColor = RGBColor(0, 114, 178);
+pub const WALK: RGBColor = RGBColor(0, 114, 178);
 /// An open pixel of an occlusion buffer.
 pub(super) const OPEN_PIXEL: RGBColor = RGBColor(240, 228, 66);
 /// Titles and labels.
 pub(super) const TEXT: RGBColor = RGBColor(30, 30, 34);
 /// Words that matter less.
 pub(super) const QUIET: RGBColor = RGBColor(95, 95, 102);
+
+/// A colour of the palette with an opacity, for pictures that a graphics device draws.
+pub const fn rgba(color: RGBColor, opacity: u8) -> [u8; 4] {
+    [color.0, color.1, color.2, opacity]
+}
 
 /// Black or white, whichever stands out against a colour.
 pub(super) fn text_on(color: RGBColor) -> RGBColor {

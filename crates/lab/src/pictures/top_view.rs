@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casca::Scene;
-use casca::matrix::BitMatrix;
+use casca::internals::{BitMatrix, SceneInternals};
 use glam::{DVec3, IVec3, Vec3};
 use plotters::prelude::*;
 

@@ -9,19 +9,19 @@ use super::motion::{Path, Sliding, Walk};
 use super::{Dice, SceneOptions, object, solid_box, standing_box};
 use crate::world::{GridHint, Shape, World};
 
-const SIZE: f32 = 200.0;
+pub(super) const SIZE: f32 = 200.0;
 const HEIGHT: f32 = 40.0;
 /// A street and the block beside it.
-const PITCH: f32 = 40.0;
-const STREET: f32 = 12.0;
-const BLOCKS: usize = 5;
+pub(super) const PITCH: f32 = 40.0;
+pub(super) const STREET: f32 = 12.0;
+pub(super) const BLOCKS: usize = 5;
 const SMALL: f32 = 3000.0;
 const CARS: usize = 60;
 /// Top of the ground.
-const GROUND: f32 = 1.0;
+pub(super) const GROUND: f32 = 1.0;
 
 /// A walk along the middle of streets, turning sharply enough to stay on them.
-fn path() -> Path {
+pub(super) fn path() -> Path {
     let street = |i: usize| i as f32 * PITCH + STREET * 0.5;
     let stops = [(0, 0), (2, 0), (2, 2), (1, 2), (1, 4), (3, 4), (3, 1), (4, 1)];
     let at = |(x, z): (usize, usize)| Vec3::new(street(x), GROUND + 1.7, street(z));

@@ -5,21 +5,38 @@
 //! - [`SceneKind::Rooms`]: a floor of rooms with thin walls and sliding doors.
 //! - [`SceneKind::Forest`]: thin trunks and foliage that hides nothing.
 //! - [`SceneKind::Crowd`]: 100,000 people behind walls.
+//!
+//! These are [`SceneKind::SOLIDS`], of spheres and boxes. Those of triangle meshes are:
+//!
+//! - [`SceneKind::Terrain`]: rolling ground, one mesh, with trees, houses and small things.
+//! - [`SceneKind::Town`]: buildings of panels that share no vertices, thin railings, 20,000 small things.
+//! - [`SceneKind::Rocks`]: closed meshes of high curvature.
+//! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
+//!
+//! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and small things.
 
 mod city;
 mod crowd;
 mod forest;
 mod motion;
+mod noise;
+mod rocks;
 mod rooms;
+mod solid_meshes;
 mod spheres;
+mod terrain;
+#[cfg(test)]
+mod tests;
+mod town;
 
 use std::str::FromStr;
+use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::world::{Motion, Object, Shape, World};
+use crate::world::{Mesh, Motion, Object, Shape, World};
 
 /// A procedural scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,11 +51,41 @@ pub enum SceneKind {
     Forest,
     /// 100,000 dynamic objects.
     Crowd,
+    /// Hills.
+    Terrain,
+    /// Streets between modular buildings.
+    Town,
+    /// Boulders.
+    Rocks,
+    /// `Spheres`, each of 320 triangles.
+    SpheresMeshes,
+    /// `City`, its boxes as meshes.
+    CityMeshes,
+    /// 80,000 spheres.
+    Spheres16,
+    /// 30,000 small things in the streets.
+    City10,
 }
 
 impl SceneKind {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Spheres, Self::City, Self::Rooms, Self::Forest, Self::Crowd];
+    pub const ALL: [Self; 12] = [
+        Self::Spheres,
+        Self::City,
+        Self::Rooms,
+        Self::Forest,
+        Self::Crowd,
+        Self::Terrain,
+        Self::Town,
+        Self::Rocks,
+        Self::SpheresMeshes,
+        Self::CityMeshes,
+        Self::Spheres16,
+        Self::City10,
+    ];
+
+    /// Those of spheres and boxes, at their standard sizes.
+    pub const SOLIDS: [Self; 5] = [Self::Spheres, Self::City, Self::Rooms, Self::Forest, Self::Crowd];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -48,13 +95,41 @@ impl SceneKind {
             Self::Rooms => "rooms",
             Self::Forest => "forest",
             Self::Crowd => "crowd",
+            Self::Terrain => "terrain",
+            Self::Town => "town",
+            Self::Rocks => "rocks",
+            Self::SpheresMeshes => "spheres-meshes",
+            Self::CityMeshes => "city-meshes",
+            Self::Spheres16 => "spheres-16",
+            Self::City10 => "city-10",
         }
+    }
+
+    /// What kind of scene it is, in a few words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Spheres | Self::Spheres16 => "clutter of round solids, some of it moving",
+            Self::City | Self::City10 => "streets with many small things",
+            Self::Rooms => "indoors",
+            Self::Forest => "open, thin occluders",
+            Self::Crowd => "100,000 moving objects among walls",
+            Self::Terrain => "rolling ground with trees and houses, all meshes",
+            Self::Town => "modular buildings and 20,000 small things",
+            Self::Rocks => "closed meshes of high curvature",
+            Self::SpheresMeshes => "round meshes, some of them moving",
+            Self::CityMeshes => "streets with many small meshes",
+        }
+    }
+
+    /// The names of all scenes, with commas between them.
+    pub fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
     }
 }
 
 /// The name is none of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0} is no scene: there are spheres, city, rooms, forest and crowd")]
+#[error("{0} is no scene: there are {names}", names = SceneKind::names())]
 pub struct UnknownScene(String);
 
 impl FromStr for SceneKind {
@@ -98,7 +173,21 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
         SceneKind::Rooms => rooms::build(&options),
         SceneKind::Forest => forest::build(&options),
         SceneKind::Crowd => crowd::build(&options),
+        SceneKind::Terrain => terrain::build(&options),
+        SceneKind::Town => town::build(&options),
+        SceneKind::Rocks => rocks::build(&options),
+        SceneKind::SpheresMeshes => solid_meshes::meshed(spheres::build(&options), 2),
+        SceneKind::CityMeshes => solid_meshes::meshed(city::build(&options), 1),
+        SceneKind::Spheres16 => times(16.0, &options, spheres::build),
+        SceneKind::City10 => times(10.0, &options, city::build),
     }
+}
+
+/// A scene with so many times as many objects.
+fn times(factor: f32, options: &SceneOptions, build: fn(&SceneOptions) -> World) -> World {
+    let mut world = build(&SceneOptions { scale: options.scale * factor, ..*options });
+    world.name.push_str(&format!("-{factor}"));
+    world
 }
 
 /// The random numbers of a scene.
@@ -131,100 +220,13 @@ fn object(name: &str, shape: Shape) -> Object {
     Object { name: name.to_owned(), shape, motion: Motion::Static, occludes: true, tested: true }
 }
 
+/// A mesh in world space.
+fn mesh(mesh: Mesh) -> Shape {
+    Shape::Mesh { mesh: Arc::new(mesh), transform: Affine3A::IDENTITY }
+}
+
 /// A box with its base at `base`.
 fn standing_box(name: &str, base: Vec3, size: Vec3) -> Object {
     let half = Vec3::new(size.x * 0.5, 0.0, size.z * 0.5);
     solid_box(name, base - half, base + half + Vec3::Y * size.y)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::world::FRAME_SECONDS;
-
-    fn bounds(shape: &Shape) -> (Vec3, Vec3) {
-        match shape {
-            Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
-            Shape::Box { min, max } => (*min, *max),
-            Shape::Mesh { .. } => unreachable!("procedural scenes have no meshes"),
-        }
-    }
-
-    fn middle(shape: &Shape) -> Vec3 {
-        let (lo, hi) = bounds(shape);
-        (lo + hi) * 0.5
-    }
-
-    fn holds(shape: &Shape, p: Vec3) -> bool {
-        match shape {
-            Shape::Sphere { center, radius } => center.distance(p) <= *radius,
-            Shape::Box { min, max } => min.cmple(p).all() && p.cmple(*max).all(),
-            Shape::Mesh { .. } => false,
-        }
-    }
-
-    fn worlds() -> impl Iterator<Item = World> {
-        SceneKind::ALL.into_iter().flat_map(|kind| {
-            [1, 2].map(|seed| build(kind, &SceneOptions { seed, ..SceneOptions::default() }))
-        })
-    }
-
-    #[test]
-    fn scenes_keep_to_their_grid_and_speeds_and_the_eye_is_free() {
-        for mut world in worlds() {
-            let (min, max) = (world.grid.min, world.grid.max);
-            let count = |w: &World, dynamic| {
-                w.objects.iter().filter(|o| (o.motion != Motion::Static) == dynamic).count()
-            };
-            println!("{}: {} static, {} dynamic", world.name, count(&world, false), count(&world, true));
-            let step = if world.objects.len() > 50_000 { 15 } else { 1 };
-            let mut last: Option<(usize, Vec<Vec3>)> = None;
-            for frame in (0..world.frames).step_by(step) {
-                let moved = world.set_frame(frame);
-                assert!(moved.is_sorted());
-                assert_eq!(moved.len(), count(&world, true), "every dynamic object is set");
-                for o in &world.objects {
-                    let (lo, hi) = bounds(&o.shape);
-                    assert!(lo.cmple(hi).all() && lo.cmpge(min).all() && hi.cmple(max).all(), "{o:?}");
-                }
-                let eye = world.camera(frame, 1.5).eye;
-                assert!(eye.cmpgt(min).all() && eye.cmplt(max).all());
-                for o in world.objects.iter().filter(|o| o.occludes) {
-                    assert!(!holds(&o.shape, eye), "{} frame {frame}: eye {eye} in {o:?}", world.name);
-                }
-                let middles: Vec<Vec3> = moved.iter().map(|&i| middle(&world.objects[i].shape)).collect();
-                if let Some((before, old)) = last {
-                    let seconds = (frame - before) as f32 * FRAME_SECONDS as f32;
-                    for ((a, b), &i) in old.iter().zip(&middles).zip(&moved) {
-                        let Motion::Dynamic { max_speed } = world.objects[i].motion else { panic!() };
-                        let way = a.distance(*b);
-                        assert!(way <= max_speed * seconds, "{}: {way}", world.objects[i].name);
-                    }
-                }
-                last = Some((frame, middles));
-            }
-        }
-    }
-
-    #[test]
-    fn the_same_seed_gives_the_same_scene() {
-        for kind in SceneKind::ALL {
-            let options = SceneOptions { seed: 7, ..SceneOptions::default() };
-            let (a, b) = (build(kind, &options), build(kind, &options));
-            assert_eq!(a.objects.len(), b.objects.len());
-            assert!(a.objects.iter().zip(&b.objects).all(|(a, b)| bounds(&a.shape) == bounds(&b.shape)));
-            assert_eq!(kind.name().parse::<SceneKind>(), Ok(kind));
-        }
-        assert!("house".parse::<SceneKind>().is_err());
-    }
-
-    #[test]
-    fn extra_hidden_spheres_change_nothing_else() {
-        let with = |hidden_extra| {
-            build(SceneKind::Spheres, &SceneOptions { bunker: true, hidden_extra, ..SceneOptions::default() })
-        };
-        let (few, many) = (with(0), with(1000));
-        assert_eq!(many.objects.len(), few.objects.len() + 1000);
-        assert!(few.objects.iter().zip(&many.objects).all(|(a, b)| bounds(&a.shape) == bounds(&b.shape)));
-    }
 }

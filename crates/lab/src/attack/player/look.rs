@@ -1,6 +1,6 @@
 //! Looks: sets compared with the truth.
 
-use casca::{Method, View};
+use casca::{Light, Method, View};
 use glam::Vec3;
 
 use super::super::api;
@@ -9,6 +9,10 @@ use super::super::ops::{From, Toward};
 use super::super::truth::{Sighting, Thing, find_lost};
 use super::super::views::{Limits, TrueView, look};
 use super::{KEPT, Kept, Kind, Origin, Played, Player, refused};
+
+/// A lamp stands this far from the origin, and shines this far.
+const LAMP_AWAY: f32 = 8.0;
+const LAMP_RANGE: f32 = 12.0;
 
 impl Player {
     /// The eye; a camera where there is no such object or volume.
@@ -170,9 +174,15 @@ impl Player {
         if self.queries[receivers].1.is_none_or(|o| o.world != origin.world) {
             return Ok(());
         }
-        let set = self.queries[receivers].0.pvs().clone();
+        let camera = self.queries[receivers].0.clone();
         let (query, from) = &mut self.queries[query];
-        query.shadow_casters(&world.scene, &set, light, &mut Vec::new()).map_err(refused("casters"))?;
+        // The second light is the one whose set may end the frame.
+        let lamp = Light::Point { position: light * LAMP_AWAY, range: LAMP_RANGE };
+        for light in [lamp, Light::Directional(light)] {
+            query
+                .shadow_casters(&world.scene, &camera, &light, &mut Vec::new())
+                .map_err(refused("casters"))?;
+        }
         *from = Some(origin);
         api::memory(&world.scene);
         Ok(())

@@ -16,7 +16,7 @@ use crate::Failure;
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
-    /// spheres, city, rooms, forest or crowd
+    /// A procedural scene, as `walk` takes it
     #[arg(long, default_value = "rooms")]
     scene: SceneKind,
     /// Frames of the camera's path, 1 to 100000

@@ -2,8 +2,10 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer` and `report` are built with `--features experiments`.
 
+#[cfg(feature = "experiments")]
+mod buffer;
 mod level;
 mod prepare;
 mod progress;
@@ -28,7 +30,8 @@ const MORE: &str = if cfg!(feature = "experiments") {
     ""
 } else {
     "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
-     methods and settings\n  report    Runs the experiments and writes the report\n\n"
+     methods and settings\n  buffer    Times a \
+     sampled occlusion buffer, beside the default method\n  report    Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -47,6 +50,8 @@ enum Command {
     Walk(walk::Options),
     #[cfg(feature = "experiments")]
     Tradeoff(tradeoff::Options),
+    #[cfg(feature = "experiments")]
+    Buffer(buffer::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -67,6 +72,8 @@ impl Command {
             Self::Walk(options) => walk::run(options),
             #[cfg(feature = "experiments")]
             Self::Tradeoff(options) => tradeoff::run(options),
+            #[cfg(feature = "experiments")]
+            Self::Buffer(options) => buffer::run(options),
             #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
@@ -90,7 +97,7 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in ["walk", "tradeoff", "report", "prepare", "level"] {
+        for name in ["walk", "tradeoff", "buffer", "report", "prepare", "level"] {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

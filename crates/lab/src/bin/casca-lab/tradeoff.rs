@@ -23,7 +23,7 @@ const FILES: [&str; 2] = ["tradeoff.csv", "tradeoff.svg"];
 #[derive(Debug, Parser)]
 #[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true)]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: all procedural ones]
+    /// Scenes: procedural ones or glTF files [default: the procedural ones of solids]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<SceneName>,
     /// Frames of each walk that are measured, evenly spread
@@ -76,7 +76,7 @@ fn print(scene: &SceneTradeoff) {
 /// Measures, prints and writes the chart and the table.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let names = match &options.scenes[..] {
-        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
+        [] => SceneKind::SOLIDS.map(SceneName::Built).to_vec(),
         given => given.to_vec(),
     };
     // Measuring takes minutes: what cannot be read or written is said before it.

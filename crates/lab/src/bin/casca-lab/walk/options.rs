@@ -45,7 +45,8 @@ impl MethodName {
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
-    /// spheres, city, rooms, forest, crowd or a glTF 2.0 file (.glb)
+    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes, spheres-16, city-10 or a
+    /// glTF 2.0 file (.glb)
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided

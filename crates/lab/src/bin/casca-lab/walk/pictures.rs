@@ -1,5 +1,6 @@
 //! The pictures of the frame in the middle of a walk.
 
+use casca::internals::QueryInternals;
 use casca::{Method, Query, Scene, View};
 use casca_lab::oracle::ItemBuffer;
 use casca_lab::pictures::{FramePicture, PictureError, TopView, buffers, frame, top_view};
@@ -52,8 +53,8 @@ impl Shot<'_> {
 
     /// The grid from above, with the cells that the method `Cell` visits.
     fn top_view(&self, view: &View) -> Result<(), Failure> {
-        let recorded = Method::Cell(self.options.cell_options().record_cells(true));
-        let mut recorder = Query::with_method(recorded)?;
+        let mut recorder = Query::with_method(Method::Cell(self.options.cell_options()))?;
+        recorder.record_cells(true);
         recorder.run(self.scene, view);
         let (Some(visited), Some(hidden)) = (recorder.visited_cells(), recorder.hidden_cells()) else {
             return Ok(());

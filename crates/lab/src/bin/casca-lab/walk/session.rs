@@ -40,7 +40,11 @@ enum Rival {
 impl Rival {
     fn of(method: MethodName, objects: &[Object]) -> Option<Self> {
         match method {
-            MethodName::Hzb => Some(Self::Hzb(Hzb::new(640, height_of(640)))),
+            MethodName::Hzb => {
+                let mut hzb = Hzb::new(640, height_of(640));
+                hzb.prepare(objects);
+                Some(Self::Hzb(hzb))
+            }
             MethodName::Rays => Some(Self::Rays(RayBuffer::new(objects, 256, height_of(256)))),
             _ => None,
         }

@@ -1,0 +1,90 @@
+use super::*;
+use crate::world::FRAME_SECONDS;
+
+fn bounds(shape: &Shape) -> (Vec3, Vec3) {
+    match shape {
+        Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
+        Shape::Box { min, max } => (*min, *max),
+        Shape::Mesh { mesh, transform } => mesh.bounds(transform),
+    }
+}
+
+fn middle(shape: &Shape) -> Vec3 {
+    let (lo, hi) = bounds(shape);
+    (lo + hi) * 0.5
+}
+
+fn holds(shape: &Shape, p: Vec3) -> bool {
+    match shape {
+        Shape::Sphere { center, radius } => center.distance(p) <= *radius,
+        Shape::Box { min, max } => min.cmple(p).all() && p.cmple(*max).all(),
+        Shape::Mesh { .. } => false,
+    }
+}
+
+fn worlds() -> impl Iterator<Item = World> {
+    SceneKind::ALL
+        .into_iter()
+        .flat_map(|kind| [1, 2].map(|seed| build(kind, &SceneOptions { seed, ..SceneOptions::default() })))
+}
+
+#[test]
+fn scenes_keep_to_their_grid_and_speeds_and_the_eye_is_free() {
+    for mut world in worlds() {
+        let (min, max) = (world.grid.min, world.grid.max);
+        let count =
+            |w: &World, dynamic| w.objects.iter().filter(|o| (o.motion != Motion::Static) == dynamic).count();
+        println!("{}: {} static, {} dynamic", world.name, count(&world, false), count(&world, true));
+        let step = if world.objects.len() > 50_000 { 15 } else { 1 };
+        let mut last: Option<(usize, Vec<Vec3>)> = None;
+        for frame in (0..world.frames).step_by(step) {
+            let moved = world.set_frame(frame);
+            assert!(moved.is_sorted());
+            assert_eq!(moved.len(), count(&world, true), "every dynamic object is set");
+            // The others stay where they were at first.
+            let changed: Vec<usize> =
+                if last.is_none() { (0..world.objects.len()).collect() } else { moved.clone() };
+            for o in changed.iter().map(|&i| &world.objects[i]) {
+                let (lo, hi) = bounds(&o.shape);
+                assert!(lo.cmple(hi).all() && lo.cmpge(min).all() && hi.cmple(max).all(), "{o:?}");
+            }
+            let eye = world.camera(frame, 1.5).eye;
+            assert!(eye.cmpgt(min).all() && eye.cmplt(max).all());
+            for o in world.objects.iter().filter(|o| o.occludes) {
+                assert!(!holds(&o.shape, eye), "{} frame {frame}: eye {eye} in {o:?}", world.name);
+            }
+            let middles: Vec<Vec3> = moved.iter().map(|&i| middle(&world.objects[i].shape)).collect();
+            if let Some((before, old)) = last {
+                let seconds = (frame - before) as f32 * FRAME_SECONDS as f32;
+                for ((a, b), &i) in old.iter().zip(&middles).zip(&moved) {
+                    let Motion::Dynamic { max_speed } = world.objects[i].motion else { panic!() };
+                    let way = a.distance(*b);
+                    assert!(way <= max_speed * seconds, "{}: {way}", world.objects[i].name);
+                }
+            }
+            last = Some((frame, middles));
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_scene() {
+    for kind in SceneKind::ALL {
+        let options = SceneOptions { seed: 7, ..SceneOptions::default() };
+        let (a, b) = (build(kind, &options), build(kind, &options));
+        assert_eq!(a.objects.len(), b.objects.len());
+        assert!(a.objects.iter().zip(&b.objects).all(|(a, b)| bounds(&a.shape) == bounds(&b.shape)));
+        assert_eq!(kind.name().parse::<SceneKind>(), Ok(kind));
+    }
+    assert!("house".parse::<SceneKind>().is_err());
+}
+
+#[test]
+fn extra_hidden_spheres_change_nothing_else() {
+    let with = |hidden_extra| {
+        build(SceneKind::Spheres, &SceneOptions { bunker: true, hidden_extra, ..SceneOptions::default() })
+    };
+    let (few, many) = (with(0), with(1000));
+    assert_eq!(many.objects.len(), few.objects.len() + 1000);
+    assert!(few.objects.iter().zip(&many.objects).all(|(a, b)| bounds(&a.shape) == bounds(&b.shape)));
+}

@@ -1,0 +1,123 @@
+//! The data structures inside a scene and a query, for pictures, tests and experiments.
+//!
+//! Only with the feature `internals`. Applications do not need it, and its names may change in any release.
+//!
+//! Methods of [`Scene`] and [`Query`] that show internals are in two traits, to be imported by name:
+//!
+//! ```
+//! use casca::internals::{QueryInternals, SceneInternals};
+//! use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, View};
+//! use glam::{IVec3, UVec3, Vec3};
+//!
+//! # fn main() -> Result<(), casca::Error> {
+//! let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+//! let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
+//! scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+//! assert_eq!(scene.static_opacity().count(), 2 * 32 * 32);
+//!
+//! let mut query = Query::with_method(Method::cell())?;
+//! query.record_cells(true);
+//! query.run(&scene, &View::omnidirectional(Vec3::new(2.5, 16.5, 16.5))?);
+//! assert!(query.hidden_cells().is_some_and(|cells| cells.get(IVec3::new(12, 16, 16))));
+//! # Ok(())
+//! # }
+//! ```
+
+use glam::IVec3;
+
+use crate::query::Query;
+use crate::scene::Scene;
+
+pub use crate::grid::run::CellRun;
+pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
+pub use crate::matrix::ids::IdMatrix;
+pub use crate::matrix::tbv::TbvMatrix;
+pub use crate::occlusion::image::OcclusionImage;
+pub use crate::reference::{Cap, CapPolygon, occlusion_by_caps, occlusion_by_lattice};
+pub use crate::shape::Shape;
+
+/// The matrices of a scene.
+pub trait SceneInternals {
+    /// Whether a cell is opaque (O). Costs two look-ups. Cells outside the grid are not.
+    fn is_opaque(&self, cell: IVec3) -> bool;
+
+    /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid is known to.
+    fn is_occupied(&self, cell: IVec3) -> bool;
+
+    /// Os: the opaque cells of static objects.
+    fn static_opacity(&self) -> &OpacityMatrix;
+
+    /// The opaque cells of visible dynamic objects; with Os they make O, except while an occluder that is
+    /// [reported on expiry](crate::Reports::OnExpiry) is due for a report: then O is Os.
+    fn dynamic_opacity(&self) -> &OpacityMatrix;
+
+    /// I: the objects that touch each cell.
+    fn id_matrix(&self) -> &IdMatrix;
+
+    /// Txy, Txz, Tyz: the temporal bounding volumes.
+    fn tbv_matrix(&self) -> &TbvMatrix;
+}
+
+impl SceneInternals for Scene {
+    fn is_opaque(&self, cell: IVec3) -> bool {
+        self.is_opaque(cell)
+    }
+
+    fn is_occupied(&self, cell: IVec3) -> bool {
+        self.grid().contains(cell) && self.id_matrix().get(cell).next().is_some()
+    }
+
+    fn static_opacity(&self) -> &OpacityMatrix {
+        self.static_opacity()
+    }
+
+    fn dynamic_opacity(&self) -> &OpacityMatrix {
+        self.dynamic_opacity()
+    }
+
+    fn id_matrix(&self) -> &IdMatrix {
+        self.id_matrix()
+    }
+
+    fn tbv_matrix(&self) -> &TbvMatrix {
+        self.tbv_matrix()
+    }
+}
+
+/// The cells that a query visited, and the buffers that it drew.
+pub trait QueryInternals {
+    /// Says whether runs of [`crate::Method::Cell`] keep which cells they visited and which they found hidden.
+    /// A new query does not. Costs two bits for each cell of the bricks that a run visits.
+    fn record_cells(&mut self, record: bool);
+
+    /// The cells that the last run of [`crate::Method::Cell`] found hidden (H), if
+    /// [`QueryInternals::record_cells`] was set.
+    ///
+    /// Cells behind the last shell of the walk are hidden too, and not in it.
+    fn hidden_cells(&self) -> Option<&OcclusionMatrix>;
+
+    /// The cells inside the frustum that the last run of [`crate::Method::Cell`] visited, if
+    /// [`QueryInternals::record_cells`] was set.
+    fn visited_cells(&self) -> Option<&BitMatrix>;
+
+    /// The occlusion buffers of the last run of [`crate::Method::Point`] as images. Costs their pixels.
+    fn occlusion_images(&self) -> Vec<OcclusionImage>;
+}
+
+impl QueryInternals for Query {
+    fn record_cells(&mut self, record: bool) {
+        self.record_cells(record);
+    }
+
+    fn hidden_cells(&self) -> Option<&OcclusionMatrix> {
+        self.recorded().1
+    }
+
+    fn visited_cells(&self) -> Option<&BitMatrix> {
+        self.recorded().0
+    }
+
+    fn occlusion_images(&self) -> Vec<OcclusionImage> {
+        self.occlusion_images()
+    }
+}

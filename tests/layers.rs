@@ -1,0 +1,235 @@
+//! Layers: views of some layers, against exact visibility of the objects on them.
+
+use casca::internals::SceneInternals;
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Query, Scene, Sphere, View};
+use casca_lab::cases;
+use casca_lab::oracle::{Oracle, OracleOptions};
+use casca_lab::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
+use glam::{UVec3, Vec3};
+use proptest::prelude::*;
+
+const METHODS: [Method; 3] = [Method::Frustum, Method::cell(), Method::point()];
+
+fn scene() -> Scene {
+    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap()
+}
+
+fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(range).prop_map(Vec3::from_array)
+}
+
+fn mask() -> impl Strategy<Value = u32> {
+    prop_oneof![3 => Just(u32::MAX), 4 => 0..8u32]
+}
+
+fn object() -> impl Strategy<Value = (Object, u32)> {
+    let ball =
+        (vector(-1.0..17.0), 0.3..3.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
+    let free = (vector(-1.0..15.0), vector(0.1..6.0)).prop_map(|(min, s)| Shape::Box { min, max: min + s });
+    // They fill cells.
+    let on_cells = (vector(0.0..14.0), vector(2.0..6.0))
+        .prop_map(|(min, s)| Shape::Box { min: min.floor(), max: min.floor() + s.floor() });
+    (prop_oneof![ball, free, on_cells], any::<bool>(), mask()).prop_map(|(shape, dynamic, layers)| {
+        let motion = if dynamic { Motion::Dynamic { max_speed: 3.0 } } else { Motion::Static };
+        (Object { name: String::new(), shape, motion, occludes: true, tested: true }, layers)
+    })
+}
+
+fn solid(shape: &Shape) -> Occluder {
+    match shape {
+        Shape::Sphere { center, radius } => Sphere::new(*center, *radius).into(),
+        Shape::Box { min, max } => Aabb::new(*min, *max).into(),
+        Shape::Mesh { .. } => unreachable!("these scenes have no meshes"),
+    }
+}
+
+fn describe(object: &Object, layers: u32) -> ObjectDesc {
+    let occluder = solid(&object.shape);
+    let desc = match (&occluder, object.motion) {
+        (Occluder::Sphere(s), Motion::Static) => ObjectDesc::fixed(*s),
+        (Occluder::Sphere(s), _) => ObjectDesc::dynamic(*s),
+        (Occluder::Box(b), Motion::Static) => ObjectDesc::fixed(*b),
+        (Occluder::Box(b), _) => ObjectDesc::dynamic(*b),
+        _ => unreachable!("spheres and boxes only"),
+    };
+    desc.occluder(occluder).layers(layers)
+}
+
+fn moved(shape: &Shape, by: Vec3) -> Shape {
+    match *shape {
+        Shape::Sphere { center, radius } => Shape::Sphere { center: center + by, radius },
+        Shape::Box { min, max } => Shape::Box { min: min + by, max: max + by },
+        Shape::Mesh { .. } => unreachable!("these scenes have no meshes"),
+    }
+}
+
+/// A change of an object in a frame.
+#[derive(Debug, Clone)]
+enum Change {
+    Move(usize, Vec3),
+    Layers(usize, u32),
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    prop_oneof![
+        (any::<usize>(), vector(-2.0..2.0)).prop_map(|(i, by)| Change::Move(i, by)),
+        (any::<usize>(), mask()).prop_map(|(i, layers)| Change::Layers(i, layers)),
+    ]
+}
+
+proptest! {
+    #![proptest_config(cases(40))]
+
+    #[test]
+    fn nothing_visible_on_a_layer_is_lost_and_nothing_of_others_is_shown(
+        start in prop::collection::vec(object(), 1..30),
+        frames in prop::collection::vec((prop::collection::vec(change(), 0..6), vector(0.0..16.0)), 1..6),
+        (one, two) in (mask(), mask()),
+    ) {
+        let (mut scene, mut objects) = (scene(), start);
+        let ids: Vec<ObjectId> = objects.iter().map(|(o, m)| scene.insert(describe(o, *m)).unwrap()).collect();
+        let queries = METHODS.iter().flat_map(|&m| [(m, one), (m, two)]);
+        let mut queries: Vec<(Query, u32)> =
+            queries.map(|(m, mask)| (Query::with_method(m).unwrap(), mask)).collect();
+        for (number, (changes, eye)) in frames.iter().enumerate() {
+            scene.begin_frame(number as f64 * FRAME_SECONDS).unwrap();
+            for change in changes {
+                match change {
+                    Change::Move(i, by) => {
+                        let i = i % objects.len();
+                        objects[i].0.shape = moved(&objects[i].0.shape, *by);
+                        scene.translate(ids[i], *by).unwrap();
+                    }
+                    Change::Layers(i, layers) => {
+                        let i = i % objects.len();
+                        objects[i].1 = *layers;
+                        scene.set_layers(ids[i], *layers).unwrap();
+                        assert_eq!(scene.layers(ids[i]), Ok(*layers));
+                    }
+                }
+            }
+            let camera = Camera::look_at(*eye, Vec3::splat(8.1), 90.0, 1.3, 0.01, 100.0);
+            let view = View::perspective(*eye, camera.view_projection()).unwrap();
+            for (query, mask) in &mut queries {
+                let shown: Vec<usize> = (0..objects.len()).filter(|&i| objects[i].1 & *mask != 0).collect();
+                let truth: Vec<Object> = shown.iter().map(|&i| objects[i].0.clone()).collect();
+                let pvs = query.run(&scene, &view.clone().with_layers(*mask));
+                let foreign = (0..objects.len()).find(|i| !shown.contains(i) && pvs.contains(ids[*i]));
+                prop_assert!(foreign.is_none(), "{:?} with the mask {mask}", objects[foreign.unwrap()]);
+                let options = OracleOptions {
+                    width: 120, height: 90, samples_per_object: 48, max_candidates: 1000, seed: number as u64,
+                };
+                let sees = |i: usize| pvs.contains(ids[shown[i]]);
+                let verdict = Oracle::new(&truth, options).frame(&truth, &[], &camera, &sees);
+                let lost = &verdict.false_negatives;
+                prop_assert!(lost.is_empty(), "frame {number}, mask {mask}: {:?} of {:?}", lost[0], truth[lost[0].object]);
+            }
+            scene.end_frame(queries.iter().map(|(query, _)| query.pvs())).unwrap();
+        }
+    }
+}
+
+const WALL: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 8.0), max: Vec3::new(16.0, 16.0, 11.0) };
+
+fn behind() -> Sphere {
+    Sphere::new(Vec3::new(8.5, 8.5, 13.5), 0.5)
+}
+
+#[test]
+fn a_wall_hides_while_it_is_on_all_layers() {
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    for (method, dynamic) in METHODS[1..].iter().flat_map(|&m| [(m, false), (m, true)]) {
+        let mut scene = scene();
+        let desc = if dynamic { ObjectDesc::dynamic(WALL) } else { ObjectDesc::fixed(WALL) };
+        let wall = scene.insert(desc.occluder(WALL).layers(1)).unwrap();
+        let ball = scene.insert(ObjectDesc::fixed(behind())).unwrap();
+        let mut query = Query::with_method(method).unwrap();
+        let mut sees = |scene: &Scene| query.run(scene, &view).contains(ball);
+        let opaque = |scene: &Scene| scene.static_opacity().count() + scene.dynamic_opacity().count();
+        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
+        assert!(matches!(scene.occluder(wall), Ok(Some(Occluder::Box(b))) if *b == WALL), "it is kept");
+        scene.set_layers(wall, u32::MAX).unwrap();
+        assert!(!sees(&scene) && opaque(&scene) == 16 * 16 * 3, "{method:?}");
+        scene.set_layers(wall, 6).unwrap();
+        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
+        assert!(scene.update(wall, WALL, None).is_err(), "an update must name the occluder");
+        scene.update(wall, WALL, Some(WALL.into())).unwrap();
+        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
+        scene.set_layers(wall, u32::MAX).unwrap();
+        assert!(!sees(&scene));
+        scene.remove(wall).unwrap();
+        assert!(sees(&scene) && opaque(&scene) == 0 && scene.layers(wall).is_err());
+    }
+}
+
+/// An object that is due for a report hides nothing, whatever its layers were in the meantime.
+#[test]
+fn an_overdue_wall_changes_its_layers() {
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    for method in &METHODS[1..] {
+        let mut scene = scene();
+        let desc = ObjectDesc::dynamic(WALL).occluder(WALL).max_speed(1.0).reported_on_expiry();
+        let wall = scene.insert(desc).unwrap();
+        let ball = scene.insert(ObjectDesc::fixed(behind())).unwrap();
+        let mut query = Query::with_method(*method).unwrap();
+        let mut run = |scene: &Scene| {
+            let pvs = query.run(scene, &view);
+            (pvs.contains(ball), pvs.contains(wall))
+        };
+        assert_eq!(run(&scene), (false, true));
+        assert_eq!(scene.begin_frame(1.0).unwrap(), [wall]);
+        for layers in [1, 2, u32::MAX, 1, u32::MAX] {
+            scene.set_layers(wall, layers).unwrap();
+            assert_eq!(run(&scene), (true, true), "it may be anywhere");
+        }
+        scene.update(wall, WALL, Some(WALL.into())).unwrap();
+        assert_eq!(run(&scene), (false, true), "it was reported");
+        scene.begin_frame(2.0).unwrap();
+        scene.set_layers(wall, 1).unwrap();
+        scene.remove(wall).unwrap();
+        let again = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL)).unwrap();
+        assert_eq!(run(&scene), (false, false));
+        assert!(scene.contains(again));
+    }
+}
+
+#[test]
+fn an_object_on_no_layer_in_view_gets_a_volume() {
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    for method in &METHODS[1..] {
+        let mut scene = scene();
+        let bird = scene.insert(ObjectDesc::dynamic(behind()).layers(2)).unwrap();
+        let mut query = Query::with_method(*method).unwrap();
+        for frame in 0..4 {
+            scene.begin_frame(f64::from(frame)).unwrap();
+            scene.translate(bird, Vec3::X * 0.01).unwrap();
+            let pvs = query.run(&scene, &view.clone().with_layers(1));
+            assert!(pvs.is_empty() && pvs.revealed().is_empty());
+            scene.end_frame([query.pvs()]).unwrap();
+            assert!(scene.tbv(bird).unwrap().is_some());
+        }
+        assert_eq!(query.run(&scene, &view.clone().with_layers(3)).visible(), [bird]);
+        assert_eq!(query.run(&scene, &view).visible(), [bird]);
+        assert_eq!(query.run(&scene, &view.clone().with_layers(0)).visible(), []);
+    }
+}
+
+#[test]
+fn a_set_holds_for_its_own_layers() {
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    for method in METHODS {
+        let mut scene = scene();
+        let ball = scene.insert(ObjectDesc::fixed(behind()).layers(2)).unwrap();
+        let mut query = Query::with_method(method).unwrap();
+        let two = view.clone().with_layers(2);
+        assert_eq!((two.layers(), view.layers()), (2, u32::MAX));
+        let pvs = query.run(&scene, &two).clone();
+        assert!(pvs.is_valid_for(&scene, &two) && !pvs.is_valid_for(&scene, &view));
+        assert!(!pvs.is_valid_for(&scene, &view.clone().with_layers(3)));
+        scene.set_layers(ball, 2).unwrap();
+        assert!(pvs.is_valid_for(&scene, &two), "nothing changed");
+        scene.set_layers(ball, 1).unwrap();
+        assert!(!pvs.is_valid_for(&scene, &two));
+        assert_eq!(scene.iter().map(|(_, object)| object.layers()).collect::<Vec<_>>(), [1]);
+    }
+}
