@@ -1,6 +1,7 @@
 //! Triangle meshes, prepared to be tested and to hide others.
 
 pub(crate) mod cells;
+mod convex;
 mod file;
 mod index;
 mod instance;

@@ -8,6 +8,7 @@ use crate::error::{Error, finite3};
 use crate::geometry::Aabb;
 use crate::grid::Grid;
 use crate::mesh::cells::{CachedCells, CellCache};
+use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
 use crate::mesh::parts;
 use crate::mesh::preparation::MeshOptions;
@@ -28,6 +29,8 @@ pub struct TriMesh {
     pub(crate) occludes: bool,
     pub(crate) surface: Surface,
     pub(crate) parts: Vec<Convex>,
+    /// A solid hardly smaller than the mesh, if that is convex and can be seen from outside.
+    convex: Option<Convex>,
     pub(crate) middle: DVec3,
     /// Made when it is first asked.
     pub(crate) index: OnceLock<Index>,
@@ -115,9 +118,24 @@ impl TriMesh {
         let alike = closed && occludes && is_wound_alike(&positions, &triangles);
         let solid = closed && occludes && (!surface.front || alike);
         surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
+        let from_outside = !surface.front || surface.outward > 0.0;
+        let convex = from_outside.then(|| convex_solid(&positions, &triangles, surface.outward)).flatten();
         let middle = middle_of(&parts);
         let (index, cells) = (OnceLock::new(), CellCache::default());
-        Self { positions, triangles, bounds, closed, solid, occludes, surface, parts, middle, index, cells }
+        Self {
+            positions,
+            triangles,
+            bounds,
+            closed,
+            solid,
+            occludes,
+            surface,
+            parts,
+            convex,
+            middle,
+            index,
+            cells,
+        }
     }
 
     /// The positions given.
@@ -153,6 +171,7 @@ impl TriMesh {
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.surface.bytes()
             + self.parts.capacity() * size_of::<Convex>()
+            + self.convex.as_ref().map_or(0, Convex::memory_bytes)
             + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
             + self.index.get().map_or(0, Index::bytes)
     }
@@ -176,6 +195,11 @@ impl TriMesh {
     /// A point of the largest of those.
     pub(crate) fn middle(&self) -> DVec3 {
         self.middle
+    }
+
+    /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes outside.
+    pub(crate) fn convex(&self) -> Option<&Convex> {
+        self.convex.as_ref()
     }
 
     pub(crate) fn surface(&self) -> &Surface {

@@ -52,3 +52,11 @@ pub(crate) const MOST_GROWTH: f64 = 1.1;
 /// Share of the coordinates by which numbers in a file may disagree with each other, where one follows from
 /// others: far above all roundings of the preparation.
 pub(crate) const FILE_ROUNDING: f64 = 1e-6;
+
+/// A mesh counts as convex if no vertex lies farther before the plane of a triangle than this share of its size. Its
+/// solid is smaller by twice the distance found, so a larger share costs tightness only.
+pub(crate) const DENT: f64 = 1e-4;
+
+/// The solid of a convex mesh is smaller by this share of its greatest coordinate, above the roundings of the distances
+/// of vertices from planes (16 units in the last place, 4e-15).
+pub(crate) const HULL_ROOM: f64 = 1e-12;

@@ -80,6 +80,15 @@ impl Occluder {
         }
     }
 
+    /// A solid that hides about as much as its triangles, if those are a convex mesh in world space: for eyes outside
+    /// of it.
+    pub(crate) fn convex_mesh(&self) -> Option<&Convex> {
+        match self {
+            Self::Mesh(m) => m.convex(),
+            _ => None,
+        }
+    }
+
     /// The transform of its triangles, if they are not in world space.
     pub(crate) fn placement(&self) -> Option<&Placement> {
         match self {

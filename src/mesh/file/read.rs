@@ -9,8 +9,7 @@ use crate::geometry::Aabb;
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
-    CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION,
-    checksum,
+    CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
 use crate::mesh::surface::{NONE, Patch, Side, Surface, slack};
 use crate::mesh::topology::is_closed;
@@ -124,8 +123,7 @@ impl Contents<'_> {
         })?;
         let patches = self.patches(bounds, &sides)?;
         let beyond = |s: &Side| {
-            s.twin != NONE
-                && patches.get(s.twin as usize).is_none_or(|p: &Patch| p.next != s.twin + 1)
+            s.twin != NONE && patches.get(s.twin as usize).is_none_or(|p: &Patch| p.next != s.twin + 1)
         };
         if let Some(entry) = sides.iter().position(beyond) {
             return Err(FileError::Entry { section: SIDES, entry, why: "names a patch that is not there" });
@@ -163,7 +161,8 @@ impl Contents<'_> {
             while groups.pop_if(|g| g.1 == number).is_some() {}
             let next = number.checked_add(inside).and_then(|n| n.checked_add(1));
             let outer = groups.last().map(|g| g.1);
-            let Some(next) = next.filter(|&n| outer.is_none_or(|end| n <= end) && (outer.is_some() || i == 0))
+            let Some(next) =
+                next.filter(|&n| outer.is_none_or(|end| n <= end) && (outer.is_some() || i == 0))
             else {
                 return Err(c.broken(i, "is outside of the first, or leaves its group"));
             };

@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, UVec3, Vec3};
 
-use super::{
-    CHECKSUM, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
-};
+use super::{CHECKSUM, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum};
 use crate::error::FileError;
 use crate::geometry::Sphere;
 use crate::grid::GridSpec;

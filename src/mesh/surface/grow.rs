@@ -18,8 +18,8 @@ pub(crate) struct Patches {
     pub(crate) normals: Vec<DVec3>,
 }
 
-/// The cosine of the greatest angle in a patch without parts.
-static FLAT: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("LEAF").ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(10.0).to_radians().cos());
+/// The greatest angle in a patch without parts, in degrees.
+const FLAT: f64 = 10.0;
 
 impl Patches {
     /// The cross product of two sides of a triangle as it is wound in its patch.
@@ -54,7 +54,7 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
         let normal = crosses[seed as usize].normalize_or(DVec3::Z);
         let corners = mesh.corners(seed as usize);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let cosine = rules.cosine.max(*FLAT);
+        let cosine = rules.cosine.max(FLAT.to_radians().cos());
         let seed_plane = Seed { middle, normal, cosine, tolerance: rules.tolerance };
         normals.push(normal);
         of[seed as usize] = (patch, false);

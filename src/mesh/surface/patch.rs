@@ -1,4 +1,4 @@
-//! Patches, their sides and clusters: the prepared surface of a mesh.
+//! Patches, their sides and groups: the prepared surface of a mesh.
 
 use glam::{DVec3, Vec3};
 

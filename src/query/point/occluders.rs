@@ -8,6 +8,7 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
+use crate::shape::kind::Kind;
 use crate::view::cut::may_start_in;
 
 /// The owner of boxes of cells, which belong to no object.
@@ -28,7 +29,9 @@ impl Walk<'_> {
         }
         if let Some(surface) = occluder.surface() {
             self.stats.occluders_drawn += 1;
-            self.list_surface(slot, surface, occluder.placement());
+            if !self.draw_convex_mesh(slot, occluder) {
+                self.list_surface(slot, surface, occluder.placement());
+            }
             return;
         }
         let buffers = &mut self.scratch.buffers;
@@ -40,6 +43,19 @@ impl Walk<'_> {
             self.stats.occluders_drawn += 1;
             self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
         }
+    }
+
+    /// Draws a convex mesh as one solid, if the eye is outside. Returns whether it did.
+    fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
+        let Some(convex) = occluder.convex_mesh() else { return false };
+        if may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder) {
+            return false;
+        }
+        let buffers = &mut self.scratch.buffers;
+        let solid = convex.inner(buffers.origin(), buffers.uncertainty());
+        let Some(solid) = solid.and_then(|s| Solid::new(s, buffers.direction())) else { return false };
+        self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+        true
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &

@@ -12,14 +12,13 @@ use crate::query::point::Walk;
 use crate::query::point::scratch::DrawnPatch;
 use crate::walk::Shells;
 
-/// Patches are drawn from this radius on, in pixels, and groups of them from that one: a small patch hides
-/// nothing alone, but a surface may consist of small ones.
-static SMALLEST_PATCH: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("SP").ok().and_then(|v| v.parse().ok()).unwrap_or(2.0));
-static SMALLEST_GROUP: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("SC").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0));
+/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
+/// their outlines touch do not count.
+const SMALLEST_PATCH: f64 = 4.0;
 
 /// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
 /// share as large as its distance.
-static THIN: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("THIN").ok().and_then(|v| v.parse().ok()).unwrap_or(0.2));
+const THIN: f64 = 0.35;
 
 /// A box around a box as it is placed.
 fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
@@ -110,7 +109,7 @@ impl<'a> Walk<'a> {
             let patch = &surface.patches[number as usize];
             let around = placed_block(&patch.block(), placement);
             let has_parts = patch.next > number + 1;
-            if self.is_small(&around, if has_parts { *SMALLEST_GROUP } else { *SMALLEST_PATCH }) {
+            if self.is_small(&around, SMALLEST_PATCH) {
                 continue;
             }
             if number != whole {
@@ -150,7 +149,7 @@ impl<'a> Walk<'a> {
             Some(_) => self.grid.cell_size(),
             None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
         };
-        thickness <= *THIN * height || across <= *THIN * distance
+        thickness <= THIN * height || across <= THIN * distance
     }
 
     /// Appends the neighbours of a batch that were drawn before, so that no seam stays between batches.
