@@ -10,6 +10,10 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
 
+/// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly all of those pixels,
+/// so that they cover none alone, and hardly any with their neighbours.
+const NARROW: i64 = 3;
+
 /// Draws patches together on one face. `patches` is greater than all their numbers; surfaces are cut at the
 /// depth `limit`. Returns whether they hide more than before.
 pub(crate) fn draw_surfaces(
@@ -41,11 +45,13 @@ pub(crate) fn draw_surfaces(
     changed
 }
 
-/// Lists the patches that the last drawing saw for the first time.
+/// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its pixels.
 pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &SurfaceScratch) {
-    for s in scratch.seen.iter().filter(|s| !batch[s.drawable as usize].again) {
-        let patch = ListedPatch { id: batch[s.drawable as usize].id, near: s.near, pixels: s.pixels };
-        buffer.patches_mut().push(&s.pixels, patch);
+    let drawn = scratch.seen.iter().map(|s| (s.drawable, s.near, s.pixels));
+    let all = drawn.chain(scratch.narrow.iter().copied());
+    for (drawable, near, pixels) in all.filter(|s| !batch[s.0 as usize].again) {
+        let patch = ListedPatch { id: batch[drawable as usize].id, near, pixels };
+        buffer.patches_mut().push(&pixels, patch);
     }
 }
 
@@ -64,6 +70,11 @@ fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scrat
             scratch.sides.truncate(first);
             continue;
         };
+        if pixels.x.1 - pixels.x.0 < NARROW || pixels.y.1 - pixels.y.0 < NARROW {
+            scratch.sides.truncate(first);
+            scratch.narrow.push((drawable, near, pixels));
+            continue;
+        }
         let seen = Seen {
             drawable,
             parent: scratch.seen.len() as u32,

@@ -99,6 +99,8 @@ pub(super) type Place = (u32, u32, u32);
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SurfaceScratch {
     pub(super) seen: Vec<Seen>,
+    /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
+    pub(super) narrow: Vec<(u32, f32, PixelRect)>,
     /// For each patch of the scene, the last drawing of a face that saw it, and its index in `seen`.
     places: Vec<(u32, u32)>,
     /// Counts drawings of faces.
@@ -121,6 +123,7 @@ impl SurfaceScratch {
             self.drawing = 1;
         }
         self.seen.clear();
+        self.narrow.clear();
         self.sides.truncate((0, 0));
     }
 
