@@ -9,7 +9,9 @@ use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
+use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
 use crate::shape::Shape;
+use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
 use std::sync::Arc;
@@ -93,39 +95,85 @@ impl Instance {
 
     /// The solids that it is tested by, relative to an origin.
     fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
-        let Placement { affine, error, normals, .. } = self.inner.placement;
+        let Placement { affine, error, .. } = self.inner.placement;
         self.inner.mesh.parts().iter().map(move |part| {
-            let mut polytope = part.seen_from(DVec3::ZERO);
-            for v in &mut polytope.vertices {
-                *v = affine.transform_point3(*v) - origin;
-            }
-            let block = polytope.bounds();
-            let boxed = || Polytope::block(&Block { min: block.min - error, max: block.max + error });
-            // Flattened: only its box is known.
-            let Some(normals) = normals else { return boxed() };
-            let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
-            let mut least = f64::INFINITY;
-            for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
-                let n = (normals * face.normal).normalize_or_zero();
-                let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
-                let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -n.dot(polytope.vertices[usize::from(v)]));
-                *face = HalfSpace { normal: n, offset: ends.fold(f64::NEG_INFINITY, f64::max) };
-                least = least.min(face.distance(center));
-            }
+            let placed = self.placed(part, origin, f64::max);
             // Room for single precision: all faces move out by as much at least.
-            let scale = 1.0 + 2.0 * error / least;
-            if !(1.0..MOST_GROWTH).contains(&scale) {
-                return boxed();
+            let scaled = placed.map(|p| (1.0 + 2.0 * error / p.depth, p));
+            match scaled.filter(|(scale, _)| (1.0..MOST_GROWTH).contains(scale)) {
+                Some((scale, placed)) => placed.scaled(scale),
+                // Flattened, or thin: only its box is known.
+                None => {
+                    let corners = part.vertices().map(|v| affine.transform_point3(v) - origin);
+                    let (min, max) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
+                        (min.min(v), max.max(v))
+                    });
+                    Polytope::block(&Block { min: min - error, max: max + error })
+                }
             }
-            for v in &mut polytope.vertices {
-                *v = center + (*v - center) * scale;
-            }
-            for face in &mut polytope.faces {
-                let middle = -face.normal.dot(center);
-                face.offset = middle + (face.offset - middle) * scale;
-            }
-            polytope
         })
+    }
+
+    /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex; with a distance by
+    /// which the mesh reaches beyond its faces at most.
+    pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
+        let (mesh, placement) = (&self.inner.mesh, &self.inner.placement);
+        let convex = mesh.convex().filter(|_| placement.keeps_angles || !mesh.surface().front)?;
+        let placed = self.placed(convex, origin, f64::min)?;
+        // A ball of the pull times the depth around each point as pulled lies in the solid as placed.
+        let room = LENGTH_OF_ERROR * placement.error;
+        let pull = room / placed.depth;
+        if !(0.0..MOST_PULL).contains(&pull) {
+            return None;
+        }
+        let farthest = placed.polytope.vertices.iter().map(|v| v.distance(placed.center)).fold(0.0, f64::max);
+        let beyond = convex.lost * placement.growth + 2.0 * room + pull * farthest;
+        Some((placed.scaled(1.0 - pull), beyond))
+    }
+
+    /// A convex solid of the mesh as placed, relative to an origin. Its faces pass through the corner that `choose`
+    /// takes: the outermost one (the greatest offset) or the innermost one. `None` if the transform flattens space.
+    fn placed(&self, part: &Convex, origin: DVec3, choose: fn(f64, f64) -> f64) -> Option<Placed> {
+        let Placement { affine, normals, .. } = self.inner.placement;
+        let normals = normals?;
+        let mut polytope = part.seen_from(DVec3::ZERO);
+        for v in &mut polytope.vertices {
+            *v = affine.transform_point3(*v) - origin;
+        }
+        let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
+        let mut depth = f64::INFINITY;
+        for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
+            let normal = (normals * face.normal).normalize_or_zero();
+            let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
+            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -normal.dot(polytope.vertices[usize::from(v)]));
+            *face = HalfSpace { normal, offset: ends.reduce(choose).unwrap_or(f64::NAN) };
+            depth = depth.min(face.distance(center));
+        }
+        Some(Placed { polytope, center, depth })
+    }
+}
+
+/// A convex solid as placed.
+struct Placed {
+    polytope: Polytope,
+    /// The mean of its corners.
+    center: DVec3,
+    /// How far that is from the nearest face.
+    depth: f64,
+}
+
+impl Placed {
+    /// The solid, scaled about its center.
+    fn scaled(self, scale: f64) -> Polytope {
+        let Self { mut polytope, center, .. } = self;
+        for v in &mut polytope.vertices {
+            *v = center + (*v - center) * scale;
+        }
+        for face in &mut polytope.faces {
+            let middle = -face.normal.dot(center);
+            face.offset = middle + (face.offset - middle) * scale;
+        }
+        polytope
     }
 }
 

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::placement::Placement;
+use crate::geometry::polytope::Polytope;
 use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
@@ -80,11 +81,13 @@ impl Occluder {
         }
     }
 
-    /// A solid that hides about as much as its triangles, if those are a convex mesh in world space: for eyes outside
-    /// of it.
-    pub(crate) fn convex_mesh(&self) -> Option<&Convex> {
+    /// A solid inside a convex mesh and hardly smaller, to be drawn in place of its triangles, relative to an origin
+    /// that is known exactly; with a distance by which the mesh reaches beyond the solid's faces at most. Seen from
+    /// farther outside than that, it hides nothing that the triangles do not.
+    pub(crate) fn convex_mesh(&self, origin: DVec3) -> Option<(Polytope, f64)> {
         match self {
-            Self::Mesh(m) => m.convex(),
+            Self::Mesh(m) => m.convex().map(|convex| (convex.seen_from(origin), convex.lost)),
+            Self::Instance(i) => i.convex_from(origin),
             _ => None,
         }
     }

@@ -1,5 +1,7 @@
 //! Drawing convex occluders and boxes of opaque cells.
 
+use glam::DVec3;
+
 use crate::geometry::Block;
 use crate::geometry::polytope::Polytope;
 use crate::grid::cell_box::CellBox;
@@ -8,8 +10,7 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
-use crate::shape::kind::Kind;
-use crate::view::cut::may_start_in;
+use crate::view::cut::{may_meet, may_start_in};
 
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
@@ -45,15 +46,21 @@ impl Walk<'_> {
         }
     }
 
-    /// Draws a convex mesh as one solid, if the eye is outside. Returns whether it did.
+    /// Draws a convex mesh as one solid, if the eye is known and outside of it. Returns whether it did.
     fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
-        let Some(convex) = occluder.convex_mesh() else { return false };
-        if may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder) {
+        let buffers = &mut self.scratch.buffers;
+        if buffers.uncertainty() > 0.0 || self.cut.iter().any(|(view, block)| may_meet(occluder, view, block))
+        {
             return false;
         }
-        let buffers = &mut self.scratch.buffers;
-        let solid = convex.inner(buffers.origin(), buffers.uncertainty());
-        let Some(solid) = solid.and_then(|s| Solid::new(s, buffers.direction())) else { return false };
+        let Some((polytope, beyond)) = occluder.convex_mesh(buffers.origin()) else { return false };
+        let outside = match buffers.direction() {
+            Some(d) => !self.view.cuts_front(d, &occluder.block()),
+            // Outside of the mesh, too: nearer to the solid one sees into the mesh.
+            None => polytope.faces.iter().any(|face| face.beyond(DVec3::ZERO) > beyond),
+        };
+        let solid = outside.then(|| Solid::polytope(polytope, buffers.direction())).flatten();
+        let Some(solid) = solid else { return false };
         self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
         true
     }
