@@ -26,12 +26,13 @@ pub struct MeshOptions {
     /// is added as a margin when they are drawn: a larger one is faster, and hides less near
     /// outlines. `None` is a 2000th of the mesh's diagonal.
     pub tolerance: Option<f32>,
-    /// Patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
+    /// Connected groups of patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
     /// mesh's diagonal.
     pub min_radius: Option<f32>,
-    /// The greatest angle between the triangles of a patch and its first one, in degrees, up to 80. `None`
-    /// is 80, or 40 for triangles that hide from their front only: a patch of those hides only where
-    /// all of it is seen from the front.
+    /// The greatest angle between the triangles of a group of patches and the first of them, in degrees, up to 80. A
+    /// query draws groups as one where that hides as much as their parts do, and else the parts, so that a
+    /// smaller angle makes queries slower, and not tighter. `None` is 80, or 40 for triangles that hide from their
+    /// front only: a group of those hides only where all of it is seen from the front.
     pub max_angle: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,

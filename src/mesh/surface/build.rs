@@ -68,4 +68,56 @@ mod tests {
         let surface = Surface::new(&p, &cone, &rules(0.01));
         assert!(surface.patches.len() < 200 && surface.sides.len() < 500, "{}", surface.sides.len());
     }
+
+    /// Rolling ground of n by n squares.
+    fn ground(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let height = |x: f32, z: f32| 2.0 * (x * 0.31).sin() * (z * 0.23).cos() + 0.2 * (x * 1.7 + z).sin();
+        let point = |i: u32| ((i % (n + 1)) as f32, (i / (n + 1)) as f32);
+        let positions =
+            (0..(n + 1) * (n + 1)).map(point).map(|(x, z)| Vec3::new(x, height(x, z), z)).collect();
+        let square = |i: u32| {
+            let a = i / n * (n + 1) + i % n;
+            [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+        };
+        (positions, (0..n * n).flat_map(square).collect())
+    }
+
+    #[test]
+    fn groups_have_closed_outlines_around_all_of_their_parts() {
+        let (p, t) = ground(40);
+        let surface = Surface::new(&p, &t, &rules(0.001));
+        let patches = &surface.patches;
+        assert_eq!(patches[0].next as usize, patches.len(), "the first one contains all");
+        let mut groups = 0;
+        for i in 0..patches.len() as u32 {
+            let patch = &patches[i as usize];
+            let parts: Vec<u32> = surface.parts(i).collect();
+            assert_eq!(parts.is_empty(), patch.next == i + 1);
+            for &part in &parts {
+                let part = &patches[part as usize];
+                assert!(part.min.cmpge(patch.min).all() && part.max.cmple(patch.max).all());
+                assert!(part.next <= patch.next && part.sine <= 1.0);
+            }
+            let mut balance = std::collections::BTreeMap::new();
+            for (_, side) in surface.outline(i) {
+                for p in [side.from, side.to] {
+                    let along = patch.normal.dot(p.as_dvec3());
+                    assert!(patch.lo <= along && along <= patch.hi, "{i}");
+                }
+                *balance.entry(side.from.to_array().map(f32::to_bits)).or_insert(0) += 1;
+                *balance.entry(side.to.to_array().map(f32::to_bits)).or_insert(0) -= 1;
+                assert!(side.slack <= patch.slack);
+            }
+            assert!(balance.values().all(|&b| b == 0), "the outline of {i} is closed");
+            if !parts.is_empty() && patch.has_outline() {
+                groups += 1;
+                let inside: usize = parts.iter().map(|&p| surface.outline(p).len()).sum();
+                assert!(surface.outline(i).len() < inside, "sides inside cancel");
+                // Each part that is cancelled is one of the group.
+                let own = i..patch.next;
+                assert!(surface.outline(i).all(|(_, s)| !(s.opposite && own.contains(&s.twin))));
+            }
+        }
+        assert!(groups > 50, "{groups} of {}", patches.len());
+    }
 }

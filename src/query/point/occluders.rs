@@ -1,16 +1,16 @@
 //! Drawing convex occluders and boxes of opaque cells.
 
-use glam::DVec3;
-
 use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::grid::cell_box::CellBox;
+use crate::numeric::shape::REGION;
 use crate::object::Occluder;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
-use crate::view::cut::{may_meet, may_start_in};
+use crate::view::cut::may_start_in;
 
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
@@ -46,21 +46,29 @@ impl Walk<'_> {
         }
     }
 
-    /// Draws a convex mesh as one solid, if the eye is known and outside of it. Returns whether it did.
+    /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
     fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
-        if buffers.uncertainty() > 0.0 || self.cut.iter().any(|(view, block)| may_meet(occluder, view, block))
-        {
+        let origin = buffers.origin();
+        if buffers.uncertainty() > 0.0 {
             return false;
         }
-        let Some((polytope, beyond)) = occluder.convex_mesh(buffers.origin()) else { return false };
-        let outside = match buffers.direction() {
-            Some(d) => !self.view.cuts_front(d, &occluder.block()),
-            // Outside of the mesh, too: nearer to the solid one sees into the mesh.
-            None => polytope.faces.iter().any(|face| face.beyond(DVec3::ZERO) > beyond),
+        let Some((polytope, beyond)) = occluder.convex_mesh(origin) else { return false };
+        // Outside of the mesh, too: between it and the solid one sees into the mesh.
+        let outside = |block: &Block| {
+            let (middle, half) = ((block.min + block.max) * 0.5 - origin, (block.max - block.min) * 0.5);
+            let reach = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
+            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + reach;
+            polytope.faces.iter().any(clear)
         };
-        let solid = outside.then(|| Solid::polytope(polytope, buffers.direction())).flatten();
-        let Some(solid) = solid else { return false };
+        let starts_outside = match buffers.direction() {
+            Some(d) => !self.view.cuts_front(d, &occluder.block()),
+            None => outside(&Block { min: origin, max: origin }),
+        };
+        if !(starts_outside && self.cut.iter().all(|(_, region)| outside(region))) {
+            return false;
+        }
+        let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
         self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
         true
     }
