@@ -20,6 +20,10 @@ use crate::shape::convex::Convex;
 /// Corners, faces or edges of a part, at most: twice what a box with 20 planes cut off can have.
 const MOST_OF_PART: usize = 144;
 
+/// Groups are nested no deeper: far deeper than those of prepared meshes, and shallow enough for reading to cost the
+/// file's length.
+const DEEPEST: usize = 64;
+
 impl TriMesh {
     /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for bytes
     /// that are there.
@@ -198,6 +202,7 @@ impl Contents<'_> {
                 c.check(i, side.twin != number, "has a side with itself beyond")?;
             }
             if group {
+                c.check(i, groups.len() < DEEPEST, "is inside of too many groups")?;
                 groups.push((Aabb { min, max }, next));
             }
             let patch = Patch { first, last, next, sine, normal, lo, hi, min, max, slack: slack(own) };

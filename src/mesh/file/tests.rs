@@ -372,6 +372,37 @@ fn refuses_nonsense_with_a_right_checksum() {
 }
 
 #[test]
+fn refuses_groups_nested_without_end() {
+    let whole = bytes(&corner());
+    let patches = places(&whole)[4];
+    for (deep, refused) in [(10, false), (2000, true)] {
+        let mut made = whole.clone();
+        let first = made[patches + 8..patches + 84].to_vec();
+        let bundles = (1..=deep).rev().flat_map(|more: u32| {
+            let mut bundle = first.clone();
+            bundle[4..8].copy_from_slice(&(2 + more).to_le_bytes());
+            bundle
+        });
+        made.splice(patches + 8..patches + 8, bundles);
+        made[patches..patches + 8].copy_from_slice(&u64::from(3 + deep).to_le_bytes());
+        // The two patches have other numbers now.
+        let sides = places(&made)[3];
+        for side in 0..u64::from_le_bytes(*made[sides..].first_chunk().unwrap()) as usize {
+            let twin = sides + 8 + 33 * side + 28;
+            let number = u32::from_le_bytes(*made[twin..].first_chunk().unwrap());
+            if number != NONE {
+                made[twin..twin + 4].copy_from_slice(&(number + deep).to_le_bytes());
+            }
+        }
+        mend(&mut made);
+        match read(&made) {
+            Ok(mesh) => assert!(!refused && mesh.patches() == 2),
+            Err(error) => assert!(refused && error.to_string().contains("too many groups"), "{error}"),
+        }
+    }
+}
+
+#[test]
 fn what_passes_all_checks_does_no_harm() {
     let whole = bytes(&corner());
     let mut taken = 0;
