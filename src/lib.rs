@@ -1,6 +1,39 @@
 //! Visibility culling for dynamic 3D scenes on a regular grid: which objects can
 //! be seen, every frame, without losing one that can.
 //!
+//! ```
+//! use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+//! use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
+//! use glam::Vec3;
+//!
+//! # fn main() -> Result<(), casca::Error> {
+//! // A grid over the level, with cells of one metre.
+//! let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
+//! let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+//!
+//! // Bounds are tested, occluders hide. Both may be spheres, boxes, convex solids or meshes.
+//! let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 33.0));
+//! scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+//! let bird = Sphere::new(Vec3::new(32.0, 4.0, 10.0), 0.3);
+//! let bird_id = scene.insert(ObjectDesc::dynamic(bird).max_speed(12.0))?;
+//!
+//! let mut query = Query::new();
+//! let eye = Vec3::new(32.5, 2.5, 60.5);
+//! let matrix = perspective(1.0, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(eye, Vec3::ZERO, Vec3::Y);
+//! for frame in 0..3 {
+//!     scene.begin_frame(f64::from(frame) / 60.0)?;
+//!     scene.update(bird_id, Sphere::new(bird.center + Vec3::X * frame as f32, bird.radius), None)?;
+//!     let pvs = query.run(&scene, &View::perspective(eye, matrix)?);
+//!     for id in pvs.visible() {
+//!         // Draw the object of this id, nearest first.
+//!         assert_ne!(*id, bird_id, "the bird is behind the wall");
+//!     }
+//!     scene.end_frame([query.pvs()])?;
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Data flows one way:
 //! [`Scene`] (objects, and the matrices of the [grid](GridSpec)) ->
 //! [`Query`] (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen).

@@ -256,3 +256,15 @@ fn boxes_know_their_middle_and_their_points() {
     assert!(WALL.contains(WALL.min) && WALL.contains(WALL.max) && WALL.contains(WALL.center()));
     assert!(!WALL.contains(Vec3::new(7.99, 1.0, 1.0)) && !WALL.contains(Vec3::NAN));
 }
+
+#[test]
+fn the_front_page_shows_the_readmes_example() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |file: &str| std::fs::read_to_string(root.join(file)).expect("a file of the package");
+    let (readme, source) = (read("README.md"), read("src/lib.rs"));
+    let example = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
+    let docs: Vec<&str> = source.lines().filter_map(|line| line.strip_prefix("//!")).collect();
+    let docs: Vec<&str> = docs.into_iter().map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
+    let example: Vec<&str> = example.expect("README has an example").lines().collect();
+    assert!(example.len() > 20 && docs.windows(example.len()).any(|lines| lines == example));
+}
