@@ -2,6 +2,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
+#[cfg(feature = "serde")]
 use crate::error::{Error, finite3};
 use crate::numeric::shape::DISTANCE;
 
@@ -15,6 +16,7 @@ pub struct Plane {
     pub offset: f32,
 }
 
+#[cfg(feature = "serde")]
 impl Plane {
     /// Refuses a plane without direction, as all functions do that take planes.
     pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {

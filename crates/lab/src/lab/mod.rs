@@ -4,6 +4,7 @@
 //! [`write()`] puts sections together. What is compared goes through a [`Contender`], so that
 //! the library and the methods of today's engines are measured by the same code.
 
+mod against;
 mod aggressive;
 pub mod buffer;
 mod contender;
@@ -22,6 +23,7 @@ mod worlds;
 
 use std::path::PathBuf;
 
+pub use against::against;
 pub use aggressive::aggressive;
 pub use contender::{Contender, FrameInput};
 pub use front::{Cost, distance, front};

@@ -7,7 +7,7 @@ use std::time::Instant;
 use casca_lab::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use casca_lab::import;
 use casca_lab::lab::{
-    Lab, LabError, Section, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
+    Lab, LabError, Section, against, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
 };
 use clap::Parser;
 
@@ -42,6 +42,7 @@ type Experiment = fn(&Lab) -> Result<Section, LabError>;
 /// All experiments by name, in the order of the report.
 const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("tradeoff", tradeoff),
+    ("against", against),
     ("stability", stability),
     ("thesis", thesis),
     ("upkeep", upkeep),
@@ -121,7 +122,7 @@ mod tests {
     fn unknown_experiments_are_refused_with_the_names_of_all() {
         for bad in ["everything", "tradeoff,", "", "thesis,-1"] {
             let said = options(&["--only", bad]).expect_err(bad);
-            assert!(said.contains("tradeoff, stability"), "{bad}: {said}");
+            assert!(said.contains("tradeoff, against, stability"), "{bad}: {said}");
         }
         assert_eq!(options(&["--only", "thesis,upkeep"]).unwrap().only, ["thesis", "upkeep"]);
         assert!(options(&["--seed", "-1"]).is_err());
