@@ -24,7 +24,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
     if points.len() > MAX_CONVEX {
         return None;
     }
-    let points: Vec<DVec3> = points.into_iter().map(Vec3::as_dvec3).collect();
+    let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
     let (min, max) =
         points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
     let (size, reach) = ((max - min).length(), min.abs().max(max.abs()).max_element());
