@@ -2,8 +2,8 @@
 //!
 //! Let a closed mesh be wound alike, with normals outwards. A point that lies behind the planes of all triangles sees
 //! each of them from inside: their solid angles have one sign and do not cancel, so the mesh winds around the point. If no
-//! vertex lies more than `dent` before any of these planes, the hull of all vertices does not either, and what is
-//! left of the hull after `2 dent` are taken off on all sides lies behind all planes, inside the mesh.
+//! vertex lies more than `dent` before any of these planes, no point of the hull of all vertices does. So the hull, made
+//! smaller by `2 dent` on all sides, lies behind all planes, inside the mesh.
 
 use glam::{DVec3, Vec3};
 
@@ -37,10 +37,12 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
             continue;
         }
         let normal = cross.normalize();
+        if !normal.is_finite() {
+            return None;
+        }
         let lowest = normal.dot(a).min(normal.dot(b)).min(normal.dot(c));
         let before = points.iter().map(|p| normal.dot(*p) - lowest).fold(0.0, f64::max);
-        // Also where the normal is no number.
-        if before.is_nan() || before > DENT * size {
+        if before > DENT * size {
             return None;
         }
         dent = dent.max(before);

@@ -132,7 +132,8 @@ impl Instance {
     }
 
     /// A convex solid of the mesh as placed, relative to an origin. Its faces pass through the corner that `choose`
-    /// takes: the outermost one (the greatest offset) or the innermost one. `None` if the transform flattens space.
+    /// takes: the outermost one (the greatest offset) or the innermost one. `None` if the transform flattens space, or
+    /// leaves the middle not clearly inside.
     fn placed(&self, part: &Convex, origin: DVec3, choose: fn(f64, f64) -> f64) -> Option<Placed> {
         let Placement { affine, normals, .. } = self.inner.placement;
         let normals = normals?;
@@ -146,8 +147,13 @@ impl Instance {
             let normal = (normals * face.normal).normalize_or_zero();
             let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
             let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -normal.dot(polytope.vertices[usize::from(v)]));
-            *face = HalfSpace { normal, offset: ends.reduce(choose).unwrap_or(f64::NAN) };
-            depth = depth.min(face.distance(center));
+            *face = HalfSpace { normal, offset: ends.reduce(choose)? };
+            let distance = face.distance(center);
+            // Also if it is no number, which `min` would pass over.
+            if distance.is_nan() || distance <= 0.0 {
+                return None;
+            }
+            depth = depth.min(distance);
         }
         Some(Placed { polytope, center, depth })
     }

@@ -1,4 +1,4 @@
-//! What the last run of a query says about boxes.
+//! Testing boxes against the last run of a query.
 
 use crate::geometry::Block;
 use crate::method::Method;
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::view::cut::may_start_in;
 use crate::view::{Origin, View};
 
-/// The view of a query's last run, and what hides from it.
+/// The view of a query's last run, and the buffers that hide boxes from it.
 #[derive(Debug)]
 pub(crate) struct Sight<'a> {
     pub(crate) view: &'a View,
@@ -23,7 +23,7 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Query {
-    /// What the last run says about boxes; `None` if it saw nothing or there was none. Its buffers count only if they
+    /// The sight of the last run; `None` if it saw nothing or there was none. Its buffers count only if they
     /// were drawn by that run ([`Method::Point`]) and nothing moved since that they or the set depend on.
     pub(crate) fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let pvs = self.pvs();

@@ -2,7 +2,7 @@
 //!
 //! A cell is opaque if the union of the static solids contains it. A solid that is inserted adds the cells that it
 //! fills alone, and those that it fills together with solids that share the cell. Cells that only several solids fill
-//! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid hides what is behind their seam.
+//! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
 
 use glam::IVec3;
 use smallvec::SmallVec;

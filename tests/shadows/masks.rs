@@ -91,7 +91,7 @@ fn the_query_of_a_light_stands_for_no_view() {
     camera.run(&walled.scene, &ahead());
     let spot = Light::Spot(ahead());
     sun.shadow_casters(&walled.scene, &camera, &spot, &mut out).unwrap();
-    // From the camera itself, only what it sees lies before what it sees.
+    // For a light at the camera, only objects that it sees come before objects that it sees.
     assert_eq!(out, camera.pvs().visible());
     assert!(camera.pvs().is_valid_for(&walled.scene, &ahead()));
     assert!(!sun.pvs().is_valid_for(&walled.scene, &ahead()), "objects beside all receivers are left out");

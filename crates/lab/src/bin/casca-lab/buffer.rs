@@ -28,7 +28,7 @@ pub struct Options {
     /// Times each frame is measured; the least counts
     #[arg(long, default_value_t = 5, value_parser = value_parser!(u32).range(1..=1000))]
     repeats: u32,
-    /// Width of the item buffer that says what is visible, 16 to 16384
+    /// Width of the item buffer that finds the visible objects, 16 to 16384
     #[arg(long, default_value_t = 2560, value_parser = value_parser!(u32).range(WIDTHS))]
     width: u32,
     /// Seed of procedural scenes
