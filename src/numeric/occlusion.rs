@@ -95,16 +95,35 @@ pub(crate) const NEARNESS: f32 = 2.4e-7;
 pub(crate) const EDGE: f64 = 1e-5;
 
 /// Coordinates of pixels along an edge err by less than this share of those of its ends: sixteen roundings.
-/// Also the error of the ends where an edge was cut, as a share of their coordinates in space.
 pub(crate) const EDGE_ROUNDING: f64 = 4e-15;
 
 /// An edge with more columns than this for one row marks all of its pixels as touched: multiplying by
-/// its slope would magnify errors too much.
+/// its slope would magnify errors too much. In double, and in single precision.
 pub(crate) const EDGE_FLAT: f64 = 1e4;
+pub(crate) const FLAT: f32 = 1024.0;
 
-/// An edge is drawn without clipping if it ends this many pixels before the border of the raster: the
-/// columns of its rows are rounded by less than [`EDGE`].
-pub(crate) const RASTER_BORDER: f64 = 0.01;
+/// Edges are drawn in single precision if the magnitudes of their coordinates in pixels sum to less than this.
+pub(crate) const FAR_PIXEL: f32 = 65_536.0;
+
+/// Coordinates of pixels in single precision, and the columns that an edge passes, err by less than this share of the
+/// magnitudes of the coordinates of its ends and of the middle of the face.
+///
+/// With e = 2^-24: the eye is subtracted in two parts, each of which errs by e of the difference (where the first
+/// difference loses digits it is exact). A quotient of two such coordinates, a product and a sum take 8 e. The slope of
+/// an edge and a column on it take five more roundings of differences of coordinates, 10 e. Together 18 e, below 32 e.
+pub(crate) const PROJECTED: f32 = 1.0 / (1 << 19) as f32;
+
+/// Points that are turned in single precision lie within this share of the lengths in the sum: six roundings of
+/// 2^-24, of a matrix, its products and three sums.
+pub(crate) const PLACED: f64 = 1.0 / (1 << 21) as f64;
+
+/// Ends of edges in space are known to this share of their coordinates: two roundings in single precision, and those
+/// of the pixel that is computed from them.
+pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
+
+/// Points of a face move by at most this many times the slack of a point over its depth: twice, and room for the
+/// rounding of slacks and quotients in single precision, below 1e-6.
+pub(crate) const SLACK_ROOM: f32 = 2.001;
 
 /// The slab of a patch whose normal is nearer than this to a right angle with parallel rays (the cosine) does
 /// not bound its depth; its box does.

@@ -9,7 +9,7 @@ use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, Raster};
-use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch};
+use crate::occlusion::surface::scratch::{DeepSide, Joint, Seen, SurfaceScratch};
 use crate::occlusion::tiles::TILE;
 
 /// Draws the patches of one component, a range of the order of drawing. Returns whether they hide more than
@@ -32,11 +32,17 @@ pub(super) fn draw_component(
         joint
     });
     let mut changed = false;
+    let projector = Projector::new(buffer, limit);
+    let (first, deep) = (projector.first(), projector.deep_sides());
     for s in members() {
         let d = &batch[s.drawable as usize];
-        raster.begin(Area::around(&s.pixels));
-        let own = &sides.all[s.sides.0 as usize..s.sides.1 as usize];
-        Projector::new(buffer, limit).draw(raster, d, own, &sides.deep);
+        raster.begin(Area::around(&s.pixels), first);
+        let (begin, end) = s.sides;
+        let groups = &sides.groups[begin.groups as usize..end.groups as usize];
+        groups.iter().for_each(|sides| raster.edges(&sides.edges, d.turned));
+        let own = &sides.deep[begin.deep as usize..end.deep as usize];
+        let is_seam = |side: &DeepSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
+        deep.draw(raster, own, d.turned, is_seam);
         raster.finish();
         let back = Back::new(buffer.face(), d);
         changed |= cover_patch(buffer, raster, s, &back, joint.as_deref_mut());

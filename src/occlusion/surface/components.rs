@@ -8,7 +8,8 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
+use crate::occlusion::surface::raster::LANES;
+use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly all of those pixels,
 /// so that they cover none alone, and hardly any with their neighbours.
@@ -65,7 +66,7 @@ fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scrat
         if pixels.is_empty() || buffer.hides_pixels(&pixels, near) {
             continue;
         }
-        let first = scratch.sides.lengths();
+        let first = scratch.sides.reached();
         let Some(pixels) = projector.project(d, origin, pixels, &mut scratch.sides) else {
             scratch.sides.truncate(first);
             continue;
@@ -81,7 +82,7 @@ fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scrat
             pixels,
             near,
             nearest: near,
-            sides: (first.0 as u32, scratch.sides.all.len() as u32),
+            sides: (first, scratch.sides.reached()),
             around: PixelRect::EMPTY,
         };
         scratch.push(d.numbers(), seen);
@@ -91,22 +92,31 @@ fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scrat
 /// Joins patches that share sides, and marks those sides as seams.
 fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
     for i in 0..scratch.seen.len() as u32 {
-        let d = &batch[scratch.seen[i as usize].drawable as usize];
-        let first = scratch.seen[i as usize].sides.0 as usize;
-        for (k, (_, twin)) in d.sides().enumerate() {
-            let Some((number, opposite)) = twin else { continue };
-            let Some(place) = scratch.find(number).filter(|&place| place != i) else { continue };
-            let other = &batch[scratch.seen[place as usize].drawable as usize];
-            // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
-            if opposite == (d.sign() == other.sign()) && !(d.again && other.again) {
+        let seen = &scratch.seen[i as usize];
+        let (first, last) = (seen.sides.0.groups, seen.sides.1.groups);
+        let d = &batch[seen.drawable as usize];
+        for group in first..last {
+            let (mut seams, opposite) = (0, scratch.sides.groups[group as usize].opposite);
+            for lane in 0..LANES {
+                let number = scratch.sides.groups[group as usize].twins[lane];
+                if number == NO_TWIN {
+                    continue;
+                }
+                let Some(place) = scratch.find(number).filter(|&place| place != i) else { continue };
+                let other = &batch[scratch.seen[place as usize].drawable as usize];
+                // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
+                if (opposite >> lane & 1 == 1) != (d.turned == other.turned) || (d.again && other.again) {
+                    continue;
+                }
                 scratch.unite(i, place);
-                scratch.sides.all[first + k].seam = true;
+                seams |= 1 << lane;
                 if !d.again && other.again {
                     let pixels = scratch.seen[i as usize].pixels;
                     let around = &mut scratch.seen[place as usize].around;
                     *around = around.join(&pixels);
                 }
             }
+            scratch.sides.groups[group as usize].edges.seams = seams;
         }
     }
     // A patch that was drawn before is new only around its seams with patches that were not.

@@ -27,7 +27,7 @@ pub(crate) struct Drawable<'a> {
     pub(crate) slab: (f64, f64),
     /// Whether it was drawn before, and only its seams with patches that were not are new.
     pub(crate) again: bool,
-    /// Whether its lower side counts as turned to the eye.
+    /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
     /// Its points may be this far from where the surface says.
     pub(crate) error: f64,
@@ -60,10 +60,5 @@ impl<'a> Drawable<'a> {
     pub(crate) fn numbers(&self) -> std::ops::Range<u32> {
         let next = self.surface.patches[self.patch as usize].next;
         self.number..self.number + (next - self.patch)
-    }
-
-    /// The sign of its winding numbers.
-    pub(crate) fn sign(&self) -> i16 {
-        if self.turned { -1 } else { 1 }
     }
 }

@@ -16,6 +16,7 @@
 pub(crate) mod back;
 pub(crate) mod component;
 pub(crate) mod components;
+pub(crate) mod deep;
 pub(crate) mod drawable;
 pub(crate) mod projector;
 pub(crate) mod raster;

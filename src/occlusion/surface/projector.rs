@@ -1,289 +1,311 @@
-//! Sides of patches projected to the pixels of a face.
+//! Sides of patches projected to the pixels of a face, eight at a time in single precision.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
-use crate::geometry::Block;
-use crate::geometry::placement::Placement;
-use crate::numeric::occlusion::{EDGE, EDGE_ROUNDING};
+use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, SLACK_ROOM};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
+use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::raster::Raster;
-use crate::occlusion::surface::scratch::{DeepSide, SeenSide, SeenSides, SideKind};
+use crate::occlusion::surface::raster::{Edges, LANES, Lanes};
+use crate::occlusion::surface::scratch::{DeepSide, NO_TWIN, SeenSides, Sides};
+use crate::occlusion::tiles::TILE;
 
-/// Projects points of a face to its pixels.
+/// Projects points to the pixels of a window.
 pub(super) struct Projector<'a> {
     face: &'a Face,
-    per_unit: f64,
+    /// The first pixel of the window.
+    first: (i64, i64),
+    per_unit: f32,
+    /// The pixel of the middle of the face, counted from the first one of the window.
+    middle: (f32, f32),
     /// Edges are cut off where they are less deep.
-    limit: f64,
+    limit: f32,
 }
 
-/// A point in coordinates of the face, and its pixel.
-#[derive(Debug, Default, Clone, Copy)]
-struct Projected {
-    at: DVec3,
-    pixel: (f64, f64),
+/// How the points of a drawable come to the face.
+struct Frame {
+    /// Subtracted first: the eye, in two parts.
+    eye: (Vec3, Vec3),
+    /// Rows of the matrix that turns them to the face, and the place of their origin there.
+    rows: [Vec3; 3],
+    at: Vec3,
+    /// The slack of a side is multiplied by the first, and the second added.
+    growth: f32,
+    error: f32,
 }
 
-/// A rectangle around points, and their least depth.
+/// Sides as they are stored.
+#[derive(Default)]
+struct Ends {
+    from: [Lanes; 3],
+    to: [Lanes; 3],
+    slack: Lanes,
+}
+
+impl Ends {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, from: Vec3, to: Vec3, slack: f32) {
+        for (axis, (a, b)) in from.to_array().into_iter().zip(to.to_array()).enumerate() {
+            self.from[axis][lane] = a;
+            self.to[axis][lane] = b;
+        }
+        self.slack[lane] = slack;
+    }
+}
+
+/// Sides in coordinates of the face.
+#[derive(Default)]
+struct Placed {
+    from: [Lanes; 3],
+    to: [Lanes; 3],
+    slack: Lanes,
+    /// Whether all coordinates are finite, as a sum of zeros.
+    zero: Lanes,
+    /// Which edges may be drawn as they are.
+    plain: [bool; LANES],
+}
+
+/// A rectangle around points, lane by lane.
 struct Extent {
-    least: (f64, f64),
-    most: (f64, f64),
-    near: f64,
-    slack: f64,
+    least: [Lanes; 2],
+    most: [Lanes; 2],
+    /// The greatest width of an edge, and whether that is known of all of them.
+    wide: Lanes,
+    known: [bool; LANES],
 }
 
 impl Extent {
     const EMPTY: Self = Self {
-        least: (f64::INFINITY, f64::INFINITY),
-        most: (f64::NEG_INFINITY, f64::NEG_INFINITY),
-        near: f64::INFINITY,
-        slack: 0.0,
+        least: [[f32::INFINITY; LANES]; 2],
+        most: [[f32::NEG_INFINITY; LANES]; 2],
+        wide: [0.0; LANES],
+        known: [true; LANES],
     };
-
-    #[inline(always)]
-    fn add(&mut self, p: Projected) {
-        self.least = (smaller(p.pixel.0, self.least.0), smaller(p.pixel.1, self.least.1));
-        self.most = (larger(p.pixel.0, self.most.0), larger(p.pixel.1, self.most.1));
-        self.near = smaller(p.at.z, self.near);
-    }
 }
 
-/// The smaller number. Quicker than `f64::min`, which treats NaN in another way.
-#[inline]
-fn smaller(a: f64, b: f64) -> f64 {
+/// The smaller number. Quicker than `f32::min`, which treats NaN in another way.
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 impl<'a> Projector<'a> {
+    /// `limit` is the depth at which surfaces are cut off.
     pub(super) fn new(buffer: &'a FaceBuffer, limit: f64) -> Self {
-        Self { face: buffer.face(), per_unit: buffer.window().per_unit(), limit }
+        let (face, per_unit) = (buffer.face(), buffer.window().per_unit());
+        let (tx, ty) = buffer.window().first_tile();
+        let first = (tx * TILE, ty * TILE);
+        Self {
+            face,
+            first,
+            per_unit: per_unit as f32,
+            middle: ((per_unit - first.0 as f64) as f32, (per_unit - first.1 as f64) as f32),
+            limit: if face.parallel { 0.0 } else { limit as f32 },
+        }
+    }
+
+    /// The pixel that coordinates are counted from.
+    pub(super) fn first(&self) -> (i64, i64) {
+        self.first
+    }
+
+    /// Draws sides that [`Projector::project`] does not make single edges.
+    pub(super) fn deep_sides(&self) -> DeepSides {
+        let middle = (self.middle.0.into(), self.middle.1.into());
+        DeepSides { per_unit: self.per_unit.into(), middle, limit: self.limit.into() }
+    }
+
+    /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere, and lengths in units of
+    /// the face.
+    fn frame(&self, d: &Drawable, origin: DVec3) -> Frame {
+        let Face { right, up, forward, parallel } = *self.face;
+        let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
+        let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
+        let whole = &d.surface.patches[0];
+        let unit = if parallel { right.length() } else { 1.0 };
+        let frame = |eye: (Vec3, Vec3), turn: DMat3, at: DVec3, growth: f64, error: f64| {
+            let rows = turn.transpose();
+            Frame {
+                eye,
+                rows: [rows.x_axis.as_vec3(), rows.y_axis.as_vec3(), rows.z_axis.as_vec3()],
+                at: at.as_vec3(),
+                growth: (growth * unit) as f32,
+                error: ((d.error + error) * unit) as f32,
+            }
+        };
+        let reach = whole.min.abs().max(whole.max.abs()).as_dvec3();
+        match d.placement {
+            None => {
+                let eye = origin.as_vec3();
+                let rest = (origin - eye.as_dvec3()).as_vec3();
+                // The axes of a cube's side only choose and turn coordinates.
+                let error = if parallel { PLACED * (reach + origin.abs()).length() } else { 0.0 };
+                frame((eye, rest), axes, depth, 1.0, error)
+            }
+            Some(p) => {
+                let at = p.affine.translation - origin;
+                let error = PLACED * (p.growth * reach.length() + at.length());
+                frame((Vec3::ZERO, Vec3::ZERO), axes * p.affine.matrix3, axes * at + depth, p.growth, error)
+            }
+        }
     }
 
     /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the patch may
-    /// touch; `None` if there are none.
-    #[inline(always)]
+    /// touch; `None` if there are none, or if it cannot be drawn.
+    #[inline]
     pub(super) fn project(
         &self,
         d: &Drawable,
         origin: DVec3,
         within: PixelRect,
-        sides: &mut SeenSides,
+        out: &mut SeenSides,
     ) -> Option<PixelRect> {
-        let growth = d.placement.map_or(1.0, |p| p.growth);
-        // A side often starts where the last one ended.
-        let mut known = (Vec3::NAN, Projected::default());
+        let frame = self.frame(d, origin);
         let mut extent = Extent::EMPTY;
-        for (_, side) in d.outline() {
-            let from = if known.0 == side.from {
-                known.1
-            } else {
-                self.project_point(side.from, d.placement, origin)
-            };
-            let to = self.project_point(side.to, d.placement, origin);
-            known = (side.to, to);
-            extent.add(from);
-            extent.add(to);
-            let slack = f64::from(side.slack) * growth + d.error;
-            extent.slack = larger(slack, extent.slack);
-            let kind = match self.plain_width(from.at, to.at, slack) {
-                Some(wide) => SideKind::Plain(wide),
-                None => {
-                    sides.deep.push(DeepSide { ends: [from.at, to.at], slack });
-                    SideKind::Deep(sides.deep.len() as u32 - 1)
+        let mut sides = d.sides();
+        let (mut ends, mut finite) = (Ends::default(), true);
+        let mut next = sides.next();
+        while next.is_some() {
+            let (mut twins, mut opposite) = ([NO_TWIN; LANES], 0);
+            let mut count = 0;
+            while let Some((side, twin)) = next.take() {
+                ends.set(count, side.from, side.to, side.slack);
+                let (twin, turned) = twin.unwrap_or((NO_TWIN, false));
+                twins[count] = twin;
+                opposite |= u8::from(turned) << count;
+                count += 1;
+                if count == LANES {
+                    break;
                 }
-            };
-            sides.all.push(SeenSide { from: from.pixel, to: to.pixel, kind, seam: false });
+                next = sides.next();
+            }
+            if count == LANES {
+                next = sides.next();
+            }
+            // The rest repeats the first.
+            for lane in count..LANES {
+                let first = |of: &[Lanes; 3]| Vec3::new(of[0][0], of[1][0], of[2][0]);
+                let (from, to, slack) = (first(&ends.from), first(&ends.to), ends.slack[0]);
+                ends.set(lane, from, to, slack);
+            }
+            let placed = self.place(&frame, &ends);
+            let mut edges = self.edges(&placed, &mut extent);
+            finite &= placed.zero.iter().sum::<f32>() == 0.0;
+            let used = (0xff_u32 >> (LANES - count)) as u8;
+            let deep = !edges.plain & used;
+            edges.plain &= used;
+            if deep != 0 {
+                let group = out.groups.len() as u32;
+                for lane in (0..LANES).filter(|lane| deep >> lane & 1 == 1) {
+                    out.deep.push(deep_side(&placed, &edges, group, lane));
+                }
+            }
+            out.groups.push(Sides { edges, twins, opposite });
         }
-        self.tighter(extent, within)
+        if finite { self.tighter(&extent, within) } else { None }
     }
 
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is deep enough.
-    #[inline(always)]
-    fn tighter(&self, extent: Extent, within: PixelRect) -> Option<PixelRect> {
-        let Extent { least, most, near, slack } = extent;
-        if !self.face.parallel && (near.is_nan() || near < 2.0 * self.limit + 2.0 * slack) {
+    fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
+        if !extent.known.iter().all(|&known| known) {
             return Some(within);
         }
-        let wide = if self.face.parallel { slack * self.face.right.length() } else { 2.0 * slack / near };
-        let wide = EDGE + wide * self.per_unit;
-        let narrow = |(lo, hi): (i64, i64), least: f64, most: f64| {
-            let lo = lo.max(floor((least - wide).clamp(-1.0, hi as f64)));
-            (lo, hi.min(floor((most + wide).clamp(-1.0, hi as f64)) + 1))
+        let most = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::NEG_INFINITY, larger));
+        let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, smaller));
+        let wide = most(&extent.wide);
+        let narrow = |(lo, hi): (i64, i64), axis: usize, first: i64| {
+            let at = |v: f64| first + floor(v.clamp(-1e9, 1e9));
+            let (a, b) = (at(least(&extent.least[axis]) - wide), at(most(&extent.most[axis]) + wide));
+            (lo.max(a), hi.min(b + 1))
         };
-        let pixels = PixelRect { x: narrow(within.x, least.0, most.0), y: narrow(within.y, least.1, most.1) };
+        let pixels = PixelRect { x: narrow(within.x, 0, self.first.0), y: narrow(within.y, 1, self.first.1) };
         (!pixels.is_empty()).then_some(pixels)
     }
 
-    /// A point of a surface that stands at a placement.
+    /// Moves points to the face.
     #[inline(always)]
-    fn project_point(&self, v: Vec3, placement: Option<&Placement>, origin: DVec3) -> Projected {
-        let v = v.as_dvec3();
-        let at = self.face.local(placement.map_or(v, |p| p.affine.transform_point3(v)) - origin);
-        Projected { at, pixel: self.pixel(at) }
-    }
-
-    /// The pixel of a point of the face.
-    #[inline]
-    fn pixel(&self, p: DVec3) -> (f64, f64) {
-        let scale = if self.face.parallel { 1.0 } else { 1.0 / p.z };
-        let (u, v) = (p.x * scale, p.y * scale);
-        ((u + 1.0) * self.per_unit, (v + 1.0) * self.per_unit)
-    }
-
-    /// The width of an edge whose points may be off by `slack`, if it has one width along all of its length.
-    #[inline]
-    fn plain_width(&self, p: DVec3, q: DVec3, slack: f64) -> Option<f64> {
-        if self.face.parallel {
-            return Some(self.parallel_width(slack));
-        }
-        let (near, far) = if p.z <= q.z { (p.z, q.z) } else { (q.z, p.z) };
-        if near < self.limit || near.is_nan() {
-            return None;
-        }
-        if slack == 0.0 {
-            return Some(EDGE);
-        }
-        (far <= 2.0 * near && far > 2.0 * slack).then(|| self.width(p, q, near, slack))
-    }
-
-    #[inline]
-    fn parallel_width(&self, slack: f64) -> f64 {
-        EDGE + slack * self.face.right.length() * self.per_unit
-    }
-
-    /// The width of a piece of the edge from `p` to `q` whose least depth is `near`.
-    ///
-    /// At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1. The ends of a piece are
-    /// rounded where it was cut.
-    #[inline]
-    fn width(&self, p: DVec3, q: DVec3, near: f64, slack: f64) -> f64 {
-        let rounding = EDGE_ROUNDING * (p.abs().max_element() + q.abs().max_element());
-        EDGE + (2.0 * slack + rounding) / near * self.per_unit
-    }
-
-    /// Draws the outline of a patch, whose sides are these.
-    #[inline(always)]
-    pub(super) fn draw(&self, raster: &mut Raster, d: &Drawable, sides: &[SeenSide], deep: &[DeepSide]) {
-        let by = d.sign();
-        let cut = !self.face.parallel && self.cuts(&d.block);
-        let mut base = None;
-        for side in sides {
-            let deep = match side.kind {
-                SideKind::Plain(wide) => {
-                    raster.edge(side.from, side.to, by, wide, side.seam);
-                    continue;
+    fn place(&self, f: &Frame, ends: &Ends) -> Placed {
+        let mut out = Placed::default();
+        for i in 0..LANES {
+            let slack = ends.slack[i] * f.growth + f.error;
+            let mut zero = slack * 0.0;
+            for (given, placed) in [(&ends.from, &mut out.from), (&ends.to, &mut out.to)] {
+                let (x, y, z) = (
+                    given[0][i] - f.eye.0.x - f.eye.1.x,
+                    given[1][i] - f.eye.0.y - f.eye.1.y,
+                    given[2][i] - f.eye.0.z - f.eye.1.z,
+                );
+                for axis in 0..3 {
+                    let (row, at) = (f.rows[axis], [f.at.x, f.at.y, f.at.z][axis]);
+                    let c = row.x * x + row.y * y + row.z * z + at;
+                    placed[axis][i] = c;
+                    zero += c * 0.0;
                 }
-                SideKind::Deep(place) => &deep[place as usize],
-            };
-            self.draw_deep(raster, deep, by, side.seam);
-            // An outline that the near limit cuts is closed along it, far outside the face.
-            if cut && let Some((at, leaves)) = self.cut(deep.ends) {
-                let base = *base.get_or_insert(at);
-                // From where the outline leaves to where it comes back.
-                let (a, b) = if leaves { (at, base) } else { (base, at) };
-                let (from, to) = (self.pixel(a), self.pixel(b));
-                raster.edge(from, to, by, EDGE, false);
             }
+            out.slack[i] = slack;
+            out.zero[i] = zero;
+            let (a, b) = (out.from[2][i], out.to[2][i]);
+            let (near, far) = (smaller(a, b), larger(a, b));
+            // One width serves all of the edge, or there is no slack.
+            let even = (slack == 0.0) | ((far <= 2.0 * near) & (far > 2.0 * slack));
+            out.plain[i] = (near >= self.limit) & even;
         }
+        out
     }
 
-    /// Draws a side in pieces whose depth doubles at most, from the near limit on.
-    fn draw_deep(&self, raster: &mut Raster, side: &DeepSide, by: i16, seam: bool) {
-        let ([mut p, mut q], slack) = (side.ends, side.slack);
-        if self.face.parallel {
-            let (from, to, wide) = (self.pixel(p), self.pixel(q), self.parallel_width(slack));
-            return raster.edge(from, to, by, wide, seam);
+    /// The edges in pixels. Those that leave the range of pixels are no longer plain.
+    #[inline(always)]
+    fn edges(&self, p: &Placed, extent: &mut Extent) -> Edges {
+        let mut e = Edges::default();
+        let mut plain = [false; LANES];
+        let shift = self.middle.0.abs() + self.middle.1.abs();
+        for i in 0..LANES {
+            let (a, b) = (1.0 / p.from[2][i], 1.0 / p.to[2][i]);
+            let (x0, y0) = (
+                p.from[0][i] * a * self.per_unit + self.middle.0,
+                p.from[1][i] * a * self.per_unit + self.middle.1,
+            );
+            let (x1, y1) = (
+                p.to[0][i] * b * self.per_unit + self.middle.0,
+                p.to[1][i] * b * self.per_unit + self.middle.1,
+            );
+            (e.x0[i], e.y0[i], e.x1[i], e.y1[i]) = (x0, y0, x1, y1);
+            let sum = (x0.abs() + y0.abs()) + (x1.abs() + y1.abs());
+            let unsure = EDGE as f32 + PROJECTED * (sum + shift);
+            // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
+            let near = smaller(p.from[2][i], p.to[2][i]);
+            let wide = 2.0 * unsure + p.slack[i] * larger(a, b) * (SLACK_ROOM * self.per_unit);
+            (e.unsure[i], e.wide[i]) = (unsure, wide);
+            // Also if it is not a number.
+            let small = sum < FAR_PIXEL;
+            plain[i] = p.plain[i] & small & (wide < FAR_PIXEL);
+            extent.least[0][i] = smaller(smaller(x0, x1), extent.least[0][i]);
+            extent.least[1][i] = smaller(smaller(y0, y1), extent.least[1][i]);
+            extent.most[0][i] = larger(larger(x0, x1), extent.most[0][i]);
+            extent.most[1][i] = larger(larger(y0, y1), extent.most[1][i]);
+            extent.wide[i] = larger(wide, extent.wide[i]);
+            extent.known[i] &= (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small;
         }
-        if p.z < self.limit && q.z < self.limit {
-            return;
-        }
-        if let Some((cut, leaves)) = self.cut(side.ends) {
-            if leaves { q = cut } else { p = cut }
-        }
-        let (near, far, by) = if p.z <= q.z { (p, q, by) } else { (q, p, -by) };
-        let mut start = near;
-        loop {
-            let end = 2.0 * start.z.max(slack);
-            let stop =
-                if end < far.z { near + (far - near) * ((end - near.z) / (far.z - near.z)) } else { far };
-            let slack = if stop.z <= 2.0 * slack { 0.0 } else { slack };
-            let wide = self.width(p, q, start.z, slack);
-            let (from, to) = (self.pixel(start), self.pixel(stop));
-            raster.edge(from, to, by, wide, seam);
-            if end >= far.z {
-                break;
-            }
-            start = stop;
-        }
-    }
-
-    /// Where an edge passes the near limit, and whether it goes to lesser depths there.
-    fn cut(&self, [p, q]: [DVec3; 2]) -> Option<(DVec3, bool)> {
-        if (p.z < self.limit) == (q.z < self.limit) {
-            return None;
-        }
-        let leaves = q.z < self.limit;
-        // Always from the lesser to the greater depth: two patches that share the edge get the same point.
-        let (p, q) = if leaves { (q, p) } else { (p, q) };
-        let mut at = p + (q - p) * ((self.limit - p.z) / (q.z - p.z));
-        at.z = self.limit;
-        Some((at, leaves))
-    }
-
-    /// Whether the near limit passes through a box.
-    fn cuts(&self, block: &Block) -> bool {
-        let (p, q) = (self.face.local(block.min), self.face.local(block.max));
-        p.z.min(q.z) < self.limit && p.z.max(q.z) >= self.limit
+        e.plain = (0..LANES).fold(0, |bits, i| bits | u8::from(plain[i]) << i);
+        e
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn face() -> Face {
-        Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false }
-    }
-
-    #[test]
-    fn edges_are_cut_at_the_near_limit() {
-        let face = face();
-        let projector = Projector { face: &face, per_unit: 32.0, limit: 0.5 };
-        let (near, far) = (DVec3::new(1.0, 0.0, -0.5), DVec3::new(3.0, 2.0, 1.5));
-        let expected = DVec3::new(2.0, 1.0, 0.5);
-        assert_eq!(projector.cut([near, far]), Some((expected, false)));
-        assert_eq!(projector.cut([far, near]), Some((expected, true)));
-        assert_eq!(projector.cut([far, far + DVec3::Z]), None);
-        assert!(projector.cuts(&Block { min: near, max: far }));
-        assert!(!projector.cuts(&Block { min: far, max: far + 1.0 }));
-    }
-
-    #[test]
-    fn widths_hold_every_point_that_is_off_by_the_slack() {
-        let face = face();
-        let projector = Projector { face: &face, per_unit: 512.0, limit: 0.1 };
-        let slack = 0.02;
-        let (p, q) = (DVec3::new(-1.5, 0.3, 2.0), DVec3::new(2.5, -1.0, 3.0));
-        let wide = projector.plain_width(p, q, slack).unwrap();
-        for (end, at) in [(p, projector.pixel(p)), (q, projector.pixel(q))] {
-            for offset in
-                [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.6, 0.0, -0.8), DVec3::new(0.0, -0.6, -0.8)]
-            {
-                let moved = projector.pixel(end + offset * slack);
-                assert!((moved.0 - at.0).abs() <= wide && (moved.1 - at.1).abs() <= wide, "{end} {offset}");
-            }
-        }
-        // Over a large range of depths there is no one width.
-        assert_eq!(projector.plain_width(p, q * 10.0, slack), None);
-        assert_eq!(projector.plain_width(p, q * 10.0, 0.0), Some(EDGE));
-        assert_eq!(projector.plain_width(p, DVec3::new(0.0, 0.0, 0.05), 0.0), None);
+/// A side that is not drawn as one edge.
+fn deep_side(p: &Placed, e: &Edges, group: u32, lane: usize) -> DeepSide {
+    let at = |of: &[Lanes; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
+    DeepSide {
+        group,
+        lane: lane as u32,
+        ends: [at(&p.from), at(&p.to)],
+        pixels: [(e.x0[lane].into(), e.y0[lane].into()), (e.x1[lane].into(), e.y1[lane].into())],
+        slack: p.slack[lane].into(),
     }
 }

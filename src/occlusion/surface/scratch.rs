@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::occlusion::pixels::PixelRect;
-use crate::occlusion::surface::raster::{Area, Marks, Raster};
+use crate::occlusion::surface::raster::{Area, Edges, LANES, Marks, Raster};
 
 /// A patch as one face sees it.
 #[derive(Debug, Clone)]
@@ -21,55 +21,61 @@ pub(super) struct Seen {
     /// For the root of a component, no point of the component is nearer.
     pub(super) nearest: f32,
     /// Its range in the list of sides.
-    pub(super) sides: (u32, u32),
+    pub(super) sides: (Reached, Reached),
     /// A rectangle around its neighbours that are drawn for the first time.
     pub(super) around: PixelRect,
 }
 
-/// A side of a patch as one face sees it.
+/// The place of a side that no other patch shares.
+pub(super) const NO_TWIN: u32 = u32::MAX;
+
+/// Eight sides of a patch as one face sees them.
 #[derive(Debug, Clone)]
-pub(super) struct SeenSide {
-    /// Its ends in pixels of the face.
-    pub(super) from: (f64, f64),
-    pub(super) to: (f64, f64),
-    pub(super) kind: SideKind,
-    /// Whether the patch beyond is drawn together with this one.
-    pub(super) seam: bool,
+pub(super) struct Sides {
+    pub(super) edges: Edges,
+    /// The numbers of the patches beyond, or [`NO_TWIN`].
+    pub(super) twins: [u32; LANES],
+    /// Those that run along the side in the opposite direction, one bit each.
+    pub(super) opposite: u8,
 }
 
-/// How a side is drawn.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum SideKind {
-    /// As one edge, widened by this many pixels.
-    Plain(f64),
-    /// In pieces, or cut at the near limit: its index in the list of deep sides.
-    Deep(u32),
-}
-
-/// A side that reaches over a large range of depths.
+/// A side that reaches over a large range of depths, or behind the near limit.
 #[derive(Debug, Clone)]
 pub(super) struct DeepSide {
-    /// Its ends in coordinates of the face.
+    /// Its place among the sides.
+    pub(super) group: u32,
+    pub(super) lane: u32,
+    /// Its ends in coordinates of the face, and in pixels where they are deep enough.
     pub(super) ends: [DVec3; 2],
+    pub(super) pixels: [(f64, f64); 2],
     pub(super) slack: f64,
 }
 
 /// The sides of the patches seen.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SeenSides {
-    pub(super) all: Vec<SeenSide>,
+    pub(super) groups: Vec<Sides>,
     pub(super) deep: Vec<DeepSide>,
 }
 
 impl SeenSides {
-    pub(super) fn lengths(&self) -> (usize, usize) {
-        (self.all.len(), self.deep.len())
+    /// How many there are.
+    pub(super) fn reached(&self) -> Reached {
+        Reached { groups: self.groups.len() as u32, deep: self.deep.len() as u32 }
     }
 
-    pub(super) fn truncate(&mut self, (all, deep): (usize, usize)) {
-        self.all.truncate(all);
-        self.deep.truncate(deep);
+    /// Drops those from a place on.
+    pub(super) fn truncate(&mut self, reached: Reached) {
+        self.groups.truncate(reached.groups as usize);
+        self.deep.truncate(reached.deep as usize);
     }
+}
+
+/// A place in the list of sides.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Reached {
+    pub(super) groups: u32,
+    pub(super) deep: u32,
 }
 
 /// The pixels around the patches of one component.
@@ -124,7 +130,7 @@ impl SurfaceScratch {
         }
         self.seen.clear();
         self.narrow.clear();
-        self.sides.truncate((0, 0));
+        self.sides.truncate(Reached::default());
     }
 
     /// Appends a patch, by its number in the scene and those of its parts.
@@ -167,9 +173,8 @@ mod tests {
         let mut scratch = SurfaceScratch::default();
         scratch.begin(20);
         for i in 0..10 {
-            let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);
-            let seen =
-                Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides: (0, 0), around };
+            let (pixels, around, sides) = (PixelRect::EMPTY, PixelRect::EMPTY, Default::default());
+            let seen = Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides, around };
             scratch.push(i * 2..i * 2 + 1, seen);
         }
         assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));

@@ -1,79 +1,50 @@
-//! Edges: the pixels that they touch, and the rows whose middles they pass.
+//! Single edges in double precision.
 
-use crate::numeric::occlusion::{EDGE, EDGE_FLAT, EDGE_ROUNDING, RASTER_BORDER};
+use crate::numeric::occlusion::{EDGE_FLAT, EDGE_ROUNDING};
 use crate::occlusion::surface::raster::{Marks, Raster};
 
-/// An edge from its lower to its upper row, in pixels from the corner of the area.
-struct Line {
-    a: (f64, f64),
-    b: (f64, f64),
-    /// Columns for each row.
-    slope: f64,
-    /// The least and greatest column that it touches.
-    columns: (f64, f64),
-    by: i16,
-    /// By how much it is widened on each side.
-    wide: f64,
-    seam: bool,
-}
-
-impl Line {
-    #[inline]
-    fn layer(&self) -> usize {
-        if self.seam { Marks::SEAM } else { Marks::OPEN }
-    }
-}
-
 impl Raster {
-    /// Draws an edge of the outline between two points, in pixels of the face.
+    /// Draws an edge of the outline between two points, in pixels. Going up, it makes the winding numbers to its right
+    /// grow by one, or fall.
     ///
-    /// `by`, 1 or -1, is the change of the winding number from its left to its right, if it goes up; `wide` is how far
-    /// it may be from where its ends say, in pixels; `seam` tells whether it is shared by two patches that are drawn
-    /// together.
-    #[inline]
-    pub(crate) fn edge(&mut self, from: (f64, f64), to: (f64, f64), by: i16, wide: f64, seam: bool) {
-        let (a, b) =
-            ((from.0 - self.corner.0, from.1 - self.corner.1), (to.0 - self.corner.0, to.1 - self.corner.1));
-        let wide = wide + EDGE_ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
+    /// `wide` is how far the outline may be from it; `unsure` is how far it may be from where its ends say for
+    /// rounding alone, both in pixels; `seam` tells whether it is shared by two patches that are drawn together.
+    pub(crate) fn edge(
+        &mut self,
+        from: (f64, f64),
+        to: (f64, f64),
+        falls: bool,
+        (wide, unsure): (f64, f64),
+        seam: bool,
+    ) {
+        let corner = (f64::from(self.corner.0), f64::from(self.corner.1));
+        let (a, b) = ((from.0 - corner.0, from.1 - corner.1), (to.0 - corner.0, to.1 - corner.1));
+        let rounding = EDGE_ROUNDING * (a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs());
+        let (wide, unsure) = (wide + rounding, unsure + rounding);
         // From the lower to the upper row.
-        let (a, b, by) = if a.1 <= b.1 { (a, b, by) } else { (b, a, -by) };
+        let (a, b, falls) = if a.1 <= b.1 { (a, b, falls) } else { (b, a, !falls) };
         let (x0, x1) = if a.0 <= b.0 { (a.0, b.0) } else { (b.0, a.0) };
         let (left, x1) = (x0 - wide, x1 + wide);
-        let (right, bottom) = (f64::from(self.area.width()), f64::from(self.area.height()));
+        let (width, height) = (self.area.width(), self.area.height());
+        let (right, bottom) = (f64::from(width), f64::from(height));
         if b.1 + wide < 0.0 || a.1 - wide >= bottom || left >= right {
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
-        let line = Line { a, b, slope, columns: (left, x1), by, wide, seam };
-        // Edges well inside the area need no clipping.
-        let inside = left >= 0.0
-            && x1 < right - RASTER_BORDER
-            && a.1 - wide >= 0.0
-            && b.1 + wide < bottom - RASTER_BORDER;
-        if inside && slope.abs() < EDGE_FLAT { self.edge_inside(&line) } else { self.edge_clipped(&line) }
-    }
-
-    /// Draws an edge that may leave the area or be flat.
-    #[inline(always)]
-    fn edge_clipped(&mut self, line: &Line) {
-        let &Line { a, b, slope, columns: (left, x1), by, wide, seam } = line;
-        let (width, height) = (self.area.width(), self.area.height());
-        let (right, bottom) = (f64::from(width), f64::from(height));
         let first = nearest(within(a.1 - wide, bottom) - 0.5).max(0);
         let last = nearest(within(b.1 + wide, bottom) - 0.5).min(height - 1);
         // Rows whose middles the edge passes. Neighbours share their ends, and so agree about the rows.
         let (from, to) = (nearest(within(a.1, bottom)).max(0), nearest(within(b.1, bottom)).min(height));
         if x1 < 0.0 {
-            for row in from..to {
-                self.steps.push(row, 0, by);
-            }
+            (from..to).for_each(|row| self.tiles.pass(row, 0, falls));
             return;
         }
+        let layer = if seam { Marks::SEAM } else { Marks::OPEN };
         if slope.is_nan() || slope.abs() >= EDGE_FLAT {
-            let layer = if from < to { Marks::OPEN } else { line.layer() };
-            return self.edge_flat((left, x1), by, layer, (first, last), (from, to));
+            let layer = if from < to { Marks::OPEN } else { layer };
+            return self.edge_flat((left, x1), falls, layer, (first, last), (from, to));
         }
-        let reach = wide * slope.abs() + wide;
+        let (reach, unsure) = (wide * slope.abs() + wide, unsure * slope.abs() + unsure);
         // The column where the edge passes the lower border of a row.
         let mut x = a.0 + (f64::from(first) - a.1) * slope;
         for row in first..=last {
@@ -82,10 +53,21 @@ impl Raster {
             let lo = nearest(within(if lo > left { lo } else { left }, right) - 0.5).max(0);
             let hi = nearest(within(if hi < x1 { hi } else { x1 }, right) - 0.5).min(width - 1);
             if lo <= hi {
-                self.tiles.mark(row, lo, hi, line.layer());
+                self.tiles.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
-                self.pass(row, within(x + 0.5 * slope, right), by, seam);
+                let at = x + 0.5 * slope;
+                // Where it is not known on which side of a middle a seam passes, its two patches may both count the
+                // pixel, or neither.
+                let lo = nearest(within(at - unsure, right) - 0.5).max(0);
+                let hi = nearest(within(at + unsure, right) - 0.5).min(width - 1);
+                let column = nearest(within(at, right));
+                if seam && lo <= hi && (at - f64::from(column)).abs() > 0.5 - unsure {
+                    self.tiles.mark(row, lo, hi, Marks::OPEN);
+                }
+                if column < width {
+                    self.tiles.pass(row, column.max(0), falls);
+                }
             }
             x = next;
         }
@@ -99,7 +81,7 @@ impl Raster {
     fn edge_flat(
         &mut self,
         (left, x1): (f64, f64),
-        by: i16,
+        falls: bool,
         layer: usize,
         (first, last): (i32, i32),
         (from, to): (i32, i32),
@@ -113,51 +95,8 @@ impl Raster {
                 self.tiles.mark(row, lo, hi, layer);
             }
         }
-        for row in from..to {
-            if lo < width {
-                self.steps.push(row, lo, by);
-            }
-        }
-    }
-
-    /// Draws an edge that lies inside the area with its width, and is not flat.
-    #[inline(always)]
-    fn edge_inside(&mut self, line: &Line) {
-        let &Line { a, b, slope, columns: (left, right), by, wide, seam } = line;
-        let layer = line.layer();
-        let (first, last) = (nearest(a.1 - wide - 0.5), nearest(b.1 + wide - 0.5));
-        let (from, to) = (nearest(a.1), nearest(b.1));
-        let reach = wide * slope.abs() + wide;
-        // The column where the edge passes the middle of a row, and how far to both sides it touches the row.
-        let mut x = a.0 + (f64::from(first) - a.1) * slope + 0.5 * slope;
-        let half = 0.5 * slope.abs() + reach;
-        for row in first..=last {
-            let (lo, hi) = (x - half, x + half);
-            let lo = nearest(if lo > left { lo } else { left } - 0.5);
-            let hi = nearest(if hi < right { hi } else { right } - 0.5);
-            if lo <= hi {
-                self.tiles.mark(row, lo, hi, layer);
-            }
-            if from <= row && row < to {
-                self.pass(row, x, by, seam);
-            }
-            x += slope;
-        }
-    }
-
-    /// Records that an edge passes the middle of a row at a place from -1 to the width of the area.
-    #[inline]
-    fn pass(&mut self, row: i32, at: f64, by: i16, seam: bool) {
-        let (width, column) = (self.area.width(), nearest(at));
-        // Where a seam passes the very middle of a pixel, its two patches may both count the pixel, or neither.
-        if seam && (at - f64::from(column)).abs() > 0.5 - EDGE {
-            let (lo, hi) = ((column - 1).max(0), column.min(width - 1));
-            if lo <= hi {
-                self.tiles.mark(row, lo, hi, Marks::OPEN);
-            }
-        }
-        if column < width {
-            self.steps.push(row, column.max(0), by);
+        if lo < width {
+            (from..to).for_each(|row| self.tiles.pass(row, lo, falls));
         }
     }
 }

@@ -1,40 +1,44 @@
-//! The rasteriser of outlines: for each pixel its winding number, and whether an edge touches it.
+//! The rasteriser of outlines: for each pixel whether an edge touches it, and its winding number.
 //!
-//! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area, [`Raster::edge`] for each
-//! edge of an outline, [`Raster::finish`], then [`Raster::marks`] tile by tile. This is the scalar
-//! implementation; another one has to keep three rules:
+//! Winding numbers are known modulo four: two bits for each pixel, which are added for 64 pixels at a time. A number
+//! that is not zero is so modulo four, too, but for outlines that go around a pixel four times: those are taken to leave
+//! it open.
+//!
+//! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area, [`Raster::edges`] with eight edges
+//! at a time or [`Raster::edge`] with one, [`Raster::finish`], then [`Raster::marks`] tile by tile. The first is in
+//! single precision ([`lanes`]), the other, for edges that reach far beyond the view, in double precision ([`edge`]).
+//! Both keep three rules:
 //!
 //! - every pixel that comes within the edge's width of it is marked as touched;
 //! - a pixel that no edge touches has the winding number of the outline around its middle;
-//! - an edge gives the same winding numbers in both directions, with opposite signs, in all rasters that contain
-//!   it: the seams between two patches rely on it.
+//! - edges that follow each other pass the same rows where they meet, and an edge drawn for two patches passes the
+//!   same columns for both, but where the marks say that it is not known: the seams between two patches rely on it.
 
 mod edge;
+mod lanes;
 mod tiles;
-mod winding;
 
 use crate::occlusion::surface::raster::tiles::TileMarks;
-use crate::occlusion::surface::raster::winding::Steps;
 
+pub(crate) use crate::occlusion::surface::raster::lanes::{Edges, LANES, Lanes};
 pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
 
 /// The pixels around one patch.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Raster {
     area: Area,
-    /// The first pixel of the area.
-    corner: (f64, f64),
+    /// The first pixel of the area, counted from the pixel that edges are counted from.
+    corner: (i32, i32),
     tiles: TileMarks,
-    steps: Steps,
 }
 
 impl Raster {
-    /// Clears the raster, for an area of pixels.
-    pub(crate) fn begin(&mut self, area: Area) {
+    /// Clears the raster, for an area of pixels. The coordinates of edges are counted from the corner of pixel `first`,
+    /// the first one of a tile.
+    pub(crate) fn begin(&mut self, area: Area, first: (i64, i64)) {
         self.area = area;
-        self.corner = (area.x as f64, area.y as f64);
+        self.corner = ((area.x - first.0) as i32, (area.y - first.1) as i32);
         self.tiles.clear(&area);
-        self.steps.clear(area.height());
     }
 
     /// Its area.
@@ -42,14 +46,9 @@ impl Raster {
         self.area
     }
 
-    /// Turns the steps of all edges into winding numbers.
+    /// Finds the winding numbers, when all edges are drawn.
     pub(crate) fn finish(&mut self) {
-        let tiles = &mut self.tiles;
-        self.steps.for_spans(self.area.height(), self.area.width(), |row, from, to, winding| {
-            if winding != 0 && from < to {
-                tiles.mark(row, from, to - 1, if winding > 0 { Marks::PLUS } else { Marks::MINUS });
-            }
-        });
+        self.tiles.finish();
     }
 
     /// The pixels of a tile, counted from the first tile of the area, row by row.

@@ -16,8 +16,43 @@ fn edges(ring: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
-fn draw(raster: &mut Raster, ring: &[Point], wide: f64) {
-    edges(ring).for_each(|(from, to)| raster.edge(from, to, 1, wide, false));
+/// How edges are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum By {
+    /// One by one, in double precision.
+    One,
+    /// Eight at a time.
+    Eight,
+}
+
+/// A number in single precision, as edges drawn together have them.
+fn single(v: f64) -> f64 {
+    f64::from(v as f32)
+}
+
+fn draw(by: By, raster: &mut Raster, all: impl IntoIterator<Item = (Point, Point, bool)>, wide: f64) {
+    let unsure = 1e-3f64.min(wide / 2.0);
+    let all: Vec<_> = all.into_iter().collect();
+    match by {
+        By::One => all.iter().for_each(|&(from, to, seam)| raster.edge(from, to, false, (wide, 1e-9), seam)),
+        By::Eight => {
+            for some in all.chunks(LANES) {
+                let mut group =
+                    Edges { wide: [wide as f32; LANES], unsure: [unsure as f32; LANES], ..Edges::default() };
+                for (i, &(from, to, seam)) in some.iter().enumerate() {
+                    (group.x0[i], group.y0[i]) = (from.0 as f32, from.1 as f32);
+                    (group.x1[i], group.y1[i]) = (to.0 as f32, to.1 as f32);
+                    group.plain |= 1 << i;
+                    group.seams |= u8::from(seam) << i;
+                }
+                raster.edges(&group, false);
+            }
+        }
+    }
+}
+
+fn unshared(ring: &[Point]) -> impl Iterator<Item = (Point, Point, bool)> {
+    edges(ring).map(|(from, to)| (from, to, false))
 }
 
 /// The sum over all edges that pass the line to the left of a point.
@@ -63,12 +98,13 @@ fn pixels_are_marked_as_the_outline_says() {
         // Outlines reach beyond the area on all sides; some are small, some flat.
         let height = if round % 5 == 0 { 0.01 } else { 30.0 };
         let ring: Vec<Point> = (0..3 + round % 5)
-            .map(|_| (random.within(-20.0, 70.0), 30.0 + random.within(-height, height)))
+            .map(|_| (single(random.within(-20.0, 70.0)), single(30.0 + random.within(-height, height))))
             .collect();
         let area = Area::around(&PixelRect { x: (9, 41), y: (17, 50) });
-        let wide = [1e-5, 0.3, 2.5][round % 3];
-        raster.begin(area);
-        draw(&mut raster, &ring, wide);
+        let wide = [1e-3, 0.3, 2.5][round % 3];
+        let by = if round % 2 == 0 { By::One } else { By::Eight };
+        raster.begin(area, (0, 0));
+        draw(by, &mut raster, unshared(&ring), wide);
         raster.finish();
         for y in area.y..area.y + i64::from(area.height()) {
             for x in area.x..area.x + i64::from(area.width()) {
@@ -83,8 +119,7 @@ fn pixels_are_marked_as_the_outline_says() {
                     continue;
                 }
                 let number = winding(&ring, (left + 0.5, low + 0.5));
-                let sign = (marks.has(Marks::PLUS, bit), marks.has(Marks::MINUS, bit));
-                assert_eq!(sign, (number > 0, number < 0), "round {round}: {x} {y}");
+                assert_eq!(marks.winding(bit), number & 3, "round {round}: {x} {y}");
                 assert_eq!(marks.covered() >> bit & 1 == 1, number != 0);
                 covered += u32::from(number != 0);
             }
@@ -95,21 +130,21 @@ fn pixels_are_marked_as_the_outline_says() {
 
 #[test]
 fn narrow_edges_touch_few_pixels() {
-    let mut raster = Raster::default();
-    raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }));
     let ring = [(2.5, 2.5), (29.5, 2.5), (29.5, 29.5), (2.5, 29.5)];
-    draw(&mut raster, &ring, 1e-5);
-    raster.finish();
-    let area = raster.area();
-    for y in 0..32 {
-        for x in 0..32 {
+    for by in [By::One, By::Eight] {
+        let mut raster = Raster::default();
+        raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }), (0, 0));
+        draw(by, &mut raster, unshared(&ring), 1e-3);
+        raster.finish();
+        let area = raster.area();
+        for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
             let (tile, bit) = tile_and_bit(&area, x, y);
             let border = (2..30).contains(&x)
                 && (2..30).contains(&y)
                 && ([2, 29].contains(&x) || [2, 29].contains(&y));
-            assert_eq!(raster.marks(tile).has(Marks::OPEN, bit), border, "{x} {y}");
+            assert_eq!(raster.marks(tile).has(Marks::OPEN, bit), border, "{by:?} {x} {y}");
             let inside = (3..29).contains(&x) && (3..29).contains(&y);
-            assert_eq!(raster.marks(tile).covered() >> bit & 1 == 1, inside, "{x} {y}");
+            assert_eq!(raster.marks(tile).covered() >> bit & 1 == 1, inside, "{by:?} {x} {y}");
         }
     }
 }
@@ -120,16 +155,17 @@ fn seams_of_two_patches_cancel() {
     let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
     let (mut first, mut second) = (Raster::default(), Raster::default());
     let mut seams = 0;
-    for _ in 0..200 {
+    for round in 0..200 {
         // Two triangles that share the side from a to b, on different sides of it.
-        let (a, b) = ((random.within(2.0, 60.0), 3.0), (random.within(2.0, 60.0), 60.0));
-        let (c, d) = ((-9.0, random.within(0.0, 60.0)), (75.0, random.within(0.0, 60.0)));
-        for (raster, ring) in [(&mut first, [c, a, b]), (&mut second, [d, b, a])] {
-            raster.begin(area);
-            for (from, to) in edges(&ring) {
-                let seam = [from, to].iter().all(|p| [a, b].contains(p));
-                raster.edge(from, to, 1, 1e-5, seam);
-            }
+        let (a, b) = ((single(random.within(2.0, 60.0)), 3.0), (single(random.within(2.0, 60.0)), 60.0));
+        let (c, d) = ((-9.0, single(random.within(0.0, 60.0))), (75.0, single(random.within(0.0, 60.0))));
+        // Each in its own way.
+        let ways = [[By::One, By::Eight], [By::Eight, By::One], [By::Eight, By::Eight], [By::One, By::One]]
+            [round % 4];
+        for (raster, ring, by) in [(&mut first, [c, a, b], ways[0]), (&mut second, [d, b, a], ways[1])] {
+            raster.begin(area, (0, 0));
+            let seam = |from, to| [from, to].iter().all(|p| [a, b].contains(p));
+            draw(by, raster, edges(&ring).map(|(from, to)| (from, to, seam(from, to))), 1e-3);
             raster.finish();
         }
         let quad = [c, a, d, b];

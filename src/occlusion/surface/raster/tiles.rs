@@ -38,49 +38,80 @@ impl Area {
     }
 }
 
-/// The pixels of a tile by layer: touched by open edges; touched by seams; with a positive winding
-/// number around the middle; with a negative one.
+/// The pixels of a tile by layer: touched by open edges; touched by seams; and the two digits of the winding number
+/// around the middle, modulo four.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Marks([u64; 4]);
 
 impl Marks {
     pub(crate) const OPEN: usize = 0;
     pub(crate) const SEAM: usize = 1;
-    pub(crate) const PLUS: usize = 2;
-    pub(crate) const MINUS: usize = 3;
+    const ONES: usize = 2;
+    const TWOS: usize = 3;
 
     #[inline]
     pub(crate) fn is_empty(&self) -> bool {
-        let [open, seam, plus, minus] = self.0;
-        open | seam | plus | minus == 0
+        let [open, seam, ones, twos] = self.0;
+        open | seam | ones | twos == 0
     }
 
     /// The pixels that the outline covers as a whole.
     #[inline]
     pub(crate) fn covered(&self) -> u64 {
-        let [open, seam, plus, minus] = self.0;
-        (plus | minus) & !(open | seam)
+        let [open, seam, ones, twos] = self.0;
+        (ones | twos) & !(open | seam)
     }
 
     /// Of the marks of several patches: the pixels touched by seams only that the patches cover together. Their
-    /// winding numbers do not sum to zero, because they do not have both signs.
+    /// winding numbers do not sum to zero.
     #[inline]
     pub(crate) fn covered_seams(&self) -> u64 {
-        let [open, seam, plus, minus] = self.0;
-        seam & (plus ^ minus) & !open
+        let [open, seam, ones, twos] = self.0;
+        seam & (ones | twos) & !open
     }
 
     /// Adds the marks of another patch.
     #[inline]
     pub(crate) fn add(&mut self, other: &Self) {
-        for (all, own) in self.0.iter_mut().zip(other.0) {
-            *all |= own;
+        self.0[Self::OPEN] |= other.0[Self::OPEN];
+        self.0[Self::SEAM] |= other.0[Self::SEAM];
+        self.wind(other.0[Self::ONES], other.0[Self::TWOS]);
+    }
+
+    /// Adds winding numbers, modulo four.
+    #[inline(always)]
+    fn wind(&mut self, ones: u64, twos: u64) {
+        self.0[Self::TWOS] ^= twos ^ (self.0[Self::ONES] & ones);
+        self.0[Self::ONES] ^= ones;
+    }
+
+    /// Replaces the numbers in each row by their sums up to each pixel, those before the tile included.
+    #[inline(always)]
+    fn sum_rows(&mut self, before: (u64, u64)) {
+        for (shift, mask) in
+            [(1, 0xfefe_fefe_fefe_fefe), (2, 0xfcfc_fcfc_fcfc_fcfc), (4, 0xf0f0_f0f0_f0f0_f0f0)]
+        {
+            self.wind(self.0[Self::ONES] << shift & mask, self.0[Self::TWOS] << shift & mask);
         }
+        self.wind(before.0, before.1);
+    }
+
+    /// The numbers of the last pixels of all rows, in all pixels of the rows.
+    #[inline(always)]
+    fn last(&self) -> (u64, u64) {
+        let spread = |word: u64| (word >> 7 & 0x0101_0101_0101_0101) * 0xff;
+        (spread(self.0[Self::ONES]), spread(self.0[Self::TWOS]))
     }
 
     #[cfg(test)]
     pub(super) fn has(&self, layer: usize, bit: u32) -> bool {
         self.0[layer] >> bit & 1 == 1
+    }
+
+    /// The winding number around the middle of a pixel, modulo four.
+    #[cfg(test)]
+    pub(super) fn winding(&self, bit: u32) -> i32 {
+        i32::from(self.has(Self::ONES, bit)) + 2 * i32::from(self.has(Self::TWOS, bit))
     }
 }
 
@@ -95,7 +126,8 @@ impl TileMarks {
     pub(super) fn clear(&mut self, area: &Area) {
         self.across = area.nx as i32;
         self.marks.clear();
-        self.marks.resize(area.tile_count(), Marks::default());
+        // Short runs of pixels are marked in two tiles, the second of which may follow the last.
+        self.marks.resize(area.tile_count() + 1, Marks::default());
     }
 
     #[inline]
@@ -104,20 +136,105 @@ impl TileMarks {
     }
 
     /// Marks pixels of a row; both ends are included and inside the area.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mark(&mut self, row: i32, first: i32, last: i32, layer: usize) {
-        let at = (row >> 3) * self.across;
+        let at = ((row >> 3) * self.across + (first >> 3)) as usize;
         let shift = (row & 7) << 3;
-        let (a, b) = (first >> 3, last >> 3);
+        let more = last - first;
+        if more <= 8 {
+            let run = ((2u64 << more) - 1) << (first & 7);
+            let [low, high] = &mut self.marks[at..at + 2] else { return };
+            low.0[layer] |= (run & 0xff) << shift;
+            high.0[layer] |= run >> 8 << shift;
+        } else {
+            self.mark_long(at, shift, (first, last), layer);
+        }
+    }
+
+    /// Marks a run of pixels that may reach over more than two tiles; the first is given.
+    fn mark_long(&mut self, at: usize, shift: i32, (first, last): (i32, i32), layer: usize) {
+        let tiles = &mut self.marks[at..=at + ((last >> 3) - (first >> 3)) as usize];
         let (low, high) = (0xffu64 << (first & 7) & 0xff, 0xffu64 >> (7 - (last & 7)));
-        if a == b {
-            self.marks[(at + a) as usize].0[layer] |= (low & high) << shift;
-            return;
+        if let [only] = tiles {
+            only.0[layer] |= (low & high) << shift;
+        } else if let [begin, between @ .., end] = tiles {
+            begin.0[layer] |= low << shift;
+            between.iter_mut().for_each(|tile| tile.0[layer] |= 0xff << shift);
+            end.0[layer] |= high << shift;
         }
-        self.marks[(at + a) as usize].0[layer] |= low << shift;
-        for tx in a + 1..b {
-            self.marks[(at + tx) as usize].0[layer] |= 0xff << shift;
+    }
+
+    /// Lets an outline pass the middle of a row left of the middle of a column: the winding numbers from there on grow
+    /// by one, or fall.
+    #[inline(always)]
+    pub(super) fn pass(&mut self, row: i32, column: i32, falls: bool) {
+        let at = ((row >> 3) * self.across + (column >> 3)) as usize;
+        let one = 1 << (((row & 7) << 3) + (column & 7));
+        self.marks[at].wind(one, if falls { one } else { 0 });
+    }
+
+    /// Turns the places where outlines pass into winding numbers.
+    pub(super) fn finish(&mut self) {
+        let across = (self.across as usize).max(1);
+        let tiles = self.marks.len().saturating_sub(1);
+        for row in self.marks[..tiles].chunks_exact_mut(across) {
+            let mut before = (0, 0);
+            for tile in row {
+                tile.sum_rows(before);
+                before = tile.last();
+            }
         }
-        self.marks[(at + b) as usize].0[layer] |= high << shift;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_the_sums_of_the_steps_before_them() {
+        let mut state = 3u32;
+        let mut next = |n: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) % n
+        };
+        let area = Area { x: 8, y: 16, nx: 3, ny: 2 };
+        let mut tiles = TileMarks::default();
+        for _ in 0..200 {
+            tiles.clear(&area);
+            let mut expected = [[0; 24]; 16];
+            for _ in 0..next(90) {
+                let (row, column, falls) = (next(16), next(24), next(2) == 0);
+                tiles.pass(row as i32, column as i32, falls);
+                let right = &mut expected[row as usize][column as usize..];
+                right.iter_mut().for_each(|w| *w += if falls { -1 } else { 1 });
+            }
+            tiles.finish();
+            for (row, pixels) in expected.iter().enumerate() {
+                for (column, winding) in pixels.iter().enumerate() {
+                    let tile = tiles.get(row / 8 * 3 + column / 8);
+                    assert_eq!(tile.winding((row % 8 * 8 + column % 8) as u32), winding & 3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn runs_of_pixels_are_marked() {
+        let area = Area { x: 0, y: 0, nx: 4, ny: 1 };
+        let mut tiles = TileMarks::default();
+        for first in 0..32 {
+            for last in first..32 {
+                tiles.clear(&area);
+                tiles.mark(5, first, last, Marks::SEAM);
+                for row in 0..8 {
+                    for column in 0..32 {
+                        let marked =
+                            tiles.get(column as usize / 8).has(Marks::SEAM, (row * 8 + column % 8) as u32);
+                        assert_eq!(marked, row == 5 && (first..=last).contains(&column), "{first} {last}");
+                    }
+                }
+            }
+        }
     }
 }
