@@ -117,9 +117,11 @@ pub(crate) const PROJECTED: f32 = 1.0 / (1 << 19) as f32;
 /// 2^-24, of a matrix, its products and three sums.
 pub(crate) const PLACED: f64 = 1.0 / (1 << 21) as f64;
 
-/// Ends of edges in space are known to this share of their coordinates: two roundings in single precision, and those
-/// of the pixel that is computed from them.
-pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
+/// Pieces of edges are known to this share of the greatest coordinates of the edge's ends, over the depth of the piece.
+///
+/// With e = 2^-24: two roundings of each coordinate move a point of the face by 4 e; the pixels of the ends
+/// themselves, which are in single precision, err by 16 e. Together 20 e, below 32 e.
+pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 
 /// Points of a face move by at most this many times the slack of a point over its depth: twice, and room for the
 /// rounding of slacks and quotients in single precision, below 1e-6.

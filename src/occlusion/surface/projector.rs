@@ -107,7 +107,7 @@ impl<'a> Projector<'a> {
             first,
             per_unit: per_unit as f32,
             middle: ((per_unit - first.0 as f64) as f32, (per_unit - first.1 as f64) as f32),
-            limit: if face.parallel { 0.0 } else { limit as f32 },
+            limit: if face.parallel { 0.0 } else { (limit as f32).max(f32::MIN_POSITIVE) },
         }
     }
 
@@ -266,7 +266,7 @@ impl<'a> Projector<'a> {
         let mut e = Edges::default();
         let mut plain = [false; LANES];
         let shift = self.middle.0.abs() + self.middle.1.abs();
-        for i in 0..LANES {
+        for (i, plain) in plain.iter_mut().enumerate() {
             let (a, b) = (1.0 / p.from[2][i], 1.0 / p.to[2][i]);
             let (x0, y0) = (
                 p.from[0][i] * a * self.per_unit + self.middle.0,
@@ -285,7 +285,7 @@ impl<'a> Projector<'a> {
             (e.unsure[i], e.wide[i]) = (unsure, wide);
             // Also if it is not a number.
             let small = sum < FAR_PIXEL;
-            plain[i] = p.plain[i] & small & (wide < FAR_PIXEL);
+            *plain = p.plain[i] & small & (wide < FAR_PIXEL);
             extent.least[0][i] = smaller(smaller(x0, x1), extent.least[0][i]);
             extent.least[1][i] = smaller(smaller(y0, y1), extent.least[1][i]);
             extent.most[0][i] = larger(larger(x0, x1), extent.most[0][i]);
@@ -307,5 +307,114 @@ fn deep_side(p: &Placed, e: &Edges, group: u32, lane: usize) -> DeepSide {
         ends: [at(&p.from), at(&p.to)],
         pixels: [(e.x0[lane].into(), e.y0[lane].into()), (e.x1[lane].into(), e.y1[lane].into())],
         slack: p.slack[lane].into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Quat};
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::placement::Placement;
+    use crate::mesh::surface::{Rules, Surface};
+    use crate::occlusion::face::Rect;
+
+    struct Random(u64);
+
+    impl Random {
+        fn within(&mut self, lo: f32, hi: f32) -> f32 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            lo + (hi - lo) * (self.0 >> 40) as f32 / (1u64 << 24) as f32
+        }
+
+        fn point(&mut self, reach: f32) -> Vec3 {
+            Vec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
+        }
+    }
+
+    /// The pixel of a point in double precision.
+    fn exact(face: &Face, per_unit: f64, first: (i64, i64), p: DVec3) -> (f64, f64) {
+        let at = face.local(p);
+        let scale = if face.parallel { per_unit } else { per_unit / at.z };
+        (at.x * scale + per_unit - first.0 as f64, at.y * scale + per_unit - first.1 as f64)
+    }
+
+    #[test]
+    fn edges_are_where_double_precision_puts_them() {
+        let mut random = Random(5);
+        let eyed = Face { right: DVec3::X, up: DVec3::Z, forward: DVec3::Y, parallel: false };
+        let along = DVec3::new(0.3, 0.8, -0.5).normalize();
+        let (mut edges, mut deep) = (0, 0);
+        for round in 0..400 {
+            let face =
+                if round % 4 == 3 { Face::across(along, along.any_orthonormal_vector(), 30.0) } else { eyed };
+            let mut buffer = FaceBuffer::new(face);
+            buffer.clear(Some(Rect { u0: -0.4, v0: -0.9, u1: 0.7, v1: 0.2 }), [360, 2880][round % 2]);
+            // Far from the middle of the world coordinates lose digits.
+            let far = [0.0, 3e3][round / 2 % 2];
+            let eye = (random.point(far).as_dvec3() + random.point(1.0).as_dvec3() * 1e-3)
+                * f64::from(far.min(1.0));
+            let placement = (round % 3 == 1).then(|| {
+                let turn = Quat::from_euler(
+                    glam::EulerRot::XYZ,
+                    random.within(-3.0, 3.0),
+                    random.within(-3.0, 3.0),
+                    1.0,
+                );
+                let to = eye.as_vec3() + random.point(20.0);
+                let scale = Vec3::splat(random.within(0.5, 3.0));
+                Placement::new("a test", Affine3A::from_scale_rotation_translation(scale, turn, to), 10.0)
+                    .unwrap()
+            });
+            let (around, reach) = match &placement {
+                Some(_) => (Vec3::ZERO, 6.0),
+                None => (eye.as_vec3() + random.point(8.0), 12.0),
+            };
+            let corners: Vec<Vec3> = (0..60).map(|_| around + random.point(reach)).collect();
+            let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
+            let surface = Surface::new(&corners, &triangles, &rules);
+            let projector = Projector::new(&buffer, 0.01);
+            for (patch, _) in (0..).zip(&surface.patches).filter(|(i, p)| p.next == i + 1) {
+                let drawable = Drawable {
+                    surface: &surface,
+                    placement: placement.as_ref(),
+                    patch,
+                    id: 0,
+                    number: patch,
+                    links: &[],
+                    block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
+                    normal: DVec3::X,
+                    slab: (0.0, 0.0),
+                    again: false,
+                    turned: false,
+                    error: 0.0,
+                };
+                let mut out = SeenSides::default();
+                projector.project(&drawable, eye, *buffer.window().pixels(), &mut out);
+                let place = |v: Vec3| {
+                    let v = v.as_dvec3();
+                    placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye
+                };
+                deep += out.deep.len();
+                for (i, (side, _)) in drawable.sides().enumerate() {
+                    let Edges { x0, y0, x1, y1, wide, unsure, plain, .. } = out.groups[i / LANES].edges;
+                    let i = i % LANES;
+                    if plain >> i & 1 == 0 {
+                        continue;
+                    }
+                    edges += 1;
+                    for (p, (x, y)) in [(side.from, (x0[i], y0[i])), (side.to, (x1[i], y1[i]))] {
+                        let (u, v) = exact(&face, buffer.window().per_unit(), projector.first(), place(p));
+                        let off = (f64::from(x) - u).abs().max((f64::from(y) - v).abs());
+                        let within = if face.parallel || placement.is_some() { wide[i] } else { unsure[i] };
+                        assert!(off <= f64::from(within), "{round}: {off} {within} {u} {v}");
+                        assert!(within < 0.5, "{within}");
+                    }
+                }
+            }
+        }
+        assert!(edges > 5000 && deep > 500, "{edges} {deep}");
     }
 }
