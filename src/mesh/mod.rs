@@ -5,6 +5,7 @@ mod convex;
 mod file;
 mod index;
 mod instance;
+mod lists;
 mod parts;
 mod preparation;
 mod raster;
@@ -12,7 +13,6 @@ mod solid;
 pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
-mod topology;
 mod tri_mesh;
 mod triangle;
 

@@ -12,8 +12,7 @@ use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
 use crate::mesh::parts;
 use crate::mesh::preparation::MeshOptions;
-use crate::mesh::surface::Surface;
-use crate::mesh::topology::{is_closed, is_wound_alike};
+use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
 /// A triangle mesh in world space, checked and prepared once.
@@ -93,29 +92,31 @@ impl TriMesh {
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
-        let closed = is_closed(&positions, &triangles);
+        let welded = Welded::new(&positions, &triangles);
+        let topology = welded.topology;
         progress(0.2);
         let surface = match how.occludes {
-            true => Surface::new(&positions, &triangles, &rules),
+            true => Surface::of(&welded, &rules),
             false => Surface::default(),
         };
         progress(0.7);
         let parts = parts::parts(&positions, &triangles);
         progress(1.0);
-        Ok(Self::from_prepared(positions, triangles, bounds, (closed, how.occludes), surface, parts))
+        Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The pair of flags: whether it is
-    /// closed, and whether it hides others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says whether it hides
+    /// others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
         bounds: Aabb,
-        (closed, occludes): (bool, bool),
+        (topology, occludes): (Topology, bool),
         mut surface: Surface,
         parts: Vec<Convex>,
     ) -> Self {
-        let alike = closed && occludes && is_wound_alike(&positions, &triangles);
+        let closed = topology.closed;
+        let alike = topology.alike && occludes;
         let solid = closed && occludes && (!surface.front || alike);
         surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
         let from_outside = !surface.front || surface.outward > 0.0;

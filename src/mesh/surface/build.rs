@@ -1,5 +1,6 @@
 //! From triangles to a surface: weld, grow patches, simplify their outlines, gather.
 
+#[cfg(test)]
 use glam::Vec3;
 
 use crate::mesh::surface::chain::{rims, simplify};
@@ -10,11 +11,16 @@ use crate::mesh::surface::weld::Welded;
 
 impl Surface {
     /// Finds the patches of triangles. Indices are known to be valid, positions to be finite.
+    #[cfg(test)]
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], rules: &Rules) -> Self {
-        let welded = Welded::new(positions, triangles);
-        let patches = grow(&welded, rules);
-        let straight = simplify(&welded, &rims(&welded, &patches), rules.tolerance);
-        gather(&welded, &patches, &straight, rules)
+        Self::of(&Welded::new(positions, triangles), rules)
+    }
+
+    /// Finds the patches of welded triangles.
+    pub(crate) fn of(welded: &Welded, rules: &Rules) -> Self {
+        let patches = grow(welded, rules);
+        let straight = simplify(welded, &rims(welded, &patches), rules.tolerance);
+        gather(welded, &patches, &straight, rules)
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::surface::patch::{NONE, Rules};
-use crate::mesh::surface::weld::Welded;
+use crate::mesh::surface::weld::{Neighbour, Welded};
 
 /// How far a patch may rise above the plane of its first triangle, for each unit of distance from its middle.
 const SLOPE: f64 = 0.35;
@@ -14,14 +14,19 @@ pub(crate) struct Patches {
     pub(crate) of: Vec<(u32, bool)>,
     /// The cross product of two sides of each triangle as wound.
     pub(crate) crosses: Vec<DVec3>,
-    /// Direction of the first triangle of each.
-    pub(crate) normals: Vec<DVec3>,
+    /// The first triangle of each.
+    pub(crate) seeds: Vec<u32>,
 }
 
 /// The greatest angle in a patch without parts, in degrees.
 const FLAT: f64 = 10.0;
 
 impl Patches {
+    /// The direction of the first triangle of a patch.
+    pub(crate) fn normal(&self, patch: u32) -> DVec3 {
+        direction(self.crosses[self.seeds[patch as usize] as usize])
+    }
+
     /// The cross product of two sides of a triangle as it is wound in its patch.
     #[inline]
     pub(crate) fn cross(&self, triangle: u32) -> DVec3 {
@@ -40,40 +45,42 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             (b - a).cross(c - a)
         })
         .collect();
-    let mut order: Vec<u32> = (0..count as u32).collect();
-    let area = |t: u32| crosses[t as usize].length_squared();
-    order.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
+    // Areas are not negative, so their bits are in order. Largest first.
+    let area = |cross: &DVec3| !cross.length_squared().to_bits();
+    let mut order: Vec<(u64, u32)> = crosses.iter().map(area).zip(0..).collect();
+    order.sort_unstable();
+    let neighbours = mesh.neighbours();
     let mut of = vec![(NONE, false); count];
-    let mut normals = Vec::new();
+    let mut seeds = Vec::new();
     let mut queue = Vec::new();
-    for seed in order {
+    for (_, seed) in order {
         if of[seed as usize].0 != NONE {
             continue;
         }
-        let patch = normals.len() as u32;
-        let normal = crosses[seed as usize].normalize_or(DVec3::Z);
+        let patch = seeds.len() as u32;
+        seeds.push(seed);
+        of[seed as usize] = (patch, false);
+        if neighbours[seed as usize].into_iter().all(|n| n.get().is_none()) {
+            continue;
+        }
+        let normal = direction(crosses[seed as usize]);
         let corners = mesh.corners(seed as usize);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let cosine = rules.cosine.max(FLAT.to_radians().cos());
         let seed_plane = Seed { middle, normal, cosine, tolerance: rules.tolerance };
-        normals.push(normal);
-        of[seed as usize] = (patch, false);
         queue.clear();
         queue.push(seed);
         let mut at = 0;
         while at < queue.len() {
             let t = queue[at] as usize;
             at += 1;
-            for side in 0..3 {
-                let beside = mesh.at_edge(mesh.sides[t][side]);
-                let [one, two] = beside else { continue };
-                let (own, other) = if one.2 as usize == t { (one, two) } else { (two, one) };
-                let next = other.2 as usize;
+            for (next, same_way) in neighbours[t].into_iter().filter_map(Neighbour::get) {
+                let next = next as usize;
                 if of[next].0 != NONE {
                     continue;
                 }
                 // Two triangles wound alike run their edge in opposite directions.
-                let turned = of[t].1 ^ (own.3 == other.3);
+                let turned = of[t].1 ^ same_way;
                 if turned && rules.front {
                     continue;
                 }
@@ -85,7 +92,11 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             }
         }
     }
-    Patches { of, crosses, normals }
+    Patches { of, crosses, seeds }
+}
+
+fn direction(cross: DVec3) -> DVec3 {
+    cross.normalize_or(DVec3::Z)
 }
 
 /// What the triangles of a patch have in common: a plane near which they lie.

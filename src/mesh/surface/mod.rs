@@ -25,4 +25,4 @@ mod tree;
 mod weld;
 
 pub(crate) use patch::{NONE, Outline, Patch, Rules, Side, Surface, slack};
-pub(crate) use weld::key;
+pub(crate) use weld::{Topology, Welded, key};
