@@ -33,11 +33,14 @@ pub(crate) struct Straight {
     pub(crate) chain: u64,
 }
 
-/// The edges of triangles that do not cancel inside a patch.
+/// The edges of triangles that do not cancel inside a patch, without those of lone triangles.
 pub(crate) fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
     let mut rims = Vec::new();
     let mut steps: Vec<(u32, i32)> = Vec::new();
     for beside in mesh.edges.chunk_by(|a, b| a.ends == b.ends) {
+        if patches.of[beside[0].run().0 as usize].0 < patches.lone {
+            continue;
+        }
         steps.clear();
         steps.extend(beside.iter().map(|edge| {
             let (t, up) = edge.run();
@@ -116,6 +119,24 @@ pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Strai
         }
     }
     straight
+}
+
+/// The outline of a patch that is a lone triangle, simplified as [`simplify`] would.
+pub(crate) fn lone_outline(
+    mesh: &Welded,
+    patches: &Patches,
+    patch: u32,
+    tolerance: f64,
+    out: &mut Vec<Straight>,
+) {
+    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
+    let mut ring = triangle;
+    ring.sort_unstable();
+    let [a, b, c] = ring;
+    // Whether the triangle runs around in this order.
+    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
+    let runs = smallvec![(patch, if along { 1 } else { -1 })];
+    straighten(mesh, &[a, b, c, a], &runs, tolerance, out);
 }
 
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {

@@ -1,7 +1,7 @@
 //! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
 
 use crate::mesh::lists::Lists;
-use crate::mesh::surface::chain::Straight;
+use crate::mesh::surface::chain::{Straight, lone_outline};
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
 use crate::mesh::surface::tree::{Border, Node, Tree};
@@ -51,6 +51,17 @@ impl Rings {
     }
 }
 
+/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if the patch runs against
+/// it.
+fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    straight.iter().zip(0u32..).flat_map(|(edge, i)| {
+        edge.runs.iter().flat_map(move |&(patch, steps)| {
+            let directed = 2 * i + u32::from(steps < 0);
+            (0..steps.abs()).map(move |_| (patch, directed))
+        })
+    })
+}
+
 /// The patches that run along an edge.
 enum Beside {
     One,
@@ -75,13 +86,7 @@ impl Beside {
 /// Patches with their slabs, boxes and outlines, in a tree.
 pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
     let count = grown.seeds.len();
-    let directed = straight.iter().zip(0u32..).flat_map(|(edge, i)| {
-        edge.runs.iter().flat_map(move |&(patch, steps)| {
-            let directed = 2 * i + u32::from(steps < 0);
-            (0..steps.abs()).map(move |_| (patch, directed))
-        })
-    });
-    let outlines = Lists::new(count, directed);
+    let outlines = Lists::new(count, directed(straight));
     let all = |patch: u32| patch;
     let borders: Vec<Border> =
         straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, all))).collect();
@@ -95,18 +100,27 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
     }
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
-    surface.sides.reserve(outlines.len());
+    surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
+    surface.open.reserve(3 * grown.lone as usize);
     let mut rings = Rings::default();
-    let mut outline = Vec::new();
+    let (mut outline, mut lone) = (Vec::new(), Vec::new());
     for &node in &order {
         let first = surface.sides.len() as u32;
         if tree.parts(node).is_empty() {
             let patch = number[node as usize];
             outline.clear();
-            outline.extend_from_slice(outlines.of(node));
-            rings.sort(&mut outline, straight);
+            lone.clear();
+            let edges = if node < grown.lone {
+                lone_outline(mesh, grown, node, rules.tolerance, &mut lone);
+                outline.extend(directed(&lone).map(|d| d.1));
+                lone.as_slice()
+            } else {
+                outline.extend_from_slice(outlines.of(node));
+                straight
+            };
+            rings.sort(&mut outline, edges);
             for &directed in &outline {
-                let edge = &straight[(directed >> 1) as usize];
+                let edge = &edges[(directed >> 1) as usize];
                 let beside = Beside::new(edge, |patch| number[patch as usize]);
                 surface.push_side(mesh, edge, directed & 1 == 1, &beside, patch);
             }

@@ -16,6 +16,9 @@ pub(crate) struct Patches {
     pub(crate) crosses: Vec<DVec3>,
     /// The first triangle of each.
     pub(crate) seeds: Vec<u32>,
+    /// So many patches, the first ones, are a triangle that shares no vertex with others. The rest are in order of
+    /// their [ranks](Patches::rank).
+    pub(crate) lone: u32,
 }
 
 /// The greatest angle in a patch without parts, in degrees.
@@ -25,6 +28,12 @@ impl Patches {
     /// The direction of the first triangle of a patch.
     pub(crate) fn normal(&self, patch: u32) -> DVec3 {
         direction(self.crosses[self.seeds[patch as usize] as usize])
+    }
+
+    /// Orders patches: those that grew from larger triangles come first.
+    pub(crate) fn rank(&self, patch: u32) -> (u64, u32) {
+        let seed = self.seeds[patch as usize];
+        rank(self.crosses[seed as usize], seed)
     }
 
     /// The cross product of two sides of a triangle as it is wound in its patch.
@@ -45,13 +54,16 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             (b - a).cross(c - a)
         })
         .collect();
-    // Areas are not negative, so their bits are in order. Largest first.
-    let area = |cross: &DVec3| !cross.length_squared().to_bits();
-    let mut order: Vec<(u64, u32)> = crosses.iter().map(area).zip(0..).collect();
-    order.sort_unstable();
-    let neighbours = mesh.neighbours();
     let mut of = vec![(NONE, false); count];
-    let mut seeds = Vec::new();
+    let mut seeds = lone(mesh);
+    for (&seed, patch) in seeds.iter().zip(0..) {
+        of[seed as usize] = (patch, false);
+    }
+    let lone = seeds.len() as u32;
+    let rest = (0..count as u32).filter(|&t| of[t as usize].0 == NONE);
+    let mut order: Vec<(u64, u32)> = rest.map(|t| rank(crosses[t as usize], t)).collect();
+    order.sort_unstable();
+    let neighbours = if order.is_empty() { Vec::new() } else { mesh.neighbours() };
     let mut queue = Vec::new();
     for (_, seed) in order {
         if of[seed as usize].0 != NONE {
@@ -60,9 +72,6 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
         let patch = seeds.len() as u32;
         seeds.push(seed);
         of[seed as usize] = (patch, false);
-        if neighbours[seed as usize].into_iter().all(|n| n.get().is_none()) {
-            continue;
-        }
         let normal = direction(crosses[seed as usize]);
         let corners = mesh.corners(seed as usize);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
@@ -92,7 +101,22 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             }
         }
     }
-    Patches { of, crosses, seeds }
+    Patches { of, crosses, seeds, lone }
+}
+
+/// The triangles that share no vertex with others.
+fn lone(mesh: &Welded) -> Vec<u32> {
+    let mut shared = vec![0u8; mesh.positions.len()];
+    for v in mesh.triangles.iter().flatten() {
+        shared[*v as usize] = shared[*v as usize].saturating_add(1);
+    }
+    let alone = |t: &[u32; 3]| t.iter().all(|&v| shared[v as usize] == 1);
+    (0u32..).zip(&mesh.triangles).filter(|(_, t)| alone(t)).map(|(i, _)| i).collect()
+}
+
+/// Orders triangles, the largest first. Areas are not negative, so their bits are in order.
+fn rank(cross: DVec3, triangle: u32) -> (u64, u32) {
+    (!cross.length_squared().to_bits(), triangle)
 }
 
 fn direction(cross: DVec3) -> DVec3 {
@@ -113,10 +137,21 @@ pub(crate) struct Seed {
 impl Seed {
     /// Whether a triangle of these corners and this cross product is of the patch.
     pub(crate) fn takes(&self, corners: [DVec3; 3], cross: DVec3) -> bool {
-        let flat = corners.iter().all(|&p| {
-            let d = p - self.middle;
-            self.normal.dot(d).abs() <= self.tolerance + SLOPE * d.length()
-        });
-        flat && cross.dot(self.normal) >= self.cosine * cross.length()
+        corners.into_iter().all(|p| self.is_near(p)) && self.is_along(cross, cross.length())
+    }
+
+    /// Whether a corner of a triangle lies near enough to the plane.
+    #[inline]
+    pub(crate) fn is_near(&self, corner: DVec3) -> bool {
+        let d = corner - self.middle;
+        let height = self.normal.dot(d).abs();
+        // Most need no root.
+        height <= self.tolerance || height <= self.tolerance + SLOPE * d.length()
+    }
+
+    /// Whether a triangle with this cross product, of this length, is turned little enough from the plane.
+    #[inline]
+    pub(crate) fn is_along(&self, cross: DVec3, length: f64) -> bool {
+        cross.dot(self.normal) >= self.cosine * length
     }
 }

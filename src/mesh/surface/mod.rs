@@ -17,6 +17,7 @@
 
 mod build;
 mod chain;
+mod facets;
 mod gather;
 mod grow;
 mod patch;

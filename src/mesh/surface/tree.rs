@@ -12,7 +12,7 @@ use std::collections::BinaryHeap;
 use glam::{DVec3, Vec3};
 use smallvec::{SmallVec, smallvec};
 
-use crate::mesh::lists::Lists;
+use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
@@ -35,8 +35,8 @@ const LEVELS: usize = 24;
 pub(super) struct Node {
     /// Its parts: where they start in the list of all, and how many there are.
     parts: (u32, u32),
-    /// Its triangles, likewise, until a group takes them.
-    triangles: (usize, u32),
+    /// The patches of triangles in it, likewise; none if it is such a patch.
+    patches: (u32, u32),
     pub(super) normal: DVec3,
     /// It lies where `slab.0 <= normal . x <= slab.1`; inverted if it can only be drawn in parts.
     pub(super) slab: (f64, f64),
@@ -47,38 +47,13 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// A patch of these triangles.
-    fn new(mesh: &Welded, grown: &Patches, normal: DVec3, triangles: &[u32]) -> Self {
-        let mut node = Self {
-            parts: (0, 0),
-            triangles: (0, 0),
-            normal,
-            slab: (f64::INFINITY, f64::NEG_INFINITY),
-            sine: 0.0,
-            min: Vec3::INFINITY,
-            max: Vec3::NEG_INFINITY,
-            area: 0.0,
-        };
-        let mut cosine = 1.0f64;
-        for &t in triangles {
-            let cross = grown.cross(t);
-            let length = cross.length();
-            node.area += length;
-            if length > 0.0 {
-                cosine = cosine.min(cross.dot(normal) / length);
-            }
-            for v in mesh.triangles[t as usize] {
-                let p = mesh.positions[v as usize];
-                let along = normal.dot(p.as_dvec3());
-                node.slab = (node.slab.0.min(along), node.slab.1.max(along));
-                (node.min, node.max) = (node.min.min(p), node.max.max(p));
-            }
+    /// A patch of triangles, or a group of several.
+    fn of(facets: &Facets, normal: DVec3, patches: &[u32]) -> Self {
+        let mut extent = Extent::new(normal);
+        for &patch in patches {
+            extent.add(facets.crosses(patch), facets.points(patch));
         }
-        let room = SLAB * f64::from(node.min.abs().max(node.max.abs()).max_element());
-        node.slab = (node.slab.0 - room, node.slab.1 + room);
-        let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
-        node.sine = (sine.min(1.0) as f32).next_up().min(1.0);
-        node
+        extent.node()
     }
 
     /// A bundle of parts, which has no plane.
@@ -88,7 +63,7 @@ impl Node {
         let max = own().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max));
         let slab = (f64::INFINITY, f64::NEG_INFINITY);
         let (normal, none) = (DVec3::Z, (0, 0));
-        Self { parts: none, triangles: (0, 0), normal, slab, sine: 1.0, min, max, area: 0.0 }
+        Self { parts: none, patches: none, normal, slab, sine: 1.0, min, max, area: 0.0 }
     }
 
     fn middle(&self) -> DVec3 {
@@ -100,6 +75,50 @@ impl Node {
     }
 }
 
+/// How far triangles reach, and how much they are turned from a normal.
+struct Extent {
+    normal: DVec3,
+    /// The least cosine between the normal and triangles.
+    cosine: f64,
+    area: f64,
+    slab: (f64, f64),
+    min: Vec3,
+    max: Vec3,
+}
+
+impl Extent {
+    fn new(normal: DVec3) -> Self {
+        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3::INFINITY, Vec3::NEG_INFINITY);
+        Self { normal, cosine: 1.0, area: 0.0, slab, min, max }
+    }
+
+    /// Adds triangles with these cross products, each with its length, and these corners.
+    fn add(&mut self, crosses: &[(DVec3, f64)], points: &[Vec3]) {
+        for &(cross, length) in crosses {
+            self.area += length;
+            if length > 0.0 {
+                self.cosine = self.cosine.min(cross.dot(self.normal) / length);
+            }
+        }
+        let (mut lo, mut hi) = self.slab;
+        for p in points {
+            let along = self.normal.dot(p.as_dvec3());
+            (lo, hi) = (if along < lo { along } else { lo }, if along > hi { along } else { hi });
+            (self.min, self.max) = (self.min.min(*p), self.max.max(*p));
+        }
+        self.slab = (lo, hi);
+    }
+
+    fn node(self) -> Node {
+        let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
+        let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
+        let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
+        let sine = (sine.min(1.0) as f32).next_up().min(1.0);
+        let (none, slab) = ((0, 0), (lo - room, hi + room));
+        Node { parts: none, patches: none, normal, slab, sine, min, max, area }
+    }
+}
+
 /// A border between two patches: both of them, and how long it is.
 pub(super) type Border = (u32, u32, f64);
 
@@ -108,40 +127,37 @@ pub(super) struct Tree {
     /// The patches of triangles first.
     pub(super) nodes: Vec<Node>,
     root: Option<u32>,
-    /// The parts and the triangles of all nodes.
+    /// The parts of all nodes, and the patches of triangles in them.
     parts: Vec<u32>,
-    triangles: Vec<u32>,
+    patches: Vec<u32>,
 }
 
 impl Tree {
     /// Builds the tree above patches of triangles.
     pub(super) fn new(mesh: &Welded, grown: &Patches, borders: &[Border], rules: &Rules) -> Self {
         let count = grown.seeds.len();
-        let own = Lists::new(count, grown.of.iter().zip(0..).map(|(of, t)| (of.0, t)));
-        let mut tree = Self {
-            nodes: Vec::with_capacity(count),
-            root: None,
-            parts: Vec::new(),
-            triangles: Vec::with_capacity(own.len()),
-        };
-        for patch in 0..count as u32 {
-            let triangles = own.of(patch);
-            let node = Node::new(mesh, grown, grown.normal(patch), triangles);
-            tree.push(node, triangles, &[]);
-        }
+        let facets = Facets::new(mesh, grown);
+        let mut nodes = Vec::with_capacity(count + count / 4);
+        nodes.extend((0..grown.lone).map(|patch| lone(mesh, grown, patch)));
+        nodes.extend((grown.lone..count as u32).map(|p| Node::of(&facets, grown.normal(p), &[p])));
+        let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
         let mut group: Vec<u32> = (0..count as u32).collect();
         for _ in 0..LEVELS {
-            if !tree.join(mesh, grown, borders, rules, &mut group) {
+            if !tree.join(&facets, borders, rules, &mut group) {
                 break;
             }
         }
+        drop(facets);
         let mut roots = group;
         roots.sort_unstable();
         roots.dedup();
-        let roots = roots.into_iter().filter(|&r| tree.nodes[r as usize].radius() >= rules.least);
+        roots.retain(|&r| tree.node(r).radius() >= rules.least);
+        if roots.len() <= BUNDLE {
+            roots.sort_by_key(|&r| rank(grown, r));
+        }
         let mut roots: Vec<Item> =
-            roots.map(|node| Item { middle: tree.node(node).middle(), node }).collect();
-        tree.root = tree.bundle(&mut roots);
+            roots.into_iter().map(|node| Item { middle: tree.node(node).middle(), node }).collect();
+        tree.root = tree.bundle(grown, &mut roots);
         tree
     }
 
@@ -155,9 +171,12 @@ impl Tree {
         &self.parts[first as usize..][..count as usize]
     }
 
-    fn triangles(&self, node: u32) -> &[u32] {
-        let (first, count) = self.node(node).triangles;
-        &self.triangles[first..][..count as usize]
+    /// The patches of triangles in a node that is no bundle.
+    fn patches<'a>(&'a self, node: &'a u32) -> &'a [u32] {
+        match self.node(*node).patches {
+            (_, 0) => std::slice::from_ref(node),
+            (first, count) => &self.patches[first as usize..][..count as usize],
+        }
     }
 
     /// The nodes below the root, each one before its parts.
@@ -171,26 +190,19 @@ impl Tree {
         order
     }
 
-    fn push(&mut self, node: Node, triangles: &[u32], parts: &[u32]) {
+    fn push(&mut self, node: Node, patches: &[u32], parts: &[u32]) {
         let node = Node {
             parts: (self.parts.len() as u32, parts.len() as u32),
-            triangles: (self.triangles.len(), triangles.len() as u32),
+            patches: (self.patches.len() as u32, patches.len() as u32),
             ..node
         };
-        self.triangles.extend_from_slice(triangles);
+        self.patches.extend_from_slice(patches);
         self.parts.extend_from_slice(parts);
         self.nodes.push(node);
     }
 
     /// Joins the groups that patches are in to larger ones. Returns whether there were any to join.
-    fn join(
-        &mut self,
-        mesh: &Welded,
-        grown: &Patches,
-        borders: &[Border],
-        rules: &Rules,
-        group: &mut [u32],
-    ) -> bool {
+    fn join(&mut self, facets: &Facets, borders: &[Border], rules: &Rules, group: &mut [u32]) -> bool {
         let links = links(borders, group);
         let mut seeds: Vec<u32> = links.iter().map(|l| l.0).collect();
         seeds.dedup();
@@ -220,11 +232,10 @@ impl Tree {
                 let beside = links[from..].iter().take_while(|l| l.0 == newest);
                 // Lengths are not negative, so their bits are in order. Longest first.
                 waiting.extend(beside.map(|&(_, other, length)| (length.to_bits(), other)));
-                let fits = |&(_, other): &(u64, u32)| {
-                    let corners = |t: u32| (mesh.corners(t as usize), grown.cross(t));
+                let fits = |(_, other): &(u64, u32)| {
                     // Larger ones were seeds themselves.
-                    self.node(other).area <= first.area
-                        && self.triangles(other).iter().map(|&t| corners(t)).all(|(c, n)| plane.takes(c, n))
+                    self.node(*other).area <= first.area
+                        && self.patches(other).iter().all(|&p| facets.fit(p, &plane))
                 };
                 let mut free = std::iter::from_fn(|| waiting.pop()).filter(|w| !taken[w.1 as usize]);
                 let Some((_, next)) = free.find(fits) else { break };
@@ -238,19 +249,19 @@ impl Tree {
                 continue;
             }
             joined = true;
-            let triangles: Vec<u32> = parts.iter().flat_map(|&p| self.triangles(p)).copied().collect();
-            let sum: DVec3 = triangles.iter().map(|&t| grown.cross(t)).sum();
+            let patches: Vec<u32> = parts.iter().flat_map(|p| self.patches(p)).copied().collect();
+            let sum: DVec3 = patches.iter().flat_map(|&p| facets.crosses(p)).map(|c| c.0).sum();
             let normal = sum.try_normalize().unwrap_or(first.normal);
             parts.iter().for_each(|&p| into[p as usize] = self.nodes.len() as u32);
-            let node = Node::new(mesh, grown, normal, &triangles);
-            self.push(node, &triangles, &parts);
+            let node = Node::of(facets, normal, &patches);
+            self.push(node, &patches, &parts);
         }
         group.iter_mut().for_each(|g| *g = into[*g as usize]);
         joined
     }
 
     /// Bundles nodes that lie together. Returns the one above all.
-    fn bundle(&mut self, all: &mut [Item]) -> Option<u32> {
+    fn bundle(&mut self, grown: &Patches, all: &mut [Item]) -> Option<u32> {
         if all.len() <= 1 {
             return all.first().map(|item| item.node);
         }
@@ -261,9 +272,9 @@ impl Tree {
             // Halves of halves of halves.
             let mut pieces: SmallVec<[&mut [Item]; BUNDLE]> = smallvec![all];
             for _ in 0..BUNDLE.ilog2() {
-                pieces = pieces.into_iter().flat_map(halve).collect();
+                pieces = pieces.into_iter().flat_map(|piece| halve(piece, grown)).collect();
             }
-            parts.extend(pieces.into_iter().filter_map(|piece| self.bundle(piece)));
+            parts.extend(pieces.into_iter().filter_map(|piece| self.bundle(grown, piece)));
         }
         let bundle = Node::bundle(&parts, &self.nodes);
         self.push(bundle, &[], &parts);
@@ -289,14 +300,37 @@ struct Item {
     node: u32,
 }
 
+/// A patch that is a lone triangle.
+fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> Node {
+    let seed = grown.seeds[patch as usize];
+    let cross = grown.cross(seed);
+    let corners = mesh.triangles[seed as usize].map(|v| mesh.positions[v as usize]);
+    let mut extent = Extent::new(grown.normal(patch));
+    extent.add(&[(cross, cross.length())], &corners);
+    extent.node()
+}
+
+/// Orders nodes where their places do not: patches of triangles first.
+fn rank(grown: &Patches, node: u32) -> (bool, u64, u32) {
+    if (node as usize) < grown.seeds.len() {
+        let (area, seed) = grown.rank(node);
+        (false, area, seed)
+    } else {
+        (true, 0, node)
+    }
+}
+
 /// Two halves of a list, along the longest axis of their middles. Small ones are in order.
-fn halve(all: &mut [Item]) -> [&mut [Item]; 2] {
+fn halve<'a>(all: &'a mut [Item], grown: &Patches) -> [&'a mut [Item]; 2] {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for item in all.iter() {
         (min, max) = (min.min(item.middle), max.max(item.middle));
     }
     let axis = (max - min).max_position();
-    let order = |a: &Item, b: &Item| a.middle[axis].total_cmp(&b.middle[axis]).then(a.node.cmp(&b.node));
+    let order = |a: &Item, b: &Item| {
+        let places = a.middle[axis].total_cmp(&b.middle[axis]);
+        places.then_with(|| rank(grown, a.node).cmp(&rank(grown, b.node)))
+    };
     let half = all.len() / 2;
     if all.len() <= SORTED {
         all.sort_unstable_by(order);
