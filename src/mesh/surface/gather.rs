@@ -7,6 +7,9 @@ use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
 use crate::mesh::surface::tree::{Border, Node, Tree};
 use crate::mesh::surface::weld::Welded;
 
+/// So many nodes are read ahead.
+const AHEAD: usize = 64;
+
 /// Puts outlines in order. Its memory is used again.
 #[derive(Default)]
 struct Rings {
@@ -104,7 +107,11 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
     surface.open.reserve(3 * grown.lone as usize);
     let mut rings = Rings::default();
     let (mut outline, mut lone) = (Vec::new(), Vec::new());
-    for &node in &order {
+    for (at, &node) in order.iter().enumerate() {
+        if at % AHEAD == 0 {
+            let ahead = &order[at..order.len().min(at + AHEAD)];
+            read_ahead(mesh, grown, &tree, (&outlines, straight), ahead);
+        }
         let first = surface.sides.len() as u32;
         if tree.parts(node).is_empty() {
             let patch = number[node as usize];
@@ -113,12 +120,16 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
             let edges = if node < grown.lone {
                 lone_outline(mesh, grown, node, rules.tolerance, &mut lone);
                 outline.extend(directed(&lone).map(|d| d.1));
+                // A ring that is passed backwards starts with the same side.
+                if outline.first().is_some_and(|d| d & 1 == 1) {
+                    outline[1..].reverse();
+                }
                 lone.as_slice()
             } else {
                 outline.extend_from_slice(outlines.of(node));
+                rings.sort(&mut outline, straight);
                 straight
             };
-            rings.sort(&mut outline, edges);
             for &directed in &outline {
                 let edge = &edges[(directed >> 1) as usize];
                 let beside = Beside::new(edge, |patch| number[patch as usize]);
@@ -133,6 +144,23 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
     close_ranges(&mut surface.patches, &tree, &order);
     surface.find_rims();
     surface
+}
+
+/// Reads the nodes that come next from memory, so that the processor waits for many of them at once.
+fn read_ahead(
+    mesh: &Welded,
+    grown: &Patches,
+    tree: &Tree,
+    (outlines, straight): (&Lists, &[Straight]),
+    nodes: &[u32],
+) {
+    let x = |v: u32| mesh.positions[v as usize].x;
+    let lone = nodes.iter().filter(|&&node| node < grown.lone);
+    let corners = lone.flat_map(|&node| mesh.triangles[grown.seeds[node as usize] as usize]);
+    let patches = nodes.iter().filter(|&&node| tree.parts(node).is_empty());
+    let edges = patches.flat_map(|&node| outlines.of(node)).map(|d| &straight[(d >> 1) as usize]);
+    let ends = edges.flat_map(|edge| edge.ends);
+    std::hint::black_box(corners.chain(ends).map(x).sum::<f32>());
 }
 
 /// The border between the two patches that an edge separates, if they run along it in opposite directions.

@@ -155,10 +155,13 @@ impl Tree {
         if roots.len() <= BUNDLE {
             roots.sort_by_key(|&r| rank(grown, r));
         }
-        let mut roots: Vec<Item> =
-            roots.into_iter().map(|node| Item { middle: tree.node(node).middle(), node }).collect();
+        let mut roots: Vec<Item> = roots.into_iter().map(|node| tree.item(node)).collect();
         tree.root = tree.bundle(grown, &mut roots);
         tree
+    }
+
+    fn item(&self, node: u32) -> Item {
+        Item { middle: self.node(node).middle().to_array().map(ordered), node }
     }
 
     fn node(&self, node: u32) -> &Node {
@@ -296,8 +299,19 @@ fn links(borders: &[Border], group: &[u32]) -> Vec<Border> {
 
 /// A node to be bundled.
 struct Item {
-    middle: DVec3,
+    /// Its middle, as [`ordered`] numbers.
+    middle: [i64; 3],
     node: u32,
+}
+
+/// A number whose order is that of [`f64::total_cmp`], and back.
+fn ordered(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
+fn unordered(bits: i64) -> f64 {
+    f64::from_bits((bits ^ ((bits >> 63) as u64 >> 1) as i64) as u64)
 }
 
 /// A patch that is a lone triangle.
@@ -322,13 +336,15 @@ fn rank(grown: &Patches, node: u32) -> (bool, u64, u32) {
 
 /// Two halves of a list, along the longest axis of their middles. Small ones are in order.
 fn halve<'a>(all: &'a mut [Item], grown: &Patches) -> [&'a mut [Item]; 2] {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (mut min, mut max) = ([i64::MAX; 3], [i64::MIN; 3]);
     for item in all.iter() {
-        (min, max) = (min.min(item.middle), max.max(item.middle));
+        for i in 0..3 {
+            (min[i], max[i]) = (min[i].min(item.middle[i]), max[i].max(item.middle[i]));
+        }
     }
-    let axis = (max - min).max_position();
+    let axis = (DVec3::from(max.map(unordered)) - DVec3::from(min.map(unordered))).max_position();
     let order = |a: &Item, b: &Item| {
-        let places = a.middle[axis].total_cmp(&b.middle[axis]);
+        let places = a.middle[axis].cmp(&b.middle[axis]);
         places.then_with(|| rank(grown, a.node).cmp(&rank(grown, b.node)))
     };
     let half = all.len() / 2;

@@ -7,6 +7,10 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 
 use crate::mesh::surface::patch::NONE;
 
+/// Buckets get about so many positions, until there are as many buckets as a processor writes to at a time.
+const BUCKET: usize = 8192;
+const MOST_BUCKETS: usize = 256;
+
 /// An edge of one triangle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Edge {
@@ -107,33 +111,58 @@ impl Topology {
 
 /// Numbers positions in the order in which triangles name them, and leaves out triangles with two equal corners.
 fn number(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let most = positions.len().min(triangles.len().saturating_mul(3));
-    let hasher = DefaultHashBuilder::default();
-    let hash = |p: Vec3| {
-        let [x, y, z] = key(p);
-        hasher.hash_one((u64::from(x) << 32 | u64::from(y), z))
-    };
-    let mut welded: Vec<Vec3> = Vec::with_capacity(most);
-    let mut numbers: HashTable<u32> = HashTable::with_capacity(most);
-    let mut known = vec![NONE; positions.len()];
+    let first = first_of_equals(positions);
+    let mut welded: Vec<Vec3> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
+    let mut numbers = vec![NONE; positions.len()];
     let mut number = |v: u32| {
-        let number = &mut known[v as usize];
+        let number = &mut numbers[first[v as usize] as usize];
         if *number == NONE {
-            let p = positions[v as usize];
-            let next = welded.len() as u32;
-            // Equal numbers are equal positions.
-            let same = |&n: &u32| welded[n as usize] == p;
-            let entry = numbers.entry(hash(p), same, |&n| hash(welded[n as usize]));
-            *number = *entry.or_insert(next).get();
-            if *number == next {
-                welded.push(p);
-            }
+            *number = welded.len() as u32;
+            welded.push(positions[v as usize]);
         }
         *number
     };
-    let numbered = triangles.iter().map(|t| t.map(&mut number));
-    let kept = numbered.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
+    let mut kept = Vec::with_capacity(triangles.len());
+    for t in triangles {
+        let [a, b, c] = t.map(&mut number);
+        if a != b && b != c && c != a {
+            kept.push([a, b, c]);
+        }
+    }
     (welded, kept)
+}
+
+/// For each position, the place of the first that is equal to it.
+///
+/// Positions are dealt to buckets by a hash first, so that the table of each bucket stays in the processor's cache.
+fn first_of_equals(positions: &[Vec3]) -> Vec<u32> {
+    let buckets = (positions.len() / BUCKET).next_power_of_two().min(MOST_BUCKETS);
+    let hasher = DefaultHashBuilder::default();
+    let hash = |[x, y, z]: [u32; 3]| hasher.hash_one((u64::from(x) << 32 | u64::from(y), z));
+    let bucket = |p: &Vec3| hash(key(*p)) as usize & (buckets - 1);
+    let mut ends = vec![0usize; buckets + 1];
+    positions.iter().for_each(|p| ends[bucket(p) + 1] += 1);
+    for i in 1..ends.len() {
+        ends[i] += ends[i - 1];
+    }
+    let mut dealt = vec![([0; 3], 0u32); positions.len()];
+    for (p, place) in positions.iter().zip(0..) {
+        let end = &mut ends[bucket(p)];
+        dealt[*end] = (key(*p), place);
+        *end += 1;
+    }
+    let mut first = vec![0; positions.len()];
+    let mut table: HashTable<([u32; 3], u32)> = HashTable::new();
+    let mut start = 0;
+    for &end in &ends[..buckets] {
+        table.clear();
+        for &(key, place) in &dealt[start..end] {
+            let entry = table.entry(hash(key), |e| e.0 == key, |e| hash(e.0));
+            first[place as usize] = entry.or_insert((key, place)).get().1;
+        }
+        start = end;
+    }
+    first
 }
 
 /// The edges of triangles in order: sorted by the lesser vertex by counting, then those of each vertex.
