@@ -64,7 +64,7 @@ impl SceneInternals for Scene {
     }
 
     fn is_occupied(&self, cell: IVec3) -> bool {
-        self.grid().contains(cell) && self.id_matrix().get(cell).next().is_some()
+        self.grid().contains(cell) && self.cell_ids().get(cell).next().is_some()
     }
 
     fn static_opacity(&self) -> &OpacityMatrix {

@@ -26,17 +26,8 @@ impl Lists {
         Self { starts, entries }
     }
 
-    fn range(&self, list: u32) -> std::ops::Range<usize> {
-        self.starts[list as usize] as usize..self.starts[list as usize + 1] as usize
-    }
-
     pub(crate) fn of(&self, list: u32) -> &[u32] {
-        &self.entries[self.range(list)]
-    }
-
-    pub(crate) fn of_mut(&mut self, list: u32) -> &mut [u32] {
-        let range = self.range(list);
-        &mut self.entries[range]
+        &self.entries[self.starts[list as usize] as usize..self.starts[list as usize + 1] as usize]
     }
 
     /// Number of entries of all lists.
