@@ -144,8 +144,9 @@ impl Scene {
         object.occluder = occluder;
         if let Some(new) = &object.occluder
             && let Some(surface) = new.surface()
+            && !self.seams.insert(slot, surface, fixed(new))
         {
-            self.seams.insert(slot, surface, fixed(new));
+            object.idle();
         }
     }
 }
