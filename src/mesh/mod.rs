@@ -6,6 +6,7 @@ mod file;
 mod index;
 mod instance;
 mod lists;
+mod parallel;
 mod parts;
 mod preparation;
 mod raster;

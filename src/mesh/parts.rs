@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::geometry::plane::HalfSpace;
+use crate::mesh::parallel;
 use crate::numeric::mesh::{DIAGONAL, PART_CUT, PART_ROOM, PART_THICKNESS};
 use crate::shape::convex::Convex;
 
@@ -97,7 +98,9 @@ pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
         vertices.dedup();
         vertices.into_iter().map(|v| positions[v as usize].as_dvec3()).collect::<Vec<_>>()
     };
-    done.iter().map(|piece| around(&points(piece))).collect()
+    let mut parts = Vec::with_capacity(done.len());
+    parallel::extend(&mut parts, done.len(), |i| around(&points(&done[i])));
+    parts
 }
 
 /// The axes of a set of points: those of its scatter (Jacobi's rotations), least spread last.

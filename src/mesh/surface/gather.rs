@@ -1,6 +1,8 @@
 //! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
 
+use crate::error::Error;
 use crate::mesh::lists::Lists;
+use crate::mesh::preparation::Progress;
 use crate::mesh::surface::chain::{Straight, lone_outline};
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
@@ -87,13 +89,22 @@ impl Beside {
 }
 
 /// Patches with their slabs, boxes and outlines, in a tree.
-pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
+///
+/// # Errors
+/// Only [`Error::Cancelled`].
+pub(crate) fn gather(
+    mesh: &Welded,
+    grown: &Patches,
+    straight: &[Straight],
+    rules: &Rules,
+    progress: &mut Progress,
+) -> Result<Surface, Error> {
     let count = grown.seeds.len();
     let outlines = Lists::new(count, directed(straight));
     let all = |patch: u32| patch;
     let borders: Vec<Border> =
         straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, all))).collect();
-    let tree = Tree::new(mesh, grown, &borders, rules);
+    let tree = Tree::new(mesh, grown, &borders, rules, &mut progress.part(0.0, 0.6))?;
     let order = tree.in_order();
     let mut number = vec![NONE; count];
     for (&node, new) in order.iter().zip(0..) {
@@ -111,6 +122,7 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
         if at % AHEAD == 0 {
             let ahead = &order[at..order.len().min(at + AHEAD)];
             read_ahead(mesh, grown, &tree, (&outlines, straight), ahead);
+            progress.tell(0.6 + 0.4 * at as f32 / order.len() as f32)?;
         }
         let first = surface.sides.len() as u32;
         if tree.parts(node).is_empty() {
@@ -143,7 +155,7 @@ pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rule
     }
     close_ranges(&mut surface.patches, &tree, &order);
     surface.find_rims();
-    surface
+    Ok(surface)
 }
 
 /// Reads the nodes that come next from memory, so that the processor waits for many of them at once.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::mesh::parallel;
 use crate::mesh::surface::patch::{NONE, Rules};
 use crate::mesh::surface::weld::{Neighbour, Welded};
 
@@ -48,12 +49,11 @@ impl Patches {
 /// directions differ little from its own.
 pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
     let count = mesh.triangles.len();
-    let crosses: Vec<DVec3> = (0..count)
-        .map(|t| {
-            let [a, b, c] = mesh.corners(t);
-            (b - a).cross(c - a)
-        })
-        .collect();
+    let mut crosses = Vec::with_capacity(count);
+    parallel::extend(&mut crosses, count, |t| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a)
+    });
     let mut of = vec![(NONE, false); count];
     let mut seeds = lone(mesh);
     for (&seed, patch) in seeds.iter().zip(0..) {
@@ -62,7 +62,7 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
     let lone = seeds.len() as u32;
     let rest = (0..count as u32).filter(|&t| of[t as usize].0 == NONE);
     let mut order: Vec<(u64, u32)> = rest.map(|t| rank(crosses[t as usize], t)).collect();
-    order.sort_unstable();
+    parallel::sort(&mut order);
     let neighbours = if order.is_empty() { Vec::new() } else { mesh.neighbours() };
     let mut queue = Vec::new();
     for (_, seed) in order {

@@ -12,6 +12,9 @@ use std::collections::BinaryHeap;
 use glam::{DVec3, Vec3};
 use smallvec::{SmallVec, smallvec};
 
+use crate::error::Error;
+use crate::mesh::parallel;
+use crate::mesh::preparation::Progress;
 use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::patch::Rules;
@@ -134,15 +137,28 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Builds the tree above patches of triangles.
-    pub(super) fn new(mesh: &Welded, grown: &Patches, borders: &[Border], rules: &Rules) -> Self {
+    ///
+    /// # Errors
+    /// Only [`Error::Cancelled`].
+    pub(super) fn new(
+        mesh: &Welded,
+        grown: &Patches,
+        borders: &[Border],
+        rules: &Rules,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
         let count = grown.seeds.len();
         let facets = Facets::new(mesh, grown);
         let mut nodes = Vec::with_capacity(count + count / 4);
-        nodes.extend((0..grown.lone).map(|patch| lone(mesh, grown, patch)));
-        nodes.extend((grown.lone..count as u32).map(|p| Node::of(&facets, grown.normal(p), &[p])));
+        parallel::extend(&mut nodes, count, |patch| match patch as u32 {
+            patch if patch < grown.lone => lone(mesh, grown, patch),
+            patch => Node::of(&facets, grown.normal(patch), &[patch]),
+        });
         let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
         let mut group: Vec<u32> = (0..count as u32).collect();
-        for _ in 0..LEVELS {
+        for level in 0..LEVELS {
+            // Each level has about half as many groups as the one before.
+            progress.tell(1.0 - 0.5f32.powi(level as i32))?;
             if !tree.join(&facets, borders, rules, &mut group) {
                 break;
             }
@@ -157,7 +173,7 @@ impl Tree {
         }
         let mut roots: Vec<Item> = roots.into_iter().map(|node| tree.item(node)).collect();
         tree.root = tree.bundle(grown, &mut roots);
-        tree
+        Ok(tree)
     }
 
     fn item(&self, node: u32) -> Item {
