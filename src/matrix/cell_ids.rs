@@ -5,7 +5,6 @@ use glam::IVec3;
 use crate::grid::bricks::Bricks;
 use crate::grid::side::SideAxes;
 use crate::matrix::bits::{Mask, places_of, tile_of, without};
-use crate::matrix::ids::IdMatrix;
 use crate::matrix::slots::SlotList;
 
 /// The mark of a cell with several objects; the rest of the word is the index of its list.
@@ -129,6 +128,12 @@ impl CellIds {
         }
     }
 
+    /// Number of pairs of a cell and an object.
+    pub(super) fn entries(&self) -> usize {
+        let cells = self.bricks.iter().flat_map(|(_, brick)| &brick.cells);
+        cells.map(|held| self.lists.of(held).len()).sum()
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.bricks.bytes()
             + self.bricks.iter().map(|(_, b)| b.cells.capacity() * 4).sum::<usize>()
@@ -136,46 +141,29 @@ impl CellIds {
             + self.lists.lists.iter().map(SlotList::bytes).sum::<usize>()
             + self.lists.free.capacity() * 4
     }
-}
 
-/// I, by cell.
-#[derive(Clone, Copy)]
-pub(crate) struct ByCell<'a> {
-    pub(super) ids: &'a IdMatrix,
-    pub(super) cells: &'a CellIds,
-}
-
-impl<'a> ByCell<'a> {
-    /// The objects that touch a cell inside the grid: those that touch all of its brick, and others.
+    /// The objects of a cell.
     #[inline]
-    fn lists(&self, cell: IVec3) -> (&'a [u32], &'a [u32]) {
-        let (whole, brick) = (self.ids.whole(cell >> 3i32), self.cells.bricks.get(cell >> 3i32));
+    pub(super) fn of(&self, cell: IVec3) -> &[u32] {
+        let brick = self.bricks.get(cell >> 3i32);
         let (word, bit) = ((cell.z & 7) as usize, (((cell.y & 7) << 3) | (cell.x & 7)) as u32);
         if brick.bits[word] >> bit & 1 == 0 {
-            return (whole, &[]);
+            return &[];
         }
-        (whole, self.cells.lists.of(&brick.cells[brick.place(word, bit)]))
+        self.lists.of(&brick.cells[brick.place(word, bit)])
     }
 
-    /// The objects that touch a cell inside the grid.
+    /// Calls `found` with each cell of a tile whose bit is set, as its bit, and its objects.
     #[inline]
-    pub(crate) fn get(&self, cell: IVec3) -> impl Iterator<Item = u32> + use<'a> {
-        let (whole, own) = self.lists(cell);
-        whole.iter().chain(own).copied()
-    }
-
-    /// Calls `found` with each cell of a tile whose bit is set, which must have
-    /// objects, as its bit, the objects that touch all of its brick, and its others.
-    #[inline]
-    pub(crate) fn for_tile(
+    pub(super) fn for_tile(
         &self,
         brick: IVec3,
         axes: &SideAxes,
         at: i32,
         mut tile: u64,
-        mut found: impl FnMut(i32, &[u32], &[u32]),
+        mut found: impl FnMut(i32, &[u32]),
     ) {
-        let (whole, brick, at) = (self.ids.whole(brick), self.cells.bricks.get(brick), at & 7);
+        let (brick, at) = (self.bricks.get(brick), at & 7);
         while tile != 0 {
             let bit = tile.trailing_zeros() as i32;
             tile &= tile - 1;
@@ -187,19 +175,16 @@ impl<'a> ByCell<'a> {
             };
             let word = (word & 7) as usize;
             if brick.bits[word] >> bit_in_word & 1 == 0 {
-                found(bit, whole, &[]);
+                found(bit, &[]);
             } else if let Some(held) = brick.cells.get(brick.place(word, bit_in_word as u32)) {
-                found(bit, whole, self.cells.lists.of(held));
+                found(bit, self.lists.of(held));
             }
         }
     }
 
     /// Which cells of a tile have objects.
     #[inline]
-    pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
-        if !self.ids.whole(brick).is_empty() {
-            return u64::MAX;
-        }
-        tile_of(&self.cells.bricks.get(brick).bits, axes, at)
+    pub(super) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
+        tile_of(&self.bricks.get(brick).bits, axes, at)
     }
 }

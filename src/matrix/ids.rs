@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
-use crate::matrix::bits::{ALL, Mask, NONE, count};
-use crate::matrix::cell_ids::{ByCell, CellIds};
+use crate::grid::side::SideAxes;
+use crate::matrix::bits::{ALL, Mask, NONE};
+use crate::matrix::cell_ids::CellIds;
 use crate::matrix::slots::SlotList;
 
 /// The objects that touch a brick.
@@ -45,12 +46,11 @@ pub struct IdMatrix {
     bricks: Bricks<Members>,
     cells: OnceLock<CellIds>,
     dims: IVec3,
-    entries: usize,
 }
 
 impl IdMatrix {
     pub(crate) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), cells: OnceLock::new(), dims, entries: 0 }
+        Self { bricks: Bricks::new(dims), cells: OnceLock::new(), dims }
     }
 
     /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in, and enters those
@@ -80,8 +80,6 @@ impl IdMatrix {
             None if *new != NONE => brick.join(slot, *new == ALL),
             _ => {}
         }
-        self.entries += count(new) as usize;
-        self.entries -= count(old) as usize;
         if brick.all.as_slice().is_empty() {
             self.bricks.release(at);
         }
@@ -104,7 +102,7 @@ impl IdMatrix {
 
     /// The objects that touch every cell of a brick.
     #[inline]
-    pub(super) fn whole(&self, brick: IVec3) -> &[u32] {
+    fn whole(&self, brick: IVec3) -> &[u32] {
         let members = self.bricks.get(brick);
         &members.all.as_slice()[..members.whole as usize]
     }
@@ -120,9 +118,15 @@ impl IdMatrix {
         &self.bricks
     }
 
-    /// Number of pairs of a cell and an object that touches it.
+    /// Whether objects are listed by cell, too.
+    pub(crate) fn is_by_cell(&self) -> bool {
+        self.cells.get().is_some()
+    }
+
+    /// Number of pairs of a cell and an object that touches it, once objects are listed by cell.
     pub fn entries(&self) -> usize {
-        self.entries
+        let whole: usize = self.bricks.iter().map(|(_, members)| 512 * members.whole as usize).sum();
+        self.cells.get().map_or(0, |cells| cells.entries() + whole)
     }
 
     /// Bytes of memory that the matrix uses.
@@ -130,6 +134,42 @@ impl IdMatrix {
         self.bricks.bytes()
             + self.bricks.iter().map(|(_, b)| b.all.bytes()).sum::<usize>()
             + self.cells.get().map_or(0, CellIds::bytes)
+    }
+}
+
+/// I, by cell.
+#[derive(Clone, Copy)]
+pub(crate) struct ByCell<'a> {
+    pub(crate) ids: &'a IdMatrix,
+    cells: &'a CellIds,
+}
+
+impl<'a> ByCell<'a> {
+    /// The objects that touch a cell inside the grid.
+    #[inline]
+    pub(crate) fn get(&self, cell: IVec3) -> impl Iterator<Item = u32> + use<'a> {
+        self.ids.whole(cell >> 3i32).iter().chain(self.cells.of(cell)).copied()
+    }
+
+    /// Calls `found` with each cell of a tile whose bit is set, which must have
+    /// objects, as its bit, the objects that touch all of its brick, and its others.
+    #[inline]
+    pub(crate) fn for_tile(
+        &self,
+        brick: IVec3,
+        axes: &SideAxes,
+        at: i32,
+        tile: u64,
+        mut found: impl FnMut(i32, &[u32], &[u32]),
+    ) {
+        let whole = self.ids.whole(brick);
+        self.cells.for_tile(brick, axes, at, tile, |bit, own| found(bit, whole, own));
+    }
+
+    /// Which cells of a tile have objects.
+    #[inline]
+    pub(crate) fn tile(&self, brick: IVec3, axes: &SideAxes, at: i32) -> u64 {
+        if self.ids.whole(brick).is_empty() { self.cells.tile(brick, axes, at) } else { u64::MAX }
     }
 }
 
@@ -144,7 +184,6 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::grid::side::SideAxes;
 
     /// A matrix that lists objects by cell from the start.
     fn matrix(dims: IVec3) -> IdMatrix {

@@ -130,13 +130,19 @@ impl Object {
     /// Whether its place is unknown: it counts as visible and hides nothing.
     #[inline]
     pub(crate) fn is_unlocated(&self) -> bool {
-        matches!(self.state(), State::Overdue | State::Unlocated { .. })
+        let state = self.mover.as_ref().map(|mover| &mover.state);
+        matches!(state, Some(State::Overdue | State::Unlocated { .. }))
+    }
+
+    #[inline]
+    pub(super) fn is_overdue(&self) -> bool {
+        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue))
     }
 
     /// Whether it is in a volume.
     #[inline]
     pub(crate) fn is_hidden(&self) -> bool {
-        matches!(self.state(), State::Hidden(_))
+        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Hidden(_)))
     }
 
     /// Whether it is in a volume and its bounds are old.

@@ -117,7 +117,7 @@ impl Scene {
     /// The place of an object is known again, or does not matter any more.
     fn locate(&mut self, slot: u32) {
         let object = self.slots.object_mut(slot);
-        if object.apply(Event::Reported) {
+        if object.is_overdue() && object.apply(Event::Reported) {
             self.overdue_occluders -= u32::from(object.occluder.is_some());
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.always.remove(slot);
