@@ -4,6 +4,7 @@
 //! `cargo bench --bench worst`
 
 use std::hint::black_box;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -181,7 +182,8 @@ fn meshes(c: &mut Criterion) {
     group.bench_function("a comb of 1000 teeth, prepared", |b| {
         b.iter(|| {
             let how = MeshOptions::default();
-            let mesh = TriMesh::prepare(comb.clone(), strips.clone(), &how, &mut |_| ());
+            let mesh =
+                TriMesh::prepare(comb.clone(), strips.clone(), &how, &mut |_| ControlFlow::Continue(()));
             black_box(mesh.expect("triangles").sides())
         });
     });

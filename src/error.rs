@@ -84,6 +84,9 @@ pub enum Error {
     /// The scene holds as many objects as ids can name.
     #[error("the scene is full: it already holds {0} objects")]
     SceneFull(usize),
+    /// The caller ended a preparation.
+    #[error("the preparation of the mesh was cancelled")]
+    Cancelled,
     /// A mesh without triangles.
     #[error("the mesh has no triangles")]
     EmptyMesh,
@@ -288,6 +291,7 @@ codes!(
     UnknownObject => "unknown-object",
     UnknownKey => "unknown-key",
     SceneFull => "scene-full",
+    Cancelled => "cancelled",
     EmptyMesh => "empty-mesh",
     MeshIndex => "mesh-index",
     BoundsOnly => "bounds-only",

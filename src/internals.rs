@@ -51,7 +51,7 @@ pub trait SceneInternals {
     /// [reported on expiry](crate::Reports::OnExpiry) is due for a report: then O is Os.
     fn dynamic_opacity(&self) -> &OpacityMatrix;
 
-    /// I: the objects that touch each cell.
+    /// I: the objects that touch each cell. The first call lists them by cell.
     fn id_matrix(&self) -> &IdMatrix;
 
     /// Txy, Txz, Tyz: the temporal bounding volumes.
@@ -64,7 +64,7 @@ impl SceneInternals for Scene {
     }
 
     fn is_occupied(&self, cell: IVec3) -> bool {
-        self.grid().contains(cell) && self.id_matrix().get(cell).next().is_some()
+        self.grid().contains(cell) && self.cell_ids().get(cell).next().is_some()
     }
 
     fn static_opacity(&self) -> &OpacityMatrix {
@@ -76,7 +76,7 @@ impl SceneInternals for Scene {
     }
 
     fn id_matrix(&self) -> &IdMatrix {
-        self.id_matrix()
+        self.cell_ids().ids
     }
 
     fn tbv_matrix(&self) -> &TbvMatrix {

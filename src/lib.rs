@@ -51,7 +51,8 @@
 //! - `internals`: the module `internals` with the matrices, recorded cells and occlusion buffers, for pictures and tests.
 //!   Its names may change in any release.
 //! - `serde`: options, shapes and descriptions of objects are read and written with [serde](https://serde.rs), see below.
-//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel.
+//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the preparation of meshes by
+//!   several threads.
 //!
 //! # Storing
 //!

@@ -2,6 +2,7 @@
 //! nothing panics, that broken meshes are refused, and that no ray reaches an object left out.
 #![no_main]
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use arbitrary::Arbitrary;
@@ -165,7 +166,7 @@ fuzz_target!(|play: Play| {
         let badly = how.max_angle.is_some_and(|a| !(0.0..=80.0).contains(&a))
             || !length(how.tolerance)
             || !length(how.min_radius);
-        let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ());
+        let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ControlFlow::Continue(()));
         assert_eq!(made.is_err(), broken || badly, "{made:?}");
         let Ok(made) = made else { continue };
         let made = Arc::new(made);

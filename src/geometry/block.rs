@@ -42,6 +42,16 @@ impl Block {
         })
     }
 
+    /// The part that both have in common; inverted if there is none.
+    pub(crate) fn intersection(&self, other: &Self) -> Self {
+        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
+    }
+
+    /// The volume of a box that is not inverted.
+    pub(crate) fn volume(&self) -> f64 {
+        (self.max - self.min).element_product()
+    }
+
     /// Whether the interiors intersect.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()

@@ -201,12 +201,14 @@ impl Grid {
 
     /// [`Grid::cell_of`] along one axis.
     pub(crate) fn cell_along(&self, axis: usize, p: f64) -> i32 {
-        let guess = ((p - self.origin[axis]) / self.cell).floor().clamp(-FAR_CELLS, FAR_CELLS);
-        let i = guess as i32;
+        let guess = ((p - self.origin[axis]) / self.cell).clamp(-FAR_CELLS, FAR_CELLS);
+        // The floor: not every processor has an instruction for it.
+        let toward_zero = guess as i32;
+        let i = toward_zero - i32::from(f64::from(toward_zero) > guess);
         // The quotient may be off by one rounding: the planes decide.
-        if self.plane(axis, i) > p && guess > -FAR_CELLS {
+        if self.plane(axis, i) > p && f64::from(i) > -FAR_CELLS {
             i - 1
-        } else if self.plane(axis, i + 1) <= p && guess < FAR_CELLS {
+        } else if self.plane(axis, i + 1) <= p && f64::from(i) < FAR_CELLS {
             i + 1
         } else {
             i

@@ -47,11 +47,6 @@ pub(crate) fn beside(mask: &Mask, next: &Mask, axis: usize, up: bool) -> Mask {
     })
 }
 
-/// Number of cells in a mask.
-pub(crate) fn count(mask: &Mask) -> u32 {
-    mask.iter().map(|w| w.count_ones()).sum()
-}
-
 /// The cells of a brick that are in a mask.
 pub(crate) fn cells_of(brick: IVec3, mask: &Mask) -> impl Iterator<Item = IVec3> + use<> {
     places_of(mask).map(move |i| {

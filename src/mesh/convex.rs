@@ -52,6 +52,8 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use glam::{Affine3A, Quat};
 
     use super::*;
@@ -79,7 +81,10 @@ mod tests {
         if turned {
             triangles.iter_mut().for_each(|t| t.swap(0, 1));
         }
-        TriMesh::prepare(positions, triangles, &MeshOptions::default().facing(facing), &mut |_| ()).unwrap()
+        TriMesh::prepare(positions, triangles, &MeshOptions::default().facing(facing), &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap()
     }
 
     #[test]

@@ -5,6 +5,8 @@ mod convex;
 mod file;
 mod index;
 mod instance;
+mod lists;
+mod parallel;
 mod parts;
 mod preparation;
 mod raster;
@@ -12,7 +14,6 @@ mod solid;
 pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
-mod topology;
 mod tri_mesh;
 mod triangle;
 

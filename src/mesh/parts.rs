@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::geometry::plane::HalfSpace;
+use crate::mesh::parallel;
 use crate::numeric::mesh::{DIAGONAL, PART_CUT, PART_ROOM, PART_THICKNESS};
 use crate::shape::convex::Convex;
 
@@ -22,60 +23,84 @@ const WORTH_A_PLANE: f64 = 0.02;
 /// A set of triangles with its box.
 struct Piece {
     triangles: Vec<u32>,
-    min: DVec3,
-    max: DVec3,
+    min: Vec3,
+    max: Vec3,
+}
+
+/// What is asked of triangles while they are cut: the sum of the corners of each, and its box.
+struct Extents {
+    sums: Vec<DVec3>,
+    boxes: Vec<(Vec3, Vec3)>,
+}
+
+impl Extents {
+    fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let corners = || triangles.iter().map(|t| t.map(|v| positions[v as usize]));
+        Self {
+            sums: corners().map(|[a, b, c]| a.as_dvec3() + b.as_dvec3() + c.as_dvec3()).collect(),
+            boxes: corners().map(|[a, b, c]| (a.min(b).min(c), a.max(b).max(c))).collect(),
+        }
+    }
 }
 
 /// The cost of a box as a stand-in for its contents: rays that enter it, and eyes inside of it.
-fn cost(min: DVec3, max: DVec3) -> f64 {
-    let d = max - min;
+fn cost(piece: &Piece) -> f64 {
+    let d = piece.max.as_dvec3() - piece.min.as_dvec3();
     d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
 }
 
 impl Piece {
-    fn new(triangles: Vec<u32>, corners: &dyn Fn(u32) -> [DVec3; 3]) -> Self {
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for p in triangles.iter().flat_map(|&t| corners(t)) {
-            (min, max) = (min.min(p), max.max(p));
-        }
-        Self { triangles, min, max }
+    fn new() -> Self {
+        Self { triangles: Vec::new(), min: Vec3::INFINITY, max: Vec3::NEG_INFINITY }
+    }
+
+    fn add(&mut self, triangle: u32, extents: &Extents) {
+        let (min, max) = extents.boxes[triangle as usize];
+        (self.min, self.max) = (self.min.min(min), self.max.max(max));
+        self.triangles.push(triangle);
     }
 
     /// Two halves, cut across the longest side.
-    fn halves(&self, corners: &dyn Fn(u32) -> [DVec3; 3]) -> Option<[Self; 2]> {
-        let axis = (self.max - self.min).max_position();
-        let middle = 1.5 * (self.min[axis] + self.max[axis]);
-        let low = |t: &u32| corners(*t).iter().map(|p| p[axis]).sum::<f64>() < middle;
-        let (low, high): (Vec<u32>, Vec<u32>) = self.triangles.iter().partition(|t| low(t));
-        (!low.is_empty() && !high.is_empty()).then(|| [Self::new(low, corners), Self::new(high, corners)])
+    fn halves(&self, extents: &Extents) -> Option<[Self; 2]> {
+        let (min, max) = (self.min.as_dvec3(), self.max.as_dvec3());
+        let axis = (max - min).max_position();
+        let middle = 1.5 * (min[axis] + max[axis]);
+        let (mut low, mut high) = (Self::new(), Self::new());
+        for &t in &self.triangles {
+            let half = if extents.sums[t as usize][axis] < middle { &mut low } else { &mut high };
+            half.add(t, extents);
+        }
+        (!low.triangles.is_empty() && !high.triangles.is_empty()).then_some([low, high])
     }
 
     /// The pieces that it is best cut into.
-    fn cut(self, corners: &dyn Fn(u32) -> [DVec3; 3], depth: u32) -> Vec<Self> {
-        let Some(halves) = (depth > 0).then(|| self.halves(corners)).flatten() else { return vec![self] };
-        let pieces: Vec<Self> = halves.into_iter().flat_map(|half| half.cut(corners, depth - 1)).collect();
-        let sum: f64 = pieces.iter().map(|p| cost(p.min, p.max)).sum();
-        if sum < WORTH_CUTTING * cost(self.min, self.max) { pieces } else { vec![self] }
+    fn cut(self, extents: &Extents, depth: u32) -> Vec<Self> {
+        let Some(halves) = (depth > 0).then(|| self.halves(extents)).flatten() else { return vec![self] };
+        let pieces: Vec<Self> = halves.into_iter().flat_map(|half| half.cut(extents, depth - 1)).collect();
+        let sum: f64 = pieces.iter().map(cost).sum();
+        if sum < WORTH_CUTTING * cost(&self) { pieces } else { vec![self] }
     }
 }
 
 /// Convex solids that together contain a mesh.
 pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
-    let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize].as_dvec3());
-    let whole = Piece::new((0..triangles.len() as u32).collect(), &corners);
-    let mut done = whole.cut(&corners, DEPTH);
+    let extents = Extents::new(positions, triangles);
+    let mut whole = Piece::new();
+    (0..triangles.len() as u32).for_each(|t| whole.add(t, &extents));
+    let mut done = whole.cut(&extents, DEPTH);
+    drop(extents);
     // Large ones are seen first.
-    done.sort_by(|a, b| cost(b.min, b.max).total_cmp(&cost(a.min, a.max)));
-    done.iter()
-        .map(|piece| {
-            let mut vertices: Vec<u32> =
-                piece.triangles.iter().flat_map(|&t| triangles[t as usize]).collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            let points: Vec<DVec3> = vertices.iter().map(|&v| positions[v as usize].as_dvec3()).collect();
-            around(&points)
-        })
-        .collect()
+    done.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
+    let points = |piece: &Piece| {
+        let corners = piece.triangles.iter().flat_map(|&t| triangles[t as usize]);
+        let mut vertices: Vec<u32> = corners.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices.into_iter().map(|v| positions[v as usize].as_dvec3()).collect::<Vec<_>>()
+    };
+    let mut parts = Vec::with_capacity(done.len());
+    parallel::extend(&mut parts, done.len(), |i| around(&points(&done[i])));
+    parts
 }
 
 /// The axes of a set of points: those of its scatter (Jacobi's rotations), least spread last.
@@ -85,8 +110,8 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
     for p in points {
         let d = *p - middle;
         for (i, row) in m.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry += d[i] * d[j];
+            for (entry, other) in row.iter_mut().zip(d.to_array()) {
+                *entry += d[i] * other;
             }
         }
     }
@@ -113,12 +138,18 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
     DMat3::from_cols(axes[0], axes[1], axes[2])
 }
 
-/// How far points reach along a direction, both ways.
-fn reach(points: &[DVec3], n: DVec3) -> (f64, f64) {
-    points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
-        let at = n.dot(*p);
-        (lo.min(at), hi.max(at))
-    })
+/// How far points reach along each direction, both ways.
+fn reach<const N: usize>(points: &[DVec3], directions: &[DVec3; N]) -> [(f64, f64); N] {
+    let along: [[f64; N]; 3] = [0, 1, 2].map(|axis| directions.map(|n| n[axis]));
+    let (mut lo, mut hi) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
+    for p in points {
+        for i in 0..N {
+            let at = along[0][i] * p.x + along[1][i] * p.y + along[2][i] * p.z;
+            lo[i] = if at < lo[i] { at } else { lo[i] };
+            hi[i] = if at > hi[i] { at } else { hi[i] };
+        }
+    }
+    std::array::from_fn(|i| (lo[i], hi[i]))
 }
 
 /// A convex solid around points.
@@ -127,8 +158,7 @@ fn around(points: &[DVec3]) -> Convex {
     let box_of = |axes: &DMat3| {
         let mut half = DVec3::ZERO;
         let mut center = DVec3::ZERO;
-        for i in 0..3 {
-            let (lo, hi) = reach(points, axes.col(i));
+        for (i, (lo, hi)) in reach(points, &[axes.x_axis, axes.y_axis, axes.z_axis]).into_iter().enumerate() {
             half[i] = (hi - lo) * 0.5;
             center += axes.col(i) * ((lo + hi) * 0.5);
         }
@@ -150,9 +180,9 @@ fn around(points: &[DVec3]) -> Convex {
     let mut solid = Solid::boxed(&axes, center, half);
     // Where a plane cuts off most, first.
     let mut planes: Vec<(f64, HalfSpace)> = Vec::new();
-    for (x, y, z) in DIAGONALS {
-        let n = (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize();
-        let (lo, hi) = reach(points, n);
+    let directions =
+        DIAGONALS.map(|(x, y, z)| (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize());
+    for (n, (lo, hi)) in directions.into_iter().zip(reach(points, &directions)) {
         for plane in [HalfSpace { normal: -n, offset: hi + room }, HalfSpace { normal: n, offset: room - lo }]
         {
             planes.push((solid.beyond(&plane), plane));

@@ -1,4 +1,6 @@
-//! The options by which meshes are prepared.
+//! The options by which meshes are prepared, and the progress of that.
+
+use std::ops::ControlFlow;
 
 use crate::error::{Error, not_negative};
 use crate::mesh::surface::Rules;
@@ -6,6 +8,8 @@ use crate::mesh::surface::Rules;
 /// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
 ///
 /// ```
+/// use std::ops::ControlFlow;
+///
 /// use casca::{MeshOptions, TriMesh};
 /// use glam::Vec3;
 ///
@@ -13,7 +17,7 @@ use crate::mesh::surface::Rules;
 /// let how = MeshOptions::default().tolerance(0.002);
 /// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 /// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-/// let mesh = TriMesh::prepare(corners, faces, &how, &mut |_| ())?;
+/// let mesh = TriMesh::prepare(corners, faces, &how, &mut |_| ControlFlow::Continue(()))?;
 /// assert!(mesh.is_closed());
 /// # Ok(())
 /// # }
@@ -115,5 +119,33 @@ impl MeshOptions {
             cosine: degrees.to_radians().cos(),
             front: self.facing == Facing::Front,
         })
+    }
+}
+
+/// Tells the share of a task that is done, from 0 to 1, as a share of the task that it is a part of.
+pub(crate) struct Progress<'a> {
+    tell: &'a mut dyn FnMut(f32) -> ControlFlow<()>,
+    from: f32,
+    to: f32,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(tell: &'a mut dyn FnMut(f32) -> ControlFlow<()>) -> Self {
+        Self { tell, from: 0.0, to: 1.0 }
+    }
+
+    /// The progress of a part, which starts and ends at these shares.
+    pub(crate) fn part(&mut self, from: f32, to: f32) -> Progress<'_> {
+        let share = |x: f32| self.from + (self.to - self.from) * x;
+        Progress { from: share(from), to: share(to), tell: &mut *self.tell }
+    }
+
+    /// # Errors
+    /// [`Error::Cancelled`] if the task is to end.
+    pub(crate) fn tell(&mut self, share: f32) -> Result<(), Error> {
+        match (self.tell)(self.from + (self.to - self.from) * share) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
     }
 }

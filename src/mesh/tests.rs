@@ -1,6 +1,7 @@
 //! Cells of meshes, and refusals.
 
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
@@ -9,7 +10,7 @@ use crate::error::Error;
 use crate::geometry::{Aabb, Block, Obb};
 use crate::grid::run::CellRun;
 use crate::grid::{Grid, GridSpec};
-use crate::mesh::{Instance, TriMesh};
+use crate::mesh::{Instance, MeshOptions, TriMesh};
 use crate::object::{ObjectDesc, Occluder};
 use crate::scene::Scene;
 use crate::shape::Shape;
@@ -216,4 +217,65 @@ fn refuses_broken_meshes() {
     let point = TriMesh::new(one, vec![[0, 1, 2]]).unwrap();
     assert!(!point.is_closed());
     assert_eq!(cells(&point, &grid(10), false).len(), 1);
+}
+
+/// Rolling ground, beside triangles that touch nothing.
+fn ground_and_loose_triangles() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let n = 30;
+    let height = |x: f32, z: f32| (x * 0.4).sin() * (z * 0.3).cos();
+    let point = |i: u32| ((i % (n + 1)) as f32, (i / (n + 1)) as f32);
+    let mut positions: Vec<Vec3> =
+        (0..(n + 1) * (n + 1)).map(point).map(|(x, z)| Vec3::new(x, height(x, z), z)).collect();
+    let square = |i: u32| {
+        let a = i / n * (n + 1) + i % n;
+        [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+    };
+    let mut triangles: Vec<[u32; 3]> = (0..n * n).flat_map(square).collect();
+    for i in 0..200u32 {
+        let corner = Vec3::new((i % 17) as f32, 5.0 + (i % 5) as f32, (i % 29) as f32);
+        let first = positions.len() as u32;
+        positions.extend([corner, corner + Vec3::new(0.5, 0.1, 0.0), corner + Vec3::new(0.0, 0.2, 0.7)]);
+        triangles.push(if i % 2 == 0 {
+            [first, first + 1, first + 2]
+        } else {
+            [first + 1, first, first + 2]
+        });
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn progress_rises_to_one_and_ends_the_preparation_where_it_is_told_to() {
+    let (positions, triangles) = ground_and_loose_triangles();
+    let how = MeshOptions::default();
+    let mut shares = Vec::new();
+    let mut tell = |share| {
+        shares.push(share);
+        ControlFlow::Continue(())
+    };
+    TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut tell).unwrap();
+    assert!(shares.is_sorted() && shares.len() > 8, "{shares:?}");
+    assert_eq!((shares.first(), shares.last()), (Some(&0.0), Some(&1.0)));
+    for asked in 1..=shares.len() {
+        let mut left = asked;
+        let mut tell = |_| {
+            left -= 1;
+            if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut tell);
+        assert_eq!((made.err(), left), (Some(Error::Cancelled), 0));
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn meshes_do_not_depend_on_the_number_of_threads() {
+    let prepared = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let (positions, triangles) = ground_and_loose_triangles();
+        let mut bytes = Vec::new();
+        pool.install(|| TriMesh::new(positions, triangles).unwrap().write(&mut bytes).unwrap());
+        bytes
+    };
+    assert!(prepared(1) == prepared(3), "the meshes differ");
 }

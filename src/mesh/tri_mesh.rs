@@ -1,5 +1,6 @@
 //! Triangle meshes, checked and prepared once.
 
+use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
@@ -10,10 +11,10 @@ use crate::grid::Grid;
 use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
+use crate::mesh::parallel;
 use crate::mesh::parts;
-use crate::mesh::preparation::MeshOptions;
-use crate::mesh::surface::Surface;
-use crate::mesh::topology::{is_closed, is_wound_alike};
+use crate::mesh::preparation::{MeshOptions, Progress};
+use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
 /// A triangle mesh in world space, checked and prepared once.
@@ -41,12 +42,12 @@ impl TriMesh {
     /// Takes positions in world units and triangles as indices of three
     /// positions, and prepares them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
-    /// Costs a few sorts of the triangles: about a second for a million.
+    /// Costs a few sorts of the triangles: a second or two for a million.
     ///
     /// # Errors
     /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
-        Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ())
+        Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ControlFlow::Continue(()))
     }
 
     /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested only (see
@@ -71,18 +72,34 @@ impl TriMesh {
     /// As [`TriMesh::new`].
     pub fn bounds_only(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         let how = MeshOptions { occludes: false, ..MeshOptions::default() };
-        Self::prepare(positions, triangles, &how, &mut |_| ())
+        Self::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`TriMesh::new`], prepared as asked; `progress` is told the share of the work that is done, from 0 to 1.
+    /// As [`TriMesh::new`], prepared as asked. `progress` is told the share of the work that is done, from 0 to 1, on the
+    /// thread that called. Where it answers [`ControlFlow::Break`], the preparation ends: soon, but not at once.
+    ///
+    /// With the feature `rayon` several threads take part. The mesh does not depend on their number.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    ///
+    /// use casca::{Error, MeshOptions, TriMesh};
+    /// use glam::Vec3;
+    ///
+    /// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    /// let late = |share: f32| if share < 0.5 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+    /// let mesh = TriMesh::prepare(corners, vec![[0, 1, 2]], &MeshOptions::default(), &mut { late });
+    /// assert_eq!(mesh.err(), Some(Error::Cancelled));
+    /// ```
     ///
     /// # Errors
-    /// As [`TriMesh::new`]; also settings that are not finite or out of their range.
+    /// As [`TriMesh::new`]; also settings that are not finite or out of their range, and [`Error::Cancelled`] if
+    /// `progress` ended it.
     pub fn prepare(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
         how: &MeshOptions,
-        progress: &mut dyn FnMut(f32),
+        progress: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Self, Error> {
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions.len()) {
@@ -93,29 +110,36 @@ impl TriMesh {
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
-        let closed = is_closed(&positions, &triangles);
-        progress(0.2);
-        let surface = match how.occludes {
-            true => Surface::new(&positions, &triangles, &rules),
-            false => Surface::default(),
-        };
-        progress(0.7);
-        let parts = parts::parts(&positions, &triangles);
-        progress(1.0);
-        Ok(Self::from_prepared(positions, triangles, bounds, (closed, how.occludes), surface, parts))
+        let mut progress = Progress::new(progress);
+        progress.tell(0.0)?;
+        let welded = Welded::new(&positions, &triangles);
+        let topology = welded.topology;
+        progress.tell(0.2)?;
+        let (parts, surface) = parallel::both(
+            || parts::parts(&positions, &triangles),
+            || match how.occludes {
+                true => Surface::of(&welded, &rules, &mut progress.part(0.2, 0.9)),
+                false => Ok(Surface::default()),
+            },
+        );
+        let surface = surface?;
+        drop(welded);
+        progress.tell(1.0)?;
+        Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The pair of flags: whether it is
-    /// closed, and whether it hides others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says whether it hides
+    /// others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
         bounds: Aabb,
-        (closed, occludes): (bool, bool),
+        (topology, occludes): (Topology, bool),
         mut surface: Surface,
         parts: Vec<Convex>,
     ) -> Self {
-        let alike = closed && occludes && is_wound_alike(&positions, &triangles);
+        let closed = topology.closed;
+        let alike = topology.alike && occludes;
         let solid = closed && occludes && (!surface.front || alike);
         surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
         let from_outside = !surface.front || surface.outward > 0.0;

@@ -25,6 +25,11 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
     }
 }
 
+/// Solids that fill a cell have boxes whose common parts with it make up this share of its volume at least: all of it, less
+/// the roundings of the parts and of their sum (300 units in the last place, 1e-13). A cell that is wrongly found not
+/// filled only hides less.
+pub(crate) const FILLED: f64 = 1.0 - 1e-9;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,10 @@
 //! Objects in the matrices I and O: their cells, written, erased and moved.
 
+use glam::IVec3;
+
 use crate::geometry::Block;
 use crate::grid::Grid;
+use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::volume;
 use crate::matrix::bits::NONE;
 use crate::object::{Bounds, Motion, Occluder};
@@ -34,6 +37,20 @@ impl Span {
     pub(super) fn suffices(self) -> bool {
         self.inside && self.few
     }
+}
+
+/// Whether two shapes surely touch the same bricks, inside the grid and none of them wholly.
+fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
+    let cover = |shape: &Bounds| {
+        let block = shape.block();
+        grid.cover(block.min, block.max)
+    };
+    let ((lo, hi), (old_lo, old_hi)) = (cover(new), cover(old));
+    let same = lo >> 3i32 == old_lo >> 3i32 && hi >> 3i32 == old_hi >> 3i32;
+    // A connected shape touches all bricks of its box if those are a row.
+    let rows = (hi >> 3i32).cmpgt(lo >> 3i32).bitmask().count_ones() <= 1;
+    let whole = |lo: IVec3, hi: IVec3| (hi - lo).min_element() >= BRICK - 1;
+    same && rows && grid.contains(lo) && grid.contains(hi) && !whole(lo, hi) && !whole(old_lo, old_hi)
 }
 
 impl Scene {
@@ -105,6 +122,10 @@ impl Scene {
         let grid = self.grid;
         let object = self.slots.object(slot);
         let in_cells = object.in_cells && !self.always.contains(slot);
+        let hides = object.occluder().is_some() || occluder.is_some();
+        if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
+            return true;
+        }
         let simple = !object.is_static() && in_cells && Span::of(&grid, &bounds.block()).suffices();
         let mut moved = std::mem::take(&mut self.moved);
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
@@ -144,8 +165,9 @@ impl Scene {
         object.occluder = occluder;
         if let Some(new) = &object.occluder
             && let Some(surface) = new.surface()
+            && !self.seams.insert(slot, surface, fixed(new))
         {
-            self.seams.insert(slot, surface, fixed(new));
+            object.idle();
         }
     }
 }

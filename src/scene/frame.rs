@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
+use crate::scene::validity::Validity;
 
 /// The changes that [`Scene::end_frame`] made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,14 +67,17 @@ impl Scene {
         for i in 0..asked {
             let slot = self.listed.as_slice()[i];
             let object = self.slots.object_mut(slot);
-            if object.on_expiry() && object.reported != self.now {
-                object.validity.passed();
-                // An object that the last frame showed is reported unasked.
-                if object.seen_in != frame {
-                    due.push(self.id(slot));
-                }
-                self.miss(slot);
+            let on_expiry = object.on_expiry();
+            let Some(mover) = object.mover().filter(|m| on_expiry && m.reported != self.now) else {
+                continue;
+            };
+            // An object that the last frame showed is reported unasked.
+            let shown = mover.seen_in == frame;
+            object.adapt(Validity::passed);
+            if !shown {
+                due.push(self.id(slot));
             }
+            self.miss(slot);
         }
     }
 
@@ -133,7 +137,8 @@ impl Scene {
                 continue;
             }
             if seen.contains(slot) {
-                self.slots.object_mut(slot).seen_in = self.frame;
+                let mover = self.slots.object_mut(slot).mover();
+                mover.into_iter().for_each(|mover| mover.seen_in = self.frame);
             }
             i += 1;
         }

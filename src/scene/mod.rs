@@ -57,7 +57,7 @@ use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
 use crate::matrix::bits::OpacityMatrix;
 use crate::matrix::fused::Fused;
-use crate::matrix::ids::IdMatrix;
+use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
 use crate::scene::expiry::ExpiryQueue;
@@ -65,7 +65,7 @@ use crate::scene::opaque::OpaqueCells;
 use crate::scene::slot_set::SlotSet;
 use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
-use crate::shape::pieces::Moved;
+use crate::shape::pieces::{Moved, touched};
 
 pub use frame::FrameReport;
 pub use memory::MemoryUse;
@@ -206,6 +206,15 @@ impl Scene {
     #[inline]
     pub(crate) fn id_matrix(&self) -> &IdMatrix {
         &self.ids
+    }
+
+    /// I, by cell. Costs a walk over all objects and their cells the first time.
+    pub(crate) fn cell_ids(&self) -> ByCell<'_> {
+        self.ids.by_cell(|add| {
+            for (slot, object) in self.living().filter(|(_, object)| object.in_cells) {
+                touched(&object.bounds, &self.grid, &mut |p| p.bricks(|brick, mask| add(brick, mask, slot)));
+            }
+        })
     }
 
     /// Txy, Txz, Tyz: the temporal bounding volumes.

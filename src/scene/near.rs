@@ -11,16 +11,20 @@ use crate::view::{View, cut};
 /// Beyond this many cells before the near plane all occluders are asked instead.
 const MOST_CELLS: u64 = 4096;
 
-/// Of the objects in those cells, so many are asked again and again before all are asked once.
+/// Of the objects in their bricks, so many are asked again and again before all are asked once.
 const MOST_ASKED: usize = 4096;
 
 impl Scene {
     /// Whether a point may lie inside an occluder that is in the matrices.
     pub(crate) fn inside_occluder(&self, point: DVec3) -> bool {
         let cell = self.grid.cell_of(point);
-        let contains = |slot| self.object(slot).occluder().is_some_and(|o| o.contains_point(point));
+        let contains = |slot| {
+            let occluder = self.object(slot).occluder();
+            occluder.is_some_and(|o| o.block().contains_point(point) && o.contains_point(point))
+        };
         self.always().iter().copied().any(contains)
-            || self.grid.contains(cell) && (self.is_opaque(cell) || self.ids.get(cell).any(contains))
+            || self.grid.contains(cell)
+                && (self.is_opaque(cell) || self.ids.in_brick(cell >> 3i32).any(contains))
     }
 
     /// Whether the near plane of a view may cut into an occluder: then one sees
@@ -47,12 +51,15 @@ impl Scene {
             return true;
         }
         let mut asked = 0;
-        for c in (CellBox { lo, hi }).cells() {
-            let opaque = || region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
-            if self.is_opaque(c) && opaque() || self.ids.get(c).inspect(|_| asked += 1).any(touches) {
+        let opaque = |c| self.is_opaque(c) && region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+        if (CellBox { lo, hi }).cells().any(opaque) {
+            return true;
+        }
+        for brick in (CellBox { lo: lo >> 3i32, hi: hi >> 3i32 }).cells() {
+            if self.ids.in_brick(brick).inspect(|_| asked += 1).any(touches) {
                 return true;
             }
-            // Objects that share many of these cells would be asked again in each.
+            // Objects that share many of these bricks would be asked again in each.
             if asked > self.len().max(MOST_ASKED) {
                 return anywhere();
             }

@@ -12,28 +12,36 @@ pub(crate) struct Object {
     pub(super) bounds: Bounds,
     /// The shape that hides others; none if the object is not on all layers.
     pub(super) occluder: Option<Occluder>,
-    /// The occluder of an object that is not on all layers. It hides nothing.
+    /// The occluder of an object that is not on all layers, or for whose surface there is no room. It hides nothing.
     idle_occluder: Option<Box<Occluder>>,
     pub(super) layers: u32,
     pub(super) motion: Motion,
     pub(super) user_data: u64,
     /// Its shapes in its own space, if it is placed by a transform.
     pub(super) placed: Option<Box<Placed>>,
-    state: State,
-    pub(super) validity: Validity,
+    /// Of a dynamic object. Apart, so that static ones stay small.
+    mover: Option<Box<Mover>>,
     /// Whether its cells are in I; objects with too many cells are not.
     pub(super) in_cells: bool,
+    /// The number of the move that last changed it.
+    pub(super) moved: u64,
+}
+
+/// The parts of an object that only dynamic ones have.
+#[derive(Debug, Clone)]
+pub(super) struct Mover {
+    state: State,
+    validity: Validity,
     /// The time of the last report.
     pub(super) reported: f64,
     /// The last frame that ended with the object in sight.
     pub(super) seen_in: u64,
-    /// The number of the move that last changed it.
-    pub(super) moved: u64,
 }
 
 impl Object {
     /// A listed object as described, but without its occluder: the scene adds that.
     pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, now: f64, moved: u64) -> Self {
+        let mover = || Mover { state: State::Listed, validity: Validity::first(), reported: now, seen_in: 0 };
         Self {
             bounds: desc.bounds,
             occluder: None,
@@ -42,11 +50,8 @@ impl Object {
             motion: desc.motion,
             user_data: desc.user_data,
             placed: placed.map(Box::new),
-            state: State::Listed,
-            validity: Validity::first(),
+            mover: (desc.motion != Motion::Static).then(|| Box::new(mover())),
             in_cells: false,
-            reported: now,
-            seen_in: 0,
             moved,
         }
     }
@@ -78,34 +83,66 @@ impl Object {
         None
     }
 
+    /// Keeps the occluder, but hides nothing with it.
+    pub(super) fn idle(&mut self) {
+        self.idle_occluder = self.occluder.take().map(Box::new);
+    }
+
     /// Whether a view shows the layers that it is on.
     #[inline]
     pub(crate) fn is_shown(&self, view: &View) -> bool {
         self.layers & view.layers() != 0
     }
 
+    /// The parts that only a dynamic object has.
+    #[inline]
+    pub(super) fn mover(&mut self) -> Option<&mut Mover> {
+        self.mover.as_deref_mut()
+    }
+
+    /// Where it is. Static objects are always listed.
     #[inline]
     pub(super) fn state(&self) -> State {
-        self.state
+        self.mover.as_ref().map_or(State::Listed, |mover| mover.state)
+    }
+
+    /// For how long its next volume is made to last.
+    pub(super) fn validity(&self) -> Validity {
+        self.mover.as_ref().map_or(Validity::first(), |mover| mover.validity)
+    }
+
+    /// Adapts the validity of its next volume.
+    pub(super) fn adapt(&mut self, change: impl FnOnce(&mut Validity)) {
+        if let Some(mover) = self.mover() {
+            change(&mut mover.validity);
+        }
     }
 
     /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not apply.
     pub(super) fn apply(&mut self, event: Event) -> bool {
-        let next = self.state.after(event);
-        self.state = next.unwrap_or(self.state);
+        let next = self.state().after(event);
+        if let (Some(mover), Some(next)) = (self.mover(), next) {
+            mover.state = next;
+        }
         next.is_some()
     }
 
     /// Whether its place is unknown: it counts as visible and hides nothing.
     #[inline]
     pub(crate) fn is_unlocated(&self) -> bool {
-        matches!(self.state, State::Overdue | State::Unlocated { .. })
+        let state = self.mover.as_ref().map(|mover| &mover.state);
+        matches!(state, Some(State::Overdue | State::Unlocated { .. }))
+    }
+
+    #[inline]
+    pub(super) fn is_overdue(&self) -> bool {
+        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue))
     }
 
     /// Whether it is in a volume.
     #[inline]
     pub(crate) fn is_hidden(&self) -> bool {
-        matches!(self.state, State::Hidden(_))
+        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Hidden(_)))
     }
 
     /// Whether it is in a volume and its bounds are old.
@@ -117,10 +154,17 @@ impl Object {
     /// The volume of an object whose bounds are old: it may be anywhere in there.
     #[inline]
     pub(crate) fn unreported_volume(&self) -> Option<&Block> {
-        match &self.state {
+        match &self.mover.as_ref()?.state {
             State::Hidden(hidden) if self.on_expiry() => Some(&hidden.tbv.block),
             _ => None,
         }
+    }
+
+    /// Bytes on the heap, without those of shapes that objects may share.
+    pub(super) fn bytes(&self) -> usize {
+        let idle = self.idle_occluder.as_ref().map_or(0, |_| size_of::<Occluder>());
+        let placed = self.placed.as_ref().map_or(0, |_| size_of::<Placed>());
+        idle + placed + self.mover.as_ref().map_or(0, |_| size_of::<Mover>())
     }
 
     pub(super) fn is_static(&self) -> bool {

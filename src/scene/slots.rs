@@ -150,7 +150,8 @@ impl Slots {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.slots.capacity() * size_of::<Slot>() + self.free.capacity() * size_of::<u32>()
+        let own: usize = self.living().map(|(_, object)| object.bytes()).sum();
+        own + self.slots.capacity() * size_of::<Slot>() + self.free.capacity() * size_of::<u32>()
     }
 }
 

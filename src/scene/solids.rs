@@ -10,6 +10,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::grid::bricks::Pages;
 use crate::matrix::bits::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
 use crate::scene::Scene;
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
@@ -17,6 +18,12 @@ use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where}
 /// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
 /// fill a cell together with it. More than that leave the cell transparent.
 const MOST_ASKED: usize = 256;
+
+/// Of the objects in a brick, so many are looked at.
+const MOST_MEMBERS: usize = 1024;
+
+/// Solids with the boxes around them.
+type Near<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
 
 /// Static solids that are in no lists of cells, because they are too large for these.
 type Large = SmallVec<[u32; 8]>;
@@ -45,8 +52,10 @@ impl Scene {
     /// The static occluders that touch a cell, up to a limit, and those too large to be in cells.
     pub(crate) fn static_solids(&self, cell: IVec3) -> impl Iterator<Item = &Occluder> {
         let large = self.always().iter().copied().filter(|&s| !self.object(s).in_cells);
-        let near = self.ids.get(cell).take(MOST_ASKED).chain(large.take(MOST_ASKED));
-        near.filter_map(|s| self.static_solid(s))
+        let block = Block::new(self.grid.cell_bounds(cell));
+        let near = self.ids.in_brick(cell >> 3i32).take(MOST_MEMBERS).filter_map(|s| self.static_solid(s));
+        let near = near.filter(move |o| o.block().meets(&block)).take(MOST_ASKED);
+        near.chain(large.take(MOST_ASKED).filter_map(|s| self.static_solid(s)))
     }
 
     /// The occluder of an object, if that is static.
@@ -70,6 +79,15 @@ impl Scene {
         self.always().iter().copied().take(MOST_ASKED).filter(meets).collect()
     }
 
+    /// The other static solids that may touch the part of a brick that lies in a box.
+    fn solids_in(&self, brick: IVec3, slot: u32, around: &Block, large: &Large) -> Near<'_> {
+        let part =
+            Block::new(self.grid.range_bounds(brick << 3i32, (brick << 3i32) + 7)).intersection(around);
+        let members = self.ids.in_brick(brick).take(MOST_MEMBERS).chain(large.iter().copied());
+        let solids = members.filter_map(|s| self.other_solid(s, slot)).map(|o| (o, o.block()));
+        solids.filter(|(_, block)| block.meets(&part)).collect()
+    }
+
     /// Whether other static solids may touch a brick.
     fn solids_near(&self, brick: IVec3, slot: u32, large: &Large) -> bool {
         let mut members = self.ids.in_brick(brick);
@@ -80,16 +98,17 @@ impl Scene {
         large.iter().any(|&s| self.other_solid(s, slot).is_some_and(|o| !misses(o, min, max)))
     }
 
-    /// Whether a cell lies inside the union of `own` and all static solids except that of `slot`.
-    fn solid_with(&self, cell: IVec3, slot: u32, large: &Large, own: Option<&Occluder>) -> bool {
-        let near = self.ids.get(cell).take(MOST_ASKED).chain(large.iter().copied());
-        let mut solids: SmallVec<[&Occluder; 16]> = near.filter_map(|s| self.other_solid(s, slot)).collect();
-        if solids.is_empty() {
-            // Its own cells are known; alone it adds no other.
+    /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill it.
+    fn solid_with(&self, cell: IVec3, near: &Near, own: Option<&(&Occluder, Block)>) -> bool {
+        let block = Block::new(self.grid.cell_bounds(cell));
+        let others = || near.iter().filter(|(_, b)| b.overlaps(&block)).take(MOST_ASKED);
+        let filled: f64 = others().chain(own).map(|(_, b)| b.intersection(&block).volume()).sum();
+        // The boxes of the solids do not fill it, by more than rounding.
+        if filled < FILLED * block.volume() || others().next().is_none() {
             return false;
         }
-        solids.extend(own);
-        union_contains(&Block::new(self.grid.cell_bounds(cell)), &solids)
+        let solids: SmallVec<[&Occluder; 16]> = others().chain(own).map(|(o, _)| *o).collect();
+        union_contains(&block, &solids)
     }
 
     /// Adds the cells that a static solid makes opaque, alone and together with others.
@@ -100,20 +119,21 @@ impl Scene {
             return;
         }
         let large = self.large_solids(occluder, slot);
+        let own = (occluder, occluder.block());
         let mut joint = Vec::new();
         // Only where others are near may cells be filled together with them.
         let page_asked = |page: IVec3| {
             !self.static_opacity().page_is_full(page)
                 && (!large.is_empty() || !self.ids.pages().page_is_empty(page))
         };
-        let brick_asked = |brick: IVec3| {
-            *self.static_opacity().brick(brick) != ALL && self.solids_near(brick, slot, &large)
-        };
+        let brick_asked = |brick: IVec3| *self.static_opacity().brick(brick) != ALL;
         let asked = Asked { page: &page_asked, brick: &brick_asked };
         touched_where(occluder, &self.grid, asked, &mut |brick, mask| {
             let open = without(mask, self.static_opacity().brick(brick));
-            let solid = |&c: &IVec3| self.solid_with(c, slot, &large, Some(occluder));
-            joint.extend(cells_of(brick, &open).filter(solid));
+            let near = self.solids_in(brick, slot, &own.1, &large);
+            if !near.is_empty() {
+                joint.extend(cells_of(brick, &open).filter(|&c| self.solid_with(c, &near, Some(&own))));
+            }
         });
         self.join(joint);
     }
@@ -124,10 +144,13 @@ impl Scene {
         let large = self.large_solids(occluder, slot);
         let cleared = self.clear_solid(slot, occluder, &large);
         // Cells that it filled alone may lie inside the union of others.
-        let cells = cleared.iter().flat_map(|(brick, mask)| cells_of(*brick, mask));
-        let joint: Vec<IVec3> = cells.filter(|&c| self.solid_with(c, slot, &large, None)).collect();
-        self.join(joint);
         let around = occluder.block();
+        let mut joint = Vec::new();
+        for (brick, mask) in &cleared {
+            let near = self.solids_in(*brick, slot, &around, &large);
+            joint.extend(cells_of(*brick, mask).filter(|&c| self.solid_with(c, &near, None)));
+        }
+        self.join(joint);
         let (lo, hi) = self.grid.cover(around.min, around.max);
         if let Some((lo, hi)) = self.grid.clip(lo, hi) {
             self.part(slot, lo, hi, &large);
@@ -175,7 +198,9 @@ impl Scene {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
         self.fused.for_cells(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
-            let lost = mask_of(cells_of(brick, &mask).filter(|&c| !self.solid_with(c, slot, large, None)));
+            let around = Block::new(self.grid.range_bounds(lo, hi));
+            let near = self.solids_in(brick, slot, &around, large);
+            let lost = mask_of(cells_of(brick, &mask).filter(|&c| !self.solid_with(c, &near, None)));
             if lost != NONE {
                 open.push((brick, lost));
             }

@@ -8,6 +8,7 @@ use crate::scene::Scene;
 use crate::scene::cells::Span;
 use crate::scene::expiry::{AT_ONCE, Expiry};
 use crate::scene::state::{Event, Hidden, State};
+use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
 
 /// An unlocated object keeps its old volume if the room there is at least this share of the slack of a new one.
@@ -19,7 +20,7 @@ impl Scene {
         self.locate(slot);
         let object = self.slots.object_mut(slot);
         let occluder = object.keep_idle(occluder);
-        object.reported = self.now;
+        object.mover().into_iter().for_each(|mover| mover.reported = self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() {
             return;
@@ -74,7 +75,7 @@ impl Scene {
             }
             return;
         }
-        object.validity.outlived();
+        object.adapt(Validity::outlived);
         self.volumes.remove(slot);
         self.revision += 1;
         let volume = self.make_volume(slot);
@@ -86,7 +87,7 @@ impl Scene {
         self.always.remove(slot);
         self.revision += 1;
         let object = self.slots.object_mut(slot);
-        object.validity.outlived();
+        object.adapt(Validity::outlived);
         let block = object.bounds.block();
         let next = self.make_volume(slot);
         if let (Some(old), Some(new)) = (volume, &next) {
@@ -116,7 +117,7 @@ impl Scene {
     /// The place of an object is known again, or does not matter any more.
     fn locate(&mut self, slot: u32) {
         let object = self.slots.object_mut(slot);
-        if object.apply(Event::Reported) {
+        if object.is_overdue() && object.apply(Event::Reported) {
             self.overdue_occluders -= u32::from(object.occluder.is_some());
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.always.remove(slot);
@@ -142,7 +143,7 @@ impl Scene {
             }
             State::Hidden(_) => {
                 object.apply(Event::Expired);
-                object.validity.passed();
+                object.adapt(Validity::passed);
                 self.always.insert(entry.slot);
                 self.revision += 1;
                 true
@@ -159,7 +160,7 @@ impl Scene {
         self.volumes.remove(slot);
         let generation = self.slots.id(slot).generation;
         let object = self.slots.object_mut(slot);
-        object.validity.revealed(outer);
+        object.adapt(|validity| validity.revealed(outer));
         if object.on_expiry() {
             object.apply(Event::Revealed);
             self.always.insert(slot);
@@ -208,8 +209,8 @@ impl Scene {
         let object = self.object(slot);
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
-        let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity.seconds();
-        let border = match (object.on_expiry(), object.validity.is_confined()) {
+        let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
+        let border = match (object.on_expiry(), object.validity().is_confined()) {
             (false, _) => Border::Cut,
             (true, false) => Border::Beyond,
             (true, true) => Border::Inside,

@@ -80,6 +80,11 @@ impl Tbv {
     /// Whether the volume contains a box and every cell that the box touches: something flat on a wall of a cell may
     /// touch the cell beyond.
     pub(super) fn contains(&self, grid: &Grid, bounds: &Block) -> bool {
+        let Block { min, max } = self.block;
+        if min.cmple(bounds.min).all() && max.cmpgt(bounds.max).all() {
+            // Its cells are those that the block covers.
+            return true;
+        }
         let (lo, hi) = grid.cover(bounds.min, bounds.max);
         self.block.contains(bounds) && self.cells.contains(lo) && self.cells.contains(hi)
     }

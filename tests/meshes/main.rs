@@ -6,6 +6,7 @@ mod rays;
 mod solids;
 mod walls;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use casca::{
@@ -171,7 +172,9 @@ fn prepared(made: &Made, solid: &Solid) -> Arc<TriMesh> {
     preparation.max_angle = how.2;
     preparation.facing = if how.3 { Facing::Front } else { Facing::Both };
     preparation.occludes = solid.occludes;
-    let mesh = TriMesh::prepare(made.positions.clone(), made.triangles.clone(), &preparation, &mut |_| ());
+    let mesh = TriMesh::prepare(made.positions.clone(), made.triangles.clone(), &preparation, &mut |_| {
+        ControlFlow::Continue(())
+    });
     Arc::new(mesh.unwrap())
 }
 

@@ -1,5 +1,7 @@
 //! The inside of closed meshes against parity along rays in any direction.
 
+use std::ops::ControlFlow;
+
 use casca::internals::Shape;
 use casca::{Grid, GridSpec, TriMesh};
 use casca_lab::cases;
@@ -121,7 +123,8 @@ fn solids_that_hide_from_their_front_are_wound_outwards() {
     how.facing = casca::Facing::Front;
     let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
     let cells = |triangles: Vec<[u32; 3]>| {
-        let mesh = TriMesh::prepare(positions.clone(), triangles, &how, &mut |_| ()).unwrap();
+        let mesh =
+            TriMesh::prepare(positions.clone(), triangles, &how, &mut |_| ControlFlow::Continue(())).unwrap();
         assert!(mesh.is_closed());
         let mut count = 0;
         mesh.opaque(&grid, &mut |run| count += run.cells().count());

@@ -1,6 +1,7 @@
 //! Puts a test scene into the library and keeps it up to date.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use casca::{
@@ -56,7 +57,9 @@ impl Shaper {
                     mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
                 let mut how = self.how;
                 how.occludes = object.occludes;
-                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &how, &mut |_| ())?;
+                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &how, &mut |_| {
+                    ControlFlow::Continue(())
+                })?;
                 let mesh = Arc::new(mesh);
                 (mesh.clone().into(), mesh.into())
             }

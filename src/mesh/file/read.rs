@@ -11,8 +11,7 @@ use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
     CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
-use crate::mesh::surface::{NONE, Patch, Side, Surface, slack};
-use crate::mesh::topology::is_closed;
+use crate::mesh::surface::{NONE, Patch, Side, Surface, Topology, slack};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
 use crate::shape::convex::Convex;
@@ -96,11 +95,14 @@ impl Contents<'_> {
             let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.flag(i)?);
             c.check(i, occludes || !front, "hides from its front, though the mesh occludes nothing")?;
             // Only a mesh that is closed can have opaque cells.
-            let holds = !closed || is_closed(&positions, &triangles);
-            c.check(i, holds, "says that the mesh is closed, which it is not")?;
-            Ok((closed, occludes, front))
+            let topology = match closed {
+                true => Topology::of(&positions, &triangles),
+                false => Topology { closed: false, alike: false },
+            };
+            c.check(i, topology.closed == closed, "says that the mesh is closed, which it is not")?;
+            Ok((topology, occludes, front))
         })?;
-        let &[(closed, occludes, front)] = flags.as_slice() else {
+        let &[(topology, occludes, front)] = flags.as_slice() else {
             return Err(self.broken(0, "is missing"));
         };
         let surface = self.surface(bounds, front)?;
@@ -108,7 +110,7 @@ impl Contents<'_> {
         self.section = SIDES;
         self.check(0, empty, "is one too many: the mesh occludes nothing")?;
         let parts = self.parts(bounds)?;
-        Ok(TriMesh::from_prepared(positions, triangles, bounds, (closed, occludes), surface, parts))
+        Ok(TriMesh::from_prepared(positions, triangles, bounds, (topology, occludes), surface, parts))
     }
 
     fn surface(&mut self, bounds: Aabb, front: bool) -> Result<Surface, FileError> {

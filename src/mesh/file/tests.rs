@@ -1,6 +1,7 @@
 //! Round trips, and files that are refused.
 
 use std::io::{self, Read};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, UVec3, Vec3};
@@ -44,7 +45,7 @@ fn ball(center: Vec3, rings: std::ops::Range<u32>, how: &MeshOptions) -> TriMesh
         [[a, b, c], [a, c, d]]
     };
     let triangles = rings.flat_map(|r| (0..24).map(move |s| (r, s))).flat_map(quad).collect();
-    TriMesh::prepare(positions, triangles, how, &mut |_| ()).unwrap()
+    TriMesh::prepare(positions, triangles, how, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
 fn meshes() -> Vec<TriMesh> {

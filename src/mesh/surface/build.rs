@@ -1,6 +1,13 @@
 //! From triangles to a surface: weld, grow patches, simplify their outlines, gather.
 
+#[cfg(test)]
+use std::ops::ControlFlow;
+
+#[cfg(test)]
 use glam::Vec3;
+
+use crate::error::Error;
+use crate::mesh::preparation::Progress;
 
 use crate::mesh::surface::chain::{rims, simplify};
 use crate::mesh::surface::gather::gather;
@@ -10,11 +17,22 @@ use crate::mesh::surface::weld::Welded;
 
 impl Surface {
     /// Finds the patches of triangles. Indices are known to be valid, positions to be finite.
+    #[cfg(test)]
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], rules: &Rules) -> Self {
-        let welded = Welded::new(positions, triangles);
-        let patches = grow(&welded, rules);
-        let straight = simplify(&welded, &rims(&welded, &patches), rules.tolerance);
-        gather(&welded, &patches, &straight, rules)
+        let mut tell = |_| ControlFlow::Continue(());
+        Self::of(&Welded::new(positions, triangles), rules, &mut Progress::new(&mut tell)).unwrap()
+    }
+
+    /// Finds the patches of welded triangles.
+    ///
+    /// # Errors
+    /// Only [`Error::Cancelled`].
+    pub(crate) fn of(welded: &Welded, rules: &Rules, progress: &mut Progress) -> Result<Self, Error> {
+        let patches = grow(welded, rules);
+        progress.tell(0.25)?;
+        let straight = simplify(welded, &rims(welded, &patches), rules.tolerance);
+        progress.tell(0.4)?;
+        gather(welded, &patches, &straight, rules, &mut progress.part(0.4, 1.0))
     }
 }
 

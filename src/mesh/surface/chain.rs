@@ -1,8 +1,9 @@
 //! Chains: the outlines of patches, simplified.
 
 use glam::DVec3;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
+use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::weld::{Welded, key};
 use crate::numeric::mesh::SLACK;
@@ -32,13 +33,17 @@ pub(crate) struct Straight {
     pub(crate) chain: u64,
 }
 
-/// The edges of triangles that do not cancel inside a patch.
+/// The edges of triangles that do not cancel inside a patch, without those of lone triangles.
 pub(crate) fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
     let mut rims = Vec::new();
     let mut steps: Vec<(u32, i32)> = Vec::new();
-    for beside in mesh.edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+    for beside in mesh.edges.chunk_by(|a, b| a.ends == b.ends) {
+        if patches.of[beside[0].run().0 as usize].0 < patches.lone {
+            continue;
+        }
         steps.clear();
-        steps.extend(beside.iter().map(|&(_, _, t, up)| {
+        steps.extend(beside.iter().map(|edge| {
+            let (t, up) = edge.run();
             let (patch, turned) = patches.of[t as usize];
             (patch, if up != turned { 1 } else { -1 })
         }));
@@ -46,7 +51,7 @@ pub(crate) fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
         let sums = steps.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|r| r.1).sum()));
         let runs: Runs = sums.filter(|&(_, sum)| sum != 0).collect();
         if !runs.is_empty() {
-            rims.push(Rim { ends: [beside[0].0, beside[0].1], runs });
+            rims.push(Rim { ends: beside[0].ends, runs });
         }
     }
     rims
@@ -60,27 +65,24 @@ fn same_runs(a: &Runs, b: &Runs, opposite: bool) -> bool {
 
 /// Replaces chains of edges between the same patches by straight ones.
 pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Straight> {
-    let mut at: Vec<SmallVec<[u32; 2]>> = vec![SmallVec::new(); mesh.positions.len()];
-    for (i, rim) in rims.iter().enumerate() {
-        for v in rim.ends {
-            at[v as usize].push(i as u32);
-        }
-    }
+    let at = Lists::new(mesh.positions.len(), rims.iter().zip(0..).flat_map(|(r, i)| r.ends.map(|v| (v, i))));
     // Leaving a vertex along an edge: the other end, and whether that is against its direction.
     let leave = |rim: u32, v: u32| {
         let ends = rims[rim as usize].ends;
         if ends[0] == v { (ends[1], false) } else { (ends[0], true) }
     };
     let passes = |v: u32| {
-        let &[a, b] = at[v as usize].as_slice() else { return false };
+        let &[a, b] = at.of(v) else { return false };
         // Arriving along one and leaving along the other.
         let (arrives_against, leaves_against) = (!leave(a, v).1, leave(b, v).1);
         same_runs(&rims[a as usize].runs, &rims[b as usize].runs, arrives_against != leaves_against)
     };
     let mut used = vec![false; rims.len()];
     let mut straight = Vec::new();
+    let mut chain = Vec::new();
     let mut follow = |start: u32, first: u32, used: &mut Vec<bool>| {
-        let mut chain = vec![start];
+        chain.clear();
+        chain.push(start);
         let (mut v, mut rim) = (start, first);
         loop {
             used[rim as usize] = true;
@@ -89,7 +91,7 @@ pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Strai
             if v == start || !passes(v) {
                 break;
             }
-            let next = if at[v as usize][0] == rim { at[v as usize][1] } else { at[v as usize][0] };
+            let next = if at.of(v)[0] == rim { at.of(v)[1] } else { at.of(v)[0] };
             if used[next as usize] {
                 break;
             }
@@ -101,10 +103,10 @@ pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Strai
         straighten(mesh, &chain, &runs, tolerance, &mut straight);
     };
     for v in 0..mesh.positions.len() as u32 {
-        if at[v as usize].is_empty() || passes(v) {
+        if at.of(v).is_empty() || passes(v) {
             continue;
         }
-        for &rim in &at[v as usize] {
+        for &rim in at.of(v) {
             if !used[rim as usize] {
                 follow(v, rim, &mut used);
             }
@@ -119,6 +121,24 @@ pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Strai
     straight
 }
 
+/// The outline of a patch that is a lone triangle, simplified as [`simplify`] would.
+pub(crate) fn lone_outline(
+    mesh: &Welded,
+    patches: &Patches,
+    patch: u32,
+    tolerance: f64,
+    out: &mut Vec<Straight>,
+) {
+    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
+    let mut ring = triangle;
+    ring.sort_unstable();
+    let [a, b, c] = ring;
+    // Whether the triangle runs around in this order.
+    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
+    let runs = smallvec![(patch, if along { 1 } else { -1 })];
+    straighten(mesh, &[a, b, c, a], &runs, tolerance, out);
+}
+
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     let d = b - a;
     let length = d.length_squared();
@@ -131,7 +151,7 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
 fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
     let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
     let deepest = SHORT + DEPTH * chain.len().ilog2();
-    let mut spans = vec![(0, chain.len() - 1, 0)];
+    let mut spans: SmallVec<[(usize, usize, u32); 8]> = smallvec![(0, chain.len() - 1, 0)];
     while let Some((a, b, depth)) = spans.pop() {
         let (mut farthest, mut slack) = (a, 0.0f64);
         for i in a + 1..b {

@@ -1,33 +1,70 @@
 //! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
 
-use std::collections::HashMap;
-
-use crate::mesh::surface::chain::Straight;
+use crate::error::Error;
+use crate::mesh::lists::Lists;
+use crate::mesh::preparation::Progress;
+use crate::mesh::surface::chain::{Straight, lone_outline};
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
-use crate::mesh::surface::tree::{Border, Node, build};
+use crate::mesh::surface::tree::{Border, Node, Tree};
 use crate::mesh::surface::weld::Welded;
 
-/// Puts each directed edge after one that ends where it starts, as far as that goes.
-fn in_rings(outline: &mut Vec<u32>, straight: &[Straight]) {
-    let ends = |d: u32| {
-        let [a, b] = straight[(d >> 1) as usize].ends;
-        if d & 1 == 0 { (a, b) } else { (b, a) }
-    };
-    // By their starts, backwards, so that the last of each start is free.
-    let mut rest: HashMap<u32, Vec<u32>> = HashMap::with_capacity(outline.len());
-    for &d in outline.iter().rev() {
-        rest.entry(ends(d).0).or_default().push(d);
-    }
-    let starts: Vec<u32> = outline.iter().map(|&d| ends(d).0).collect();
-    outline.clear();
-    for start in starts {
-        let mut at = start;
-        while let Some(next) = rest.get_mut(&at).and_then(Vec::pop) {
-            outline.push(next);
-            at = ends(next).1;
+/// So many nodes are read ahead.
+const AHEAD: usize = 64;
+
+/// Puts outlines in order. Its memory is used again.
+#[derive(Default)]
+struct Rings {
+    given: Vec<u32>,
+    /// The start of each directed edge and its place, in order.
+    by_start: Vec<(u32, u32)>,
+    /// How many edges were taken of those with the start of a place in `by_start`, if it is the first of them.
+    taken: Vec<u32>,
+}
+
+impl Rings {
+    /// Puts each directed edge after one that ends where it starts, as far as that goes.
+    fn sort(&mut self, outline: &mut [u32], straight: &[Straight]) {
+        let ends = |d: u32| {
+            let [a, b] = straight[(d >> 1) as usize].ends;
+            if d & 1 == 0 { (a, b) } else { (b, a) }
+        };
+        let Self { given, by_start, taken } = self;
+        given.clear();
+        given.extend_from_slice(outline);
+        by_start.clear();
+        by_start.extend(given.iter().zip(0..).map(|(&d, place)| (ends(d).0, place)));
+        by_start.sort_unstable();
+        taken.clear();
+        taken.resize(given.len(), 0);
+        let mut take = |start: u32| {
+            let first = by_start.partition_point(|e| e.0 < start);
+            let next = first + *taken.get(first)? as usize;
+            let &(_, place) = by_start.get(next).filter(|e| e.0 == start)?;
+            taken[first] += 1;
+            Some(given[place as usize])
+        };
+        let mut out = outline.iter_mut();
+        for &first in given.iter() {
+            let mut at = ends(first).0;
+            while let Some(next) = take(at) {
+                // There are as many places as edges.
+                out.by_ref().take(1).for_each(|to| *to = next);
+                at = ends(next).1;
+            }
         }
     }
+}
+
+/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if the patch runs against
+/// it.
+fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    straight.iter().zip(0u32..).flat_map(|(edge, i)| {
+        edge.runs.iter().flat_map(move |&(patch, steps)| {
+            let directed = 2 * i + u32::from(steps < 0);
+            (0..steps.abs()).map(move |_| (patch, directed))
+        })
+    })
 }
 
 /// The patches that run along an edge.
@@ -40,8 +77,9 @@ enum Beside {
 }
 
 impl Beside {
-    fn new(edge: &Straight, number: &[u32]) -> Self {
-        let mut kept = edge.runs.iter().map(|r| (number[r.0 as usize], r.1)).filter(|r| r.0 != NONE);
+    /// `number` gives the number of a patch, or `NONE` if it is left out.
+    fn new(edge: &Straight, number: impl Fn(u32) -> u32) -> Self {
+        let mut kept = edge.runs.iter().map(|r| (number(r.0), r.1)).filter(|r| r.0 != NONE);
         match (kept.next(), kept.next(), kept.next()) {
             (Some((_, x)), None, None) if x.abs() == 1 => Self::One,
             (Some((p, x)), Some((q, y)), None) if x.abs() == 1 && y.abs() == 1 => Self::Two([p, q], x == -y),
@@ -51,47 +89,90 @@ impl Beside {
 }
 
 /// Patches with their slabs, boxes and outlines, in a tree.
-pub(crate) fn gather(mesh: &Welded, grown: &Patches, straight: &[Straight], rules: &Rules) -> Surface {
-    let count = grown.normals.len();
-    let mut outlines: Vec<Vec<u32>> = vec![Vec::new(); count];
-    for (i, edge) in straight.iter().enumerate() {
-        for &(patch, steps) in &edge.runs {
-            let directed = 2 * i as u32 + u32::from(steps < 0);
-            outlines[patch as usize].extend((0..steps.abs()).map(|_| directed));
-        }
-    }
-    outlines.iter_mut().for_each(|outline| in_rings(outline, straight));
-    let all: Vec<u32> = (0..count as u32).collect();
+///
+/// # Errors
+/// Only [`Error::Cancelled`].
+pub(crate) fn gather(
+    mesh: &Welded,
+    grown: &Patches,
+    straight: &[Straight],
+    rules: &Rules,
+    progress: &mut Progress,
+) -> Result<Surface, Error> {
+    let count = grown.seeds.len();
+    let outlines = Lists::new(count, directed(straight));
+    let all = |patch: u32| patch;
     let borders: Vec<Border> =
-        straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, &all))).collect();
-    let (nodes, root) = build(mesh, grown, &borders, rules);
-    let order = in_order(&nodes, root);
+        straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, all))).collect();
+    let tree = Tree::new(mesh, grown, &borders, rules, &mut progress.part(0.0, 0.6))?;
+    let order = tree.in_order();
     let mut number = vec![NONE; count];
     for (&node, new) in order.iter().zip(0..) {
-        if nodes[node as usize].parts.is_empty() {
+        if tree.parts(node).is_empty() {
             number[node as usize] = new;
         }
     }
-    // The patches at each edge, of those that are kept.
-    let beside: Vec<Beside> = straight.iter().map(|edge| Beside::new(edge, &number)).collect();
     let mut surface = Surface { front: rules.front, ..Surface::default() };
-    for &node in &order {
+    surface.patches.reserve_exact(order.len());
+    surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
+    surface.open.reserve(3 * grown.lone as usize);
+    let mut rings = Rings::default();
+    let (mut outline, mut lone) = (Vec::new(), Vec::new());
+    for (at, &node) in order.iter().enumerate() {
+        if at % AHEAD == 0 {
+            let ahead = &order[at..order.len().min(at + AHEAD)];
+            read_ahead(mesh, grown, &tree, (&outlines, straight), ahead);
+            progress.tell(0.6 + 0.4 * at as f32 / order.len() as f32)?;
+        }
         let first = surface.sides.len() as u32;
-        if nodes[node as usize].parts.is_empty() {
+        if tree.parts(node).is_empty() {
             let patch = number[node as usize];
-            for &directed in &outlines[node as usize] {
-                let (edge, beside) = (&straight[(directed >> 1) as usize], &beside[(directed >> 1) as usize]);
-                surface.push_side(mesh, edge, directed & 1 == 1, beside, patch);
+            outline.clear();
+            lone.clear();
+            let edges = if node < grown.lone {
+                lone_outline(mesh, grown, node, rules.tolerance, &mut lone);
+                outline.extend(directed(&lone).map(|d| d.1));
+                // A ring that is passed backwards starts with the same side.
+                if outline.first().is_some_and(|d| d & 1 == 1) {
+                    outline[1..].reverse();
+                }
+                lone.as_slice()
+            } else {
+                outline.extend_from_slice(outlines.of(node));
+                rings.sort(&mut outline, straight);
+                straight
+            };
+            for &directed in &outline {
+                let edge = &edges[(directed >> 1) as usize];
+                let beside = Beside::new(edge, |patch| number[patch as usize]);
+                surface.push_side(mesh, edge, directed & 1 == 1, &beside, patch);
             }
         }
-        let Node { normal, slab: (lo, hi), sine, min, max, .. } = nodes[node as usize];
+        let Node { normal, slab: (lo, hi), sine, min, max, .. } = tree.nodes[node as usize];
         let last = surface.sides.len() as u32;
         let slack = slack(&surface.sides[first as usize..]);
         surface.patches.push(Patch { first, last, next: 0, sine, normal, lo, hi, min, max, slack });
     }
-    close_ranges(&mut surface.patches, &nodes, &order);
+    close_ranges(&mut surface.patches, &tree, &order);
     surface.find_rims();
-    surface
+    Ok(surface)
+}
+
+/// Reads the nodes that come next from memory, so that the processor waits for many of them at once.
+fn read_ahead(
+    mesh: &Welded,
+    grown: &Patches,
+    tree: &Tree,
+    (outlines, straight): (&Lists, &[Straight]),
+    nodes: &[u32],
+) {
+    let x = |v: u32| mesh.positions[v as usize].x;
+    let lone = nodes.iter().filter(|&&node| node < grown.lone);
+    let corners = lone.flat_map(|&node| mesh.triangles[grown.seeds[node as usize] as usize]);
+    let patches = nodes.iter().filter(|&&node| tree.parts(node).is_empty());
+    let edges = patches.flat_map(|&node| outlines.of(node)).map(|d| &straight[(d >> 1) as usize]);
+    let ends = edges.flat_map(|edge| edge.ends);
+    std::hint::black_box(corners.chain(ends).map(x).sum::<f32>());
 }
 
 /// The border between the two patches that an edge separates, if they run along it in opposite directions.
@@ -101,23 +182,12 @@ fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<Border> {
     Some((p, q, a.distance(b)))
 }
 
-/// The nodes below a root, each one before its parts.
-fn in_order(nodes: &[Node], root: Option<u32>) -> Vec<u32> {
-    let mut order = Vec::new();
-    let mut waiting: Vec<u32> = root.into_iter().collect();
-    while let Some(node) = waiting.pop() {
-        order.push(node);
-        waiting.extend(nodes[node as usize].parts.iter().rev());
-    }
-    order
-}
-
 /// Tells each patch where its last part ends.
-fn close_ranges(patches: &mut [Patch], nodes: &[Node], order: &[u32]) {
-    let mut place = vec![0u32; nodes.len()];
+fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
+    let mut place = vec![0u32; tree.nodes.len()];
     for (at, &node) in order.iter().enumerate().rev() {
         place[node as usize] = at as u32;
-        patches[at].next = match nodes[node as usize].parts.last() {
+        patches[at].next = match tree.parts(node).last() {
             Some(&last) => patches[place[last as usize] as usize].next,
             None => at as u32 + 1,
         };

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use crate::mesh::parallel;
 use crate::mesh::surface::patch::{NONE, Rules};
-use crate::mesh::surface::weld::Welded;
+use crate::mesh::surface::weld::{Neighbour, Welded};
 
 /// How far a patch may rise above the plane of its first triangle, for each unit of distance from its middle.
 const SLOPE: f64 = 0.35;
@@ -14,14 +15,28 @@ pub(crate) struct Patches {
     pub(crate) of: Vec<(u32, bool)>,
     /// The cross product of two sides of each triangle as wound.
     pub(crate) crosses: Vec<DVec3>,
-    /// Direction of the first triangle of each.
-    pub(crate) normals: Vec<DVec3>,
+    /// The first triangle of each.
+    pub(crate) seeds: Vec<u32>,
+    /// So many patches, the first ones, are a triangle that shares no vertex with others. The rest are in order of
+    /// their [ranks](Patches::rank).
+    pub(crate) lone: u32,
 }
 
 /// The greatest angle in a patch without parts, in degrees.
 const FLAT: f64 = 10.0;
 
 impl Patches {
+    /// The direction of the first triangle of a patch.
+    pub(crate) fn normal(&self, patch: u32) -> DVec3 {
+        direction(self.crosses[self.seeds[patch as usize] as usize])
+    }
+
+    /// Orders patches: those that grew from larger triangles come first.
+    pub(crate) fn rank(&self, patch: u32) -> (u64, u32) {
+        let seed = self.seeds[patch as usize];
+        rank(self.crosses[seed as usize], seed)
+    }
+
     /// The cross product of two sides of a triangle as it is wound in its patch.
     #[inline]
     pub(crate) fn cross(&self, triangle: u32) -> DVec3 {
@@ -34,46 +49,47 @@ impl Patches {
 /// directions differ little from its own.
 pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
     let count = mesh.triangles.len();
-    let crosses: Vec<DVec3> = (0..count)
-        .map(|t| {
-            let [a, b, c] = mesh.corners(t);
-            (b - a).cross(c - a)
-        })
-        .collect();
-    let mut order: Vec<u32> = (0..count as u32).collect();
-    let area = |t: u32| crosses[t as usize].length_squared();
-    order.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
+    let mut crosses = Vec::with_capacity(count);
+    parallel::extend(&mut crosses, count, |t| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a)
+    });
     let mut of = vec![(NONE, false); count];
-    let mut normals = Vec::new();
+    let mut seeds = lone(mesh);
+    for (&seed, patch) in seeds.iter().zip(0..) {
+        of[seed as usize] = (patch, false);
+    }
+    let lone = seeds.len() as u32;
+    let rest = (0..count as u32).filter(|&t| of[t as usize].0 == NONE);
+    let mut order: Vec<(u64, u32)> = rest.map(|t| rank(crosses[t as usize], t)).collect();
+    parallel::sort(&mut order);
+    let neighbours = if order.is_empty() { Vec::new() } else { mesh.neighbours() };
     let mut queue = Vec::new();
-    for seed in order {
+    for (_, seed) in order {
         if of[seed as usize].0 != NONE {
             continue;
         }
-        let patch = normals.len() as u32;
-        let normal = crosses[seed as usize].normalize_or(DVec3::Z);
+        let patch = seeds.len() as u32;
+        seeds.push(seed);
+        of[seed as usize] = (patch, false);
+        let normal = direction(crosses[seed as usize]);
         let corners = mesh.corners(seed as usize);
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let cosine = rules.cosine.max(FLAT.to_radians().cos());
         let seed_plane = Seed { middle, normal, cosine, tolerance: rules.tolerance };
-        normals.push(normal);
-        of[seed as usize] = (patch, false);
         queue.clear();
         queue.push(seed);
         let mut at = 0;
         while at < queue.len() {
             let t = queue[at] as usize;
             at += 1;
-            for side in 0..3 {
-                let beside = mesh.at_edge(mesh.sides[t][side]);
-                let [one, two] = beside else { continue };
-                let (own, other) = if one.2 as usize == t { (one, two) } else { (two, one) };
-                let next = other.2 as usize;
+            for (next, same_way) in neighbours[t].into_iter().filter_map(Neighbour::get) {
+                let next = next as usize;
                 if of[next].0 != NONE {
                     continue;
                 }
                 // Two triangles wound alike run their edge in opposite directions.
-                let turned = of[t].1 ^ (own.3 == other.3);
+                let turned = of[t].1 ^ same_way;
                 if turned && rules.front {
                     continue;
                 }
@@ -85,7 +101,26 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             }
         }
     }
-    Patches { of, crosses, normals }
+    Patches { of, crosses, seeds, lone }
+}
+
+/// The triangles that share no vertex with others.
+fn lone(mesh: &Welded) -> Vec<u32> {
+    let mut shared = vec![0u8; mesh.positions.len()];
+    for v in mesh.triangles.iter().flatten() {
+        shared[*v as usize] = shared[*v as usize].saturating_add(1);
+    }
+    let alone = |t: &[u32; 3]| t.iter().all(|&v| shared[v as usize] == 1);
+    (0u32..).zip(&mesh.triangles).filter(|(_, t)| alone(t)).map(|(i, _)| i).collect()
+}
+
+/// Orders triangles, the largest first. Areas are not negative, so their bits are in order.
+fn rank(cross: DVec3, triangle: u32) -> (u64, u32) {
+    (!cross.length_squared().to_bits(), triangle)
+}
+
+fn direction(cross: DVec3) -> DVec3 {
+    cross.normalize_or(DVec3::Z)
 }
 
 /// What the triangles of a patch have in common: a plane near which they lie.
@@ -102,10 +137,21 @@ pub(crate) struct Seed {
 impl Seed {
     /// Whether a triangle of these corners and this cross product is of the patch.
     pub(crate) fn takes(&self, corners: [DVec3; 3], cross: DVec3) -> bool {
-        let flat = corners.iter().all(|&p| {
-            let d = p - self.middle;
-            self.normal.dot(d).abs() <= self.tolerance + SLOPE * d.length()
-        });
-        flat && cross.dot(self.normal) >= self.cosine * cross.length()
+        corners.into_iter().all(|p| self.is_near(p)) && self.is_along(cross, cross.length())
+    }
+
+    /// Whether a corner of a triangle lies near enough to the plane.
+    #[inline]
+    pub(crate) fn is_near(&self, corner: DVec3) -> bool {
+        let d = corner - self.middle;
+        let height = self.normal.dot(d).abs();
+        // Most need no root.
+        height <= self.tolerance || height <= self.tolerance + SLOPE * d.length()
+    }
+
+    /// Whether a triangle with this cross product, of this length, is turned little enough from the plane.
+    #[inline]
+    pub(crate) fn is_along(&self, cross: DVec3, length: f64) -> bool {
+        cross.dot(self.normal) >= self.cosine * length
     }
 }

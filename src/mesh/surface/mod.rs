@@ -17,6 +17,7 @@
 
 mod build;
 mod chain;
+mod facets;
 mod gather;
 mod grow;
 mod patch;
@@ -25,4 +26,4 @@ mod tree;
 mod weld;
 
 pub(crate) use patch::{NONE, Outline, Patch, Rules, Side, Surface, slack};
-pub(crate) use weld::key;
+pub(crate) use weld::{Topology, Welded, key};

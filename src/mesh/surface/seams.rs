@@ -42,8 +42,10 @@ pub(crate) struct Place {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Seams {
     places: Vec<Place>,
-    /// For each number ever given, the object.
-    owners: Vec<u32>,
+    /// The ranges of numbers ever given, in order: the first number of each, and the object.
+    ranges: Vec<(u32, u32)>,
+    /// All numbers ever given are smaller.
+    end: u32,
     /// Ranges given back, by the logarithm of their length.
     free: Vec<Vec<u32>>,
     /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
@@ -54,12 +56,13 @@ pub(crate) struct Seams {
 impl Seams {
     /// All numbers are smaller.
     pub(crate) fn patches(&self) -> usize {
-        self.owners.len()
+        self.end as usize
     }
 
     /// The object that has a patch.
     pub(crate) fn owner(&self, number: u32) -> u32 {
-        self.owners[number as usize]
+        let after = self.ranges.partition_point(|r| r.0 <= number);
+        after.checked_sub(1).map_or(NONE, |at| self.ranges[at].1)
     }
 
     pub(crate) fn place(&self, slot: u32) -> &Place {
@@ -70,23 +73,32 @@ impl Seams {
         count.next_power_of_two().trailing_zeros() as usize
     }
 
-    /// Numbers the patches of an object's surface, for as long as it has it.
-    pub(crate) fn insert(&mut self, slot: u32, surface: &Surface, fixed: bool) {
+    /// Numbers the patches of an object's surface, for as long as it has it; false, without a change, if there are
+    /// no numbers left.
+    pub(crate) fn insert(&mut self, slot: u32, surface: &Surface, fixed: bool) -> bool {
         if self.places.len() <= slot as usize {
             self.places.resize_with(slot as usize + 1, Place::default);
         }
         let class = Self::class(surface.patches.len());
+        // The last number means none.
+        let Some(end) = self.end.checked_add(1 << class).filter(|&end| end < NONE) else { return false };
         if self.free.len() <= class {
             self.free.resize_with(class + 1, Vec::new);
         }
-        let base = self.free[class].pop().unwrap_or_else(|| {
-            self.owners.resize(self.owners.len() + (1 << class), NONE);
-            self.owners.len() as u32 - (1 << class)
-        });
-        self.owners[base as usize..][..surface.patches.len()].fill(slot);
+        let base = match self.free[class].pop() {
+            Some(base) => {
+                let at = self.ranges.partition_point(|r| r.0 < base);
+                self.ranges[at].1 = slot;
+                base
+            }
+            None => {
+                self.ranges.push((self.end, slot));
+                std::mem::replace(&mut self.end, end)
+            }
+        };
         self.places[slot as usize] = Place { base, links: Vec::new() };
         if !fixed {
-            return;
+            return true;
         }
         let mut changes = Vec::new();
         for (chain, open) in opens(slot, surface, base) {
@@ -100,6 +112,7 @@ impl Seams {
             }
         }
         self.apply(changes);
+        true
     }
 
     /// The open sides at a chain: four of them, if there are more.
@@ -159,7 +172,7 @@ impl Seams {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.owners.capacity() * 4
+        self.ranges.capacity() * size_of::<(u32, u32)>()
             + self.places.capacity() * size_of::<Place>()
             + self.places.iter().map(|p| p.links.capacity() * 12).sum::<usize>()
             // Nodes of the tree are at least half full.

@@ -10,7 +10,12 @@
 use std::collections::BinaryHeap;
 
 use glam::{DVec3, Vec3};
+use smallvec::{SmallVec, smallvec};
 
+use crate::error::Error;
+use crate::mesh::parallel;
+use crate::mesh::preparation::Progress;
+use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
@@ -23,65 +28,45 @@ const GROWTH: f64 = 4.0;
 const PARTS: usize = 64;
 const BUNDLE: usize = 8;
 
+/// Lists of up to so many nodes are sorted where they are halved: their halves may be bundles, whose parts are in order.
+const SORTED: usize = 2 * BUNDLE + 1;
+
 /// Groups are joined so often, at most.
 const LEVELS: usize = 24;
 
 /// A patch of the tree as it is built.
 pub(super) struct Node {
-    pub(super) parts: Vec<u32>,
+    /// Its parts: where they start in the list of all, and how many there are.
+    parts: (u32, u32),
+    /// The patches of triangles in it, likewise; none if it is such a patch.
+    patches: (u32, u32),
     pub(super) normal: DVec3,
     /// It lies where `slab.0 <= normal . x <= slab.1`; inverted if it can only be drawn in parts.
     pub(super) slab: (f64, f64),
     pub(super) sine: f32,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
-    /// Triangles, until a group takes them.
-    triangles: Vec<u32>,
     area: f64,
 }
 
 impl Node {
-    /// A patch of these triangles.
-    fn new(mesh: &Welded, grown: &Patches, normal: DVec3, triangles: Vec<u32>, parts: Vec<u32>) -> Self {
-        let mut node = Self {
-            parts,
-            normal,
-            slab: (f64::INFINITY, f64::NEG_INFINITY),
-            sine: 0.0,
-            min: Vec3::INFINITY,
-            max: Vec3::NEG_INFINITY,
-            triangles,
-            area: 0.0,
-        };
-        let mut cosine = 1.0f64;
-        for &t in &node.triangles {
-            let cross = grown.cross(t);
-            let length = cross.length();
-            node.area += length;
-            if length > 0.0 {
-                cosine = cosine.min(cross.dot(normal) / length);
-            }
-            for v in mesh.triangles[t as usize] {
-                let p = mesh.positions[v as usize];
-                let along = normal.dot(p.as_dvec3());
-                node.slab = (node.slab.0.min(along), node.slab.1.max(along));
-                (node.min, node.max) = (node.min.min(p), node.max.max(p));
-            }
+    /// A patch of triangles, or a group of several.
+    fn of(facets: &Facets, normal: DVec3, patches: &[u32]) -> Self {
+        let mut extent = Extent::new(normal);
+        for &patch in patches {
+            extent.add(facets.crosses(patch), facets.points(patch));
         }
-        let room = SLAB * f64::from(node.min.abs().max(node.max.abs()).max_element());
-        node.slab = (node.slab.0 - room, node.slab.1 + room);
-        let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
-        node.sine = (sine.min(1.0) as f32).next_up().min(1.0);
-        node
+        extent.node()
     }
 
     /// A bundle of parts, which has no plane.
-    fn bundle(parts: Vec<u32>, nodes: &[Self]) -> Self {
+    fn bundle(parts: &[u32], nodes: &[Self]) -> Self {
         let own = || parts.iter().map(|&p| &nodes[p as usize]);
         let min = own().fold(Vec3::INFINITY, |m, p| m.min(p.min));
         let max = own().fold(Vec3::NEG_INFINITY, |m, p| m.max(p.max));
         let slab = (f64::INFINITY, f64::NEG_INFINITY);
-        Self { parts, normal: DVec3::Z, slab, sine: 1.0, min, max, triangles: Vec::new(), area: 0.0 }
+        let (normal, none) = (DVec3::Z, (0, 0));
+        Self { parts: none, patches: none, normal, slab, sine: 1.0, min, max, area: 0.0 }
     }
 
     fn middle(&self) -> DVec3 {
@@ -93,46 +78,231 @@ impl Node {
     }
 }
 
+/// How far triangles reach, and how much they are turned from a normal.
+struct Extent {
+    normal: DVec3,
+    /// The least cosine between the normal and triangles.
+    cosine: f64,
+    area: f64,
+    slab: (f64, f64),
+    min: Vec3,
+    max: Vec3,
+}
+
+impl Extent {
+    fn new(normal: DVec3) -> Self {
+        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3::INFINITY, Vec3::NEG_INFINITY);
+        Self { normal, cosine: 1.0, area: 0.0, slab, min, max }
+    }
+
+    /// Adds triangles with these cross products, each with its length, and these corners.
+    fn add(&mut self, crosses: &[(DVec3, f64)], points: &[Vec3]) {
+        for &(cross, length) in crosses {
+            self.area += length;
+            if length > 0.0 {
+                self.cosine = self.cosine.min(cross.dot(self.normal) / length);
+            }
+        }
+        let (mut lo, mut hi) = self.slab;
+        for p in points {
+            let along = self.normal.dot(p.as_dvec3());
+            (lo, hi) = (if along < lo { along } else { lo }, if along > hi { along } else { hi });
+            (self.min, self.max) = (self.min.min(*p), self.max.max(*p));
+        }
+        self.slab = (lo, hi);
+    }
+
+    fn node(self) -> Node {
+        let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
+        let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
+        let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
+        let sine = (sine.min(1.0) as f32).next_up().min(1.0);
+        let (none, slab) = ((0, 0), (lo - room, hi + room));
+        Node { parts: none, patches: none, normal, slab, sine, min, max, area }
+    }
+}
+
 /// A border between two patches: both of them, and how long it is.
 pub(super) type Border = (u32, u32, f64);
 
-/// Builds the tree above patches of triangles. Returns all nodes, the patches first, and the number of the root.
-pub(super) fn build(
-    mesh: &Welded,
-    grown: &Patches,
-    borders: &[Border],
-    rules: &Rules,
-) -> (Vec<Node>, Option<u32>) {
-    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); grown.normals.len()];
-    for (&(patch, _), t) in grown.of.iter().zip(0..) {
-        triangles[patch as usize].push(t);
-    }
-    let leaves = triangles.into_iter().zip(&grown.normals);
-    let mut nodes: Vec<Node> =
-        leaves.map(|(own, &normal)| Node::new(mesh, grown, normal, own, Vec::new())).collect();
-    let mut group: Vec<u32> = (0..nodes.len() as u32).collect();
-    for _ in 0..LEVELS {
-        if !join(mesh, grown, borders, rules, &mut nodes, &mut group) {
-            break;
-        }
-    }
-    let mut roots = group;
-    roots.sort_unstable();
-    roots.dedup();
-    roots.retain(|&r| nodes[r as usize].radius() >= rules.least);
-    let root = bundle(roots, &mut nodes);
-    (nodes, root)
+/// Patches of triangles, groups of them, groups of groups and bundles of those.
+pub(super) struct Tree {
+    /// The patches of triangles first.
+    pub(super) nodes: Vec<Node>,
+    root: Option<u32>,
+    /// The parts of all nodes, and the patches of triangles in them.
+    parts: Vec<u32>,
+    patches: Vec<u32>,
 }
 
-/// Joins the groups that patches are in to larger ones. Returns whether there were any to join.
-fn join(
-    mesh: &Welded,
-    grown: &Patches,
-    borders: &[Border],
-    rules: &Rules,
-    nodes: &mut Vec<Node>,
-    group: &mut [u32],
-) -> bool {
+impl Tree {
+    /// Builds the tree above patches of triangles.
+    ///
+    /// # Errors
+    /// Only [`Error::Cancelled`].
+    pub(super) fn new(
+        mesh: &Welded,
+        grown: &Patches,
+        borders: &[Border],
+        rules: &Rules,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let count = grown.seeds.len();
+        let facets = Facets::new(mesh, grown);
+        let mut nodes = Vec::with_capacity(count + count / 4);
+        parallel::extend(&mut nodes, count, |patch| match patch as u32 {
+            patch if patch < grown.lone => lone(mesh, grown, patch),
+            patch => Node::of(&facets, grown.normal(patch), &[patch]),
+        });
+        let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
+        let mut group: Vec<u32> = (0..count as u32).collect();
+        for level in 0..LEVELS {
+            // Each level has about half as many groups as the one before.
+            progress.tell(1.0 - 0.5f32.powi(level as i32))?;
+            if !tree.join(&facets, borders, rules, &mut group) {
+                break;
+            }
+        }
+        drop(facets);
+        let mut roots = group;
+        roots.sort_unstable();
+        roots.dedup();
+        roots.retain(|&r| tree.node(r).radius() >= rules.least);
+        if roots.len() <= BUNDLE {
+            roots.sort_by_key(|&r| rank(grown, r));
+        }
+        let mut roots: Vec<Item> = roots.into_iter().map(|node| tree.item(node)).collect();
+        tree.root = tree.bundle(grown, &mut roots);
+        Ok(tree)
+    }
+
+    fn item(&self, node: u32) -> Item {
+        Item { middle: self.node(node).middle().to_array().map(ordered), node }
+    }
+
+    fn node(&self, node: u32) -> &Node {
+        &self.nodes[node as usize]
+    }
+
+    /// The parts of a node.
+    pub(super) fn parts(&self, node: u32) -> &[u32] {
+        let (first, count) = self.node(node).parts;
+        &self.parts[first as usize..][..count as usize]
+    }
+
+    /// The patches of triangles in a node that is no bundle.
+    fn patches<'a>(&'a self, node: &'a u32) -> &'a [u32] {
+        match self.node(*node).patches {
+            (_, 0) => std::slice::from_ref(node),
+            (first, count) => &self.patches[first as usize..][..count as usize],
+        }
+    }
+
+    /// The nodes below the root, each one before its parts.
+    pub(super) fn in_order(&self) -> Vec<u32> {
+        let mut order = Vec::with_capacity(self.nodes.len());
+        let mut waiting: Vec<u32> = self.root.into_iter().collect();
+        while let Some(node) = waiting.pop() {
+            order.push(node);
+            waiting.extend(self.parts(node).iter().rev());
+        }
+        order
+    }
+
+    fn push(&mut self, node: Node, patches: &[u32], parts: &[u32]) {
+        let node = Node {
+            parts: (self.parts.len() as u32, parts.len() as u32),
+            patches: (self.patches.len() as u32, patches.len() as u32),
+            ..node
+        };
+        self.patches.extend_from_slice(patches);
+        self.parts.extend_from_slice(parts);
+        self.nodes.push(node);
+    }
+
+    /// Joins the groups that patches are in to larger ones. Returns whether there were any to join.
+    fn join(&mut self, facets: &Facets, borders: &[Border], rules: &Rules, group: &mut [u32]) -> bool {
+        let links = links(borders, group);
+        let mut seeds: Vec<u32> = links.iter().map(|l| l.0).collect();
+        seeds.dedup();
+        let area = |n: u32| self.nodes[n as usize].area;
+        seeds.sort_unstable_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
+        let mut into: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        let mut taken = vec![false; self.nodes.len()];
+        let mut waiting: BinaryHeap<(u64, u32)> = BinaryHeap::new();
+        let mut joined = false;
+        for seed in seeds {
+            if taken[seed as usize] {
+                continue;
+            }
+            let first = self.node(seed);
+            let plane = Seed {
+                middle: first.middle(),
+                normal: first.normal,
+                cosine: rules.cosine,
+                tolerance: rules.tolerance,
+            };
+            let (mut parts, mut size, enough) = (vec![seed], first.area, first.area * GROWTH);
+            waiting.clear();
+            taken[seed as usize] = true;
+            let mut newest = seed;
+            while parts.len() < PARTS && size < enough {
+                let from = links.partition_point(|l| l.0 < newest);
+                let beside = links[from..].iter().take_while(|l| l.0 == newest);
+                // Lengths are not negative, so their bits are in order. Longest first.
+                waiting.extend(beside.map(|&(_, other, length)| (length.to_bits(), other)));
+                let fits = |(_, other): &(u64, u32)| {
+                    // Larger ones were seeds themselves.
+                    self.node(*other).area <= first.area
+                        && self.patches(other).iter().all(|&p| facets.fit(p, &plane))
+                };
+                let mut free = std::iter::from_fn(|| waiting.pop()).filter(|w| !taken[w.1 as usize]);
+                let Some((_, next)) = free.find(fits) else { break };
+                taken[next as usize] = true;
+                size += self.node(next).area;
+                parts.push(next);
+                newest = next;
+            }
+            if parts.len() < 2 {
+                taken[seed as usize] = false;
+                continue;
+            }
+            joined = true;
+            let patches: Vec<u32> = parts.iter().flat_map(|p| self.patches(p)).copied().collect();
+            let sum: DVec3 = patches.iter().flat_map(|&p| facets.crosses(p)).map(|c| c.0).sum();
+            let normal = sum.try_normalize().unwrap_or(first.normal);
+            parts.iter().for_each(|&p| into[p as usize] = self.nodes.len() as u32);
+            let node = Node::of(facets, normal, &patches);
+            self.push(node, &patches, &parts);
+        }
+        group.iter_mut().for_each(|g| *g = into[*g as usize]);
+        joined
+    }
+
+    /// Bundles nodes that lie together. Returns the one above all.
+    fn bundle(&mut self, grown: &Patches, all: &mut [Item]) -> Option<u32> {
+        if all.len() <= 1 {
+            return all.first().map(|item| item.node);
+        }
+        let mut parts: SmallVec<[u32; BUNDLE]> = SmallVec::new();
+        if all.len() <= BUNDLE {
+            parts.extend(all.iter().map(|item| item.node));
+        } else {
+            // Halves of halves of halves.
+            let mut pieces: SmallVec<[&mut [Item]; BUNDLE]> = smallvec![all];
+            for _ in 0..BUNDLE.ilog2() {
+                pieces = pieces.into_iter().flat_map(|piece| halve(piece, grown)).collect();
+            }
+            parts.extend(pieces.into_iter().filter_map(|piece| self.bundle(grown, piece)));
+        }
+        let bundle = Node::bundle(&parts, &self.nodes);
+        self.push(bundle, &[], &parts);
+        Some(self.nodes.len() as u32 - 1)
+    }
+}
+
+/// The borders between groups, from both sides of each, in order, with their lengths together.
+fn links(borders: &[Border], group: &[u32]) -> Vec<Border> {
     let beside = |&(a, b, length): &Border| {
         let (a, b) = (group[a as usize], group[b as usize]);
         [(a, b, length), (b, a, length)]
@@ -140,93 +310,64 @@ fn join(
     let mut links: Vec<Border> = borders.iter().flat_map(beside).filter(|l| l.0 != l.1).collect();
     links.sort_unstable_by(|x, y| (x.0, x.1).cmp(&(y.0, y.1)).then(x.2.total_cmp(&y.2)));
     let total = |same: &[Border]| (same[0].0, same[0].1, same.iter().map(|l| l.2).sum());
-    let links: Vec<Border> = links.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).map(total).collect();
-    let mut seeds: Vec<u32> = links.iter().map(|l| l.0).collect();
-    seeds.dedup();
-    let area = |n: u32| nodes[n as usize].area;
-    seeds.sort_unstable_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
-    let mut into: Vec<u32> = (0..nodes.len() as u32).collect();
-    let mut taken = vec![false; nodes.len()];
-    let mut waiting: BinaryHeap<(u64, u32)> = BinaryHeap::new();
-    let mut joined = false;
-    for seed in seeds {
-        if taken[seed as usize] {
-            continue;
-        }
-        let first = &nodes[seed as usize];
-        let plane = Seed {
-            middle: first.middle(),
-            normal: first.normal,
-            cosine: rules.cosine,
-            tolerance: rules.tolerance,
-        };
-        let (mut parts, mut size, enough) = (vec![seed], first.area, first.area * GROWTH);
-        waiting.clear();
-        taken[seed as usize] = true;
-        let mut newest = seed;
-        while parts.len() < PARTS && size < enough {
-            let from = links.partition_point(|l| l.0 < newest);
-            let beside = links[from..].iter().take_while(|l| l.0 == newest);
-            // Lengths are not negative, so their bits are in order. Longest first.
-            waiting.extend(beside.map(|&(_, other, length)| (length.to_bits(), other)));
-            let fits = |&(_, other): &(u64, u32)| {
-                let other = &nodes[other as usize];
-                // Larger ones were seeds themselves.
-                other.area <= first.area
-                    && other.triangles.iter().all(|&t| plane.takes(mesh.corners(t as usize), grown.cross(t)))
-            };
-            let mut free = std::iter::from_fn(|| waiting.pop()).filter(|w| !taken[w.1 as usize]);
-            let Some((_, next)) = free.find(fits) else { break };
-            taken[next as usize] = true;
-            size += nodes[next as usize].area;
-            parts.push(next);
-            newest = next;
-        }
-        if parts.len() < 2 {
-            taken[seed as usize] = false;
-            continue;
-        }
-        joined = true;
-        let triangles: Vec<u32> =
-            parts.iter().flat_map(|&p| std::mem::take(&mut nodes[p as usize].triangles)).collect();
-        let sum: DVec3 = triangles.iter().map(|&t| grown.cross(t)).sum();
-        let normal = sum.try_normalize().unwrap_or(nodes[seed as usize].normal);
-        parts.iter().for_each(|&p| into[p as usize] = nodes.len() as u32);
-        nodes.push(Node::new(mesh, grown, normal, triangles, parts));
-    }
-    group.iter_mut().for_each(|g| *g = into[*g as usize]);
-    joined
+    links.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).map(total).collect()
 }
 
-/// Bundles nodes that lie together. Returns the one above all.
-fn bundle(mut all: Vec<u32>, nodes: &mut Vec<Node>) -> Option<u32> {
-    if all.len() <= 1 {
-        return all.pop();
-    }
-    let parts: Vec<u32> = if all.len() <= BUNDLE {
-        all
+/// A node to be bundled.
+struct Item {
+    /// Its middle, as [`ordered`] numbers.
+    middle: [i64; 3],
+    node: u32,
+}
+
+/// A number whose order is that of [`f64::total_cmp`], and back.
+fn ordered(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
+fn unordered(bits: i64) -> f64 {
+    f64::from_bits((bits ^ ((bits >> 63) as u64 >> 1) as i64) as u64)
+}
+
+/// A patch that is a lone triangle.
+fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> Node {
+    let seed = grown.seeds[patch as usize];
+    let cross = grown.cross(seed);
+    let corners = mesh.triangles[seed as usize].map(|v| mesh.positions[v as usize]);
+    let mut extent = Extent::new(grown.normal(patch));
+    extent.add(&[(cross, cross.length())], &corners);
+    extent.node()
+}
+
+/// Orders nodes where their places do not: patches of triangles first.
+fn rank(grown: &Patches, node: u32) -> (bool, u64, u32) {
+    if (node as usize) < grown.seeds.len() {
+        let (area, seed) = grown.rank(node);
+        (false, area, seed)
     } else {
-        // Halves of halves of halves.
-        let mut pieces = vec![all];
-        for _ in 0..BUNDLE.ilog2() {
-            pieces = pieces.into_iter().flat_map(|piece| halve(piece, nodes)).collect();
-        }
-        pieces.into_iter().filter_map(|piece| bundle(piece, nodes)).collect()
-    };
-    let bundle = Node::bundle(parts, nodes);
-    nodes.push(bundle);
-    Some(nodes.len() as u32 - 1)
+        (true, 0, node)
+    }
 }
 
-/// Two halves of a list, along the longest axis of their middles.
-fn halve(mut all: Vec<u32>, nodes: &[Node]) -> [Vec<u32>; 2] {
-    let middle = |n: u32| nodes[n as usize].middle();
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &n in &all {
-        (min, max) = (min.min(middle(n)), max.max(middle(n)));
+/// Two halves of a list, along the longest axis of their middles. Small ones are in order.
+fn halve<'a>(all: &'a mut [Item], grown: &Patches) -> [&'a mut [Item]; 2] {
+    let (mut min, mut max) = ([i64::MAX; 3], [i64::MIN; 3]);
+    for item in all.iter() {
+        for i in 0..3 {
+            (min[i], max[i]) = (min[i].min(item.middle[i]), max[i].max(item.middle[i]));
+        }
     }
-    let axis = (max - min).max_position();
-    all.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b)));
-    let second = all.split_off(all.len() / 2);
-    [all, second]
+    let axis = (DVec3::from(max.map(unordered)) - DVec3::from(min.map(unordered))).max_position();
+    let order = |a: &Item, b: &Item| {
+        let places = a.middle[axis].cmp(&b.middle[axis]);
+        places.then_with(|| rank(grown, a.node).cmp(&rank(grown, b.node)))
+    };
+    let half = all.len() / 2;
+    if all.len() <= SORTED {
+        all.sort_unstable_by(order);
+    } else {
+        all.select_nth_unstable_by(half, order);
+    }
+    all.split_at_mut(half).into()
 }

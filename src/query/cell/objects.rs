@@ -20,7 +20,7 @@ impl Walk<'_> {
             visited.set(self.shells.cell);
         }
         let scene = self.scene;
-        scene.id_matrix().get(self.shells.cell).for_each(|slot| self.decide(slot));
+        scene.cell_ids().get(self.shells.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
         self.scene.volumes().holding(self.shells.cell, |slot| around.push(slot));
         around.sort_unstable();
@@ -129,7 +129,7 @@ impl Walk<'_> {
         let mut corner = (brick << 3i32) - self.shells.cell;
         corner[axes.normal] = at - self.shells.cell[axes.normal];
         let scene = self.scene;
-        scene.id_matrix().for_tile(brick, &axes, at, tile, |bit, whole, own| {
+        scene.cell_ids().for_tile(brick, &axes, at, tile, |bit, whole, own| {
             let decided = |&slot: &u32| self.marks.is_decided(slot);
             if own.iter().all(decided) && whole.iter().all(decided) {
                 return;

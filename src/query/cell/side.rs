@@ -188,7 +188,7 @@ impl Walk<'_> {
         let opaque = scene.static_opacity().tile(brick, axes, at)
             | self.dynamic.map_or(0, |o| o.tile(brick, axes, at))
             | self.more.map_or(0, |m| m.tile(brick, axes, at));
-        let objects = scene.id_matrix().tile(brick, axes, at) & tile;
+        let objects = scene.cell_ids().tile(brick, axes, at) & tile;
         if objects != 0 {
             hits.push(Hit { brick, tile: objects, objects: true });
         }

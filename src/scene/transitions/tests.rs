@@ -213,7 +213,7 @@ fn volumes_are_kept_while_they_serve() {
 fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let World { scene, .. } = prepare().remove();
-        assert_eq!((scene.ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
+        assert_eq!((scene.cell_ids().ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
         assert!(scene.listed.as_slice().is_empty() && scene.always().is_empty());
         assert_eq!((scene.listed_on_expiry, scene.overdue_occluders), (0, 0));
     }
@@ -221,7 +221,7 @@ fn nothing_is_left_of_a_removed_object() {
 
 /// Entries of I for the wall alone.
 fn wall_entries() -> usize {
-    World::new(BEFORE, false).remove().scene.ids.entries()
+    World::new(BEFORE, false).remove().scene.cell_ids().ids.entries()
 }
 
 #[test]

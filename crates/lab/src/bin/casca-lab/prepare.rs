@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,7 +94,10 @@ fn prepare(meshes: &[(String, Arc<Mesh>)], options: &Options) -> Result<Vec<TriM
     let prepared = meshes.iter().map(|(name, mesh)| {
         bar.set_message(name.clone());
         let count = mesh.triangles.len();
-        let mut progress = |share: f32| bar.set_position(done + (share * count as f32) as u64);
+        let mut progress = |share: f32| {
+            bar.set_position(done + (share * count as f32) as u64);
+            ControlFlow::Continue(())
+        };
         let prepared = TriMesh::prepare(mesh.positions.clone(), mesh.triangles.clone(), &how, &mut progress);
         done += count as u64;
         prepared
