@@ -1,5 +1,7 @@
 //! The covered pixels of a window, tile by tile.
 
+use std::ops::RangeInclusive;
+
 use crate::occlusion::face::{Linear, Rect};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
@@ -60,6 +62,8 @@ pub(crate) struct Coverage {
     /// For each tile, the nearness down to which all of its pixels are covered.
     closed: Vec<f32>,
     shades: Vec<Shades>,
+    /// Whether any tile has planes.
+    shaded: bool,
 }
 
 impl Coverage {
@@ -69,7 +73,10 @@ impl Coverage {
         self.tiles.resize(count, Tile::EMPTY);
         self.closed.clear();
         self.closed.resize(count, f32::NEG_INFINITY);
-        self.shades.clear();
+        if self.shaded {
+            self.shades.clear();
+            self.shaded = false;
+        }
         self.shades.resize(count, Shades::NONE);
     }
 
@@ -77,6 +84,12 @@ impl Coverage {
     #[inline]
     pub(crate) fn closed(&self, tile: usize) -> f32 {
         self.closed[tile]
+    }
+
+    /// Whether all pixels of some tiles are covered nearer than a nearness.
+    #[inline]
+    pub(crate) fn all_closed(&self, tiles: RangeInclusive<usize>, near: f32) -> bool {
+        self.closed[tiles].iter().all(|&c| c >= near)
     }
 
     /// Whether all pixels of all tiles are covered nearer than a nearness.
@@ -111,6 +124,7 @@ impl Coverage {
     pub(crate) fn cover_plane(&mut self, tile: usize, mask: u64, near: f32, plane: Option<Linear>) -> bool {
         if let Some(plane) = plane {
             self.shades[tile].add(mask, plane);
+            self.shaded = true;
         }
         self.cover(tile, mask, near)
     }

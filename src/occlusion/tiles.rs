@@ -50,6 +50,10 @@ impl Tile {
         if near.is_nan() {
             return false;
         }
+        if self.near[0] == NONE && near > NONE && mask != 0 {
+            (self.near[0], self.mask[0]) = (near, mask);
+            return true;
+        }
         let at = self.near.iter().take_while(|&&n| n >= near).count();
         let before = if at == 0 { 0 } else { self.mask[at - 1] };
         let mask = before | mask;
