@@ -1,7 +1,5 @@
 //! The covered pixels of a window, tile by tile.
 
-use std::ops::RangeInclusive;
-
 use crate::occlusion::face::{Linear, Rect};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
@@ -86,10 +84,10 @@ impl Coverage {
         self.closed[tile]
     }
 
-    /// Whether all pixels of some tiles are covered nearer than a nearness.
+    /// Whether all pixels of the tiles from `first` to `last` are covered nearer than a nearness.
     #[inline]
-    pub(crate) fn all_closed(&self, tiles: RangeInclusive<usize>, near: f32) -> bool {
-        self.closed[tiles].iter().all(|&c| c >= near)
+    pub(crate) fn all_closed(&self, first: usize, last: usize, near: f32) -> bool {
+        self.closed[first..last + 1].iter().all(|&c| c >= near)
     }
 
     /// Whether all pixels of all tiles are covered nearer than a nearness.
@@ -137,16 +135,21 @@ impl Coverage {
         }
         let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
         let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
-        (ty0..=ty1).all(|ty| {
-            let (a, b) = (window.tile_index(tx0, ty), window.tile_index(tx1, ty));
-            self.closed[a..=b].iter().enumerate().all(|(i, &closed)| {
+        let across = (tx1 - tx0) as usize + 1;
+        for ty in ty0..=ty1 {
+            let start = window.tile_index(tx0, ty);
+            for (i, &closed) in self.closed[start..start + across].iter().enumerate() {
                 if closed >= near {
-                    return true;
+                    continue;
                 }
                 let (x, y) = ((tx0 + i as i64) * TILE, ty * TILE);
-                block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.tiles[a + i].hidden(near) == 0
-            })
-        })
+                let asked = block(x0 - x, x1 - x, y0 - y, y1 - y);
+                if asked & !self.tiles[start + i].hidden(near) != 0 {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Whether a point of a pixel is hidden: by the tile at `tile_near`, or by a plane at `near`.

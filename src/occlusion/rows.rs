@@ -7,12 +7,10 @@
 
 use smallvec::SmallVec;
 
-use crate::numeric::occlusion::{
-    CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_SLOPE, NEAREST_INTEGER, PIXEL,
-};
+use crate::numeric::occlusion::{CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_SLOPE, PIXEL};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::Linear;
-use crate::occlusion::pixels::{PixelRect, Window, floor};
+use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
 use crate::occlusion::silhouette::{Kind, Silhouette};
 use crate::occlusion::tiles::TILE;
 
@@ -122,12 +120,6 @@ fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The integer nearest to a number below 2^31, by the digits that are left of a sum: this vectorises everywhere.
-#[inline(always)]
-fn nearest(v: f64) -> i32 {
-    (v + NEAREST_INTEGER).to_bits() as i32
-}
-
 impl Rows {
     /// The rows of a silhouette that lies in a rectangle of pixels; `None` if none of them is covered for sure.
     pub(crate) fn new(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
@@ -170,7 +162,8 @@ impl Rows {
             // The borders of the face itself are exact.
             let a = if lo[i] <= 0.0 { 0.0 } else { lo[i] + (margin + 0.5) };
             let b = if hi[i] >= self.columns { self.columns } else { hi[i] - (margin + 0.5) };
-            let (a, b) = (nearest(lesser(greater(a, x0), x1)), nearest(lesser(greater(b, x0), x1)));
+            let (a, b) =
+                (nearest_integer(lesser(greater(a, x0), x1)), nearest_integer(lesser(greater(b, x0), x1)));
             let some = (a < b) & (i as i32 >= y0) & ((i as i32) < y1);
             first[i] = if some { a } else { BEYOND };
             end[i] = if some { b } else { -BEYOND };

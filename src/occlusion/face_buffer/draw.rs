@@ -1,8 +1,10 @@
 //! Drawing convex occluders.
 
 use crate::numeric::occlusion::{above, below};
+use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
 use crate::occlusion::front::Front;
+use crate::occlusion::pixels::Window;
 use crate::occlusion::rows::{Rows, TileRow};
 use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
@@ -11,62 +13,76 @@ impl FaceBuffer {
     /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and whether it hides
     /// more than before.
     pub(crate) fn draw(&mut self, solid: &Solid, index: u32, owner: u32) -> (bool, bool) {
-        let Some((rect, depth, silhouette)) = solid.on_face(&self.face) else { return (false, false) };
-        let pixels = self.window.touched_by(&rect);
+        let Some(seen) = solid.on_face(&self.face) else { return (false, false) };
+        let pixels = self.window.touched_by(&seen.rect);
         if pixels.is_empty() {
             return (false, false);
         }
-        let front = solid.front(&self.face);
-        let listed = Listed { drawn: self.drawn.len() as u32, near: above(self.face.nearness_of(depth)) };
-        self.occluders.push(&pixels, listed);
-        let changed = Rows::new(&silhouette, &self.window, &pixels)
-            .is_some_and(|rows| self.cover_rows(&rows, &front, listed.near));
-        self.drawn.push(Drawn { silhouette, front, solid: index, owner });
-        (true, changed)
+        let nearest = above(self.face.nearness_of(seen.near));
+        let number = self.drawn.len();
+        self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest });
+        self.drawn.push(Drawn {
+            silhouette: solid.silhouette(&self.face),
+            front: solid.front(&self.face, &seen),
+            solid: index,
+            owner,
+        });
+        let Drawn { silhouette, front, .. } = &self.drawn[number];
+        let rows = Rows::new(silhouette, &self.window, &pixels);
+        let cover = |rows: &Rows| cover_rows(&mut self.coverage, &self.window, rows, front, nearest);
+        (true, rows.as_ref().is_some_and(cover))
     }
+}
 
-    /// Covers the tiles of an occluder of which no point is nearer than `nearest`.
-    fn cover_rows(&mut self, rows: &Rows, front: &Front, nearest: f32) -> bool {
-        let mut changed = false;
-        let (tiles_x, tiles_y) = (rows.pixels().tiles_x(), rows.pixels().tiles_y());
-        for ty in tiles_y.0..=tiles_y.1 {
-            let start = self.window.tile_index(tiles_x.0, ty);
-            let end = start + (tiles_x.1 - tiles_x.0) as usize;
-            if !self.coverage.all_closed(start..=end, nearest) {
-                changed |= self.cover_row(&rows.tile_row(ty), ty, front, nearest);
-            }
+/// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that hides more than
+/// before.
+fn cover_rows(coverage: &mut Coverage, window: &Window, rows: &Rows, front: &Front, nearest: f32) -> bool {
+    let mut changed = false;
+    let (tiles_x, tiles_y) = (rows.pixels().tiles_x(), rows.pixels().tiles_y());
+    for ty in tiles_y.0..=tiles_y.1 {
+        let start = window.tile_index(tiles_x.0, ty);
+        let end = start + (tiles_x.1 - tiles_x.0) as usize;
+        if !coverage.all_closed(start, end, nearest) {
+            changed |= cover_row(coverage, window, &rows.tile_row(ty), ty, front, nearest);
         }
-        changed
     }
+    changed
+}
 
-    /// Covers a row of tiles.
-    #[inline]
-    fn cover_row(&mut self, row: &TileRow, ty: i64, front: &Front, nearest: f32) -> bool {
-        let (left, right) = row.columns();
-        if left >= right {
-            return false;
-        }
-        let mut changed = false;
-        let first = left / TILE;
-        let row_start = self.window.tile_index(first, ty);
-        for tx in first..=(right - 1) / TILE {
-            let x = tx * TILE;
-            let t = row_start + (tx - first) as usize;
-            let closed = self.coverage.closed(t);
-            if closed >= nearest {
-                continue;
-            }
-            let rect = self.window.square(x, ty * TILE, TILE);
-            let whole = row.covers_tile(x);
-            let near = below(if whole { front.behind_inside(&rect) } else { front.behind(&rect) });
-            if near <= closed {
-                continue;
-            }
-            let mask = if whole { u64::MAX } else { row.mask(x) };
-            changed |= mask != 0 && self.coverage.cover(t, mask, near);
-        }
-        changed
+/// Covers a row of tiles.
+#[inline]
+fn cover_row(
+    coverage: &mut Coverage,
+    window: &Window,
+    row: &TileRow,
+    ty: i64,
+    front: &Front,
+    nearest: f32,
+) -> bool {
+    let (left, right) = row.columns();
+    if left >= right {
+        return false;
     }
+    let mut changed = false;
+    let first = left / TILE;
+    let row_start = window.tile_index(first, ty);
+    for tx in first..=(right - 1) / TILE {
+        let x = tx * TILE;
+        let t = row_start + (tx - first) as usize;
+        let closed = coverage.closed(t);
+        if closed >= nearest {
+            continue;
+        }
+        let rect = window.square(x, ty * TILE, TILE);
+        let whole = row.covers_tile(x);
+        let near = below(if whole { front.behind_inside(&rect) } else { front.behind(&rect) });
+        if near <= closed {
+            continue;
+        }
+        let mask = if whole { u64::MAX } else { row.mask(x) };
+        changed |= mask != 0 && coverage.cover(t, mask, near);
+    }
+    changed
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
 use crate::grid::cell_box::CellBox;
 use crate::numeric::shape::REGION;
 use crate::object::Occluder;
@@ -42,7 +41,7 @@ impl Walk<'_> {
         }
         if let Some(solid) = solid(occluder, buffers) {
             self.stats.occluders_drawn += 1;
-            self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+            self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         }
     }
 
@@ -69,7 +68,7 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
-        self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         true
     }
 
@@ -93,10 +92,10 @@ impl Walk<'_> {
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
-            && let Some(solid) = Solid::polytope(Polytope::block(&block), buffers.direction())
+            && let Some(solid) = Solid::block(block, buffers.direction())
         {
             self.stats.cells_drawn += 1;
-            buffers.draw(&solid, NOBODY);
+            buffers.draw(solid, NOBODY);
         }
     }
 
