@@ -3,7 +3,7 @@
 use crate::occlusion::face::{Linear, Rect};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
-use crate::occlusion::tiles::{TILE, Tile, block};
+use crate::occlusion::tiles::{TILE, Tile, columns_from, columns_up_to, rows_from, rows_up_to};
 
 /// Planes kept for a tile.
 const SHADES: usize = 2;
@@ -133,18 +133,20 @@ impl Coverage {
         if pixels.is_empty() {
             return true;
         }
-        let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
         let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
-        let across = (tx1 - tx0) as usize + 1;
+        let last = (tx1 - tx0) as usize;
+        let (left, right) = (columns_from(pixels.x.0), columns_up_to(pixels.x.1));
         for ty in ty0..=ty1 {
+            let rows = if ty == ty0 { rows_from(pixels.y.0) } else { u64::MAX }
+                & if ty == ty1 { rows_up_to(pixels.y.1) } else { u64::MAX };
             let start = window.tile_index(tx0, ty);
-            for (i, &closed) in self.closed[start..start + across].iter().enumerate() {
+            let tiles = &self.tiles[start..start + last + 1];
+            for (i, (&closed, tile)) in self.closed[start..].iter().zip(tiles).enumerate() {
                 if closed >= near {
                     continue;
                 }
-                let (x, y) = ((tx0 + i as i64) * TILE, ty * TILE);
-                let asked = block(x0 - x, x1 - x, y0 - y, y1 - y);
-                if asked & !self.tiles[start + i].hidden(near) != 0 {
+                let columns = if i == 0 { left } else { u64::MAX } & if i == last { right } else { u64::MAX };
+                if rows & columns & !tile.hidden(near) != 0 {
                     return false;
                 }
             }
@@ -176,6 +178,7 @@ impl Coverage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::occlusion::tiles::block;
 
     #[test]
     fn a_rectangle_is_hidden_once_all_its_pixels_are() {

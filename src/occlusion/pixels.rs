@@ -152,12 +152,6 @@ impl Window {
         (first.into(), end.into())
     }
 
-    /// The columns of the window between two coordinates.
-    #[inline]
-    pub(crate) fn columns(&self, lo: f64, hi: f64) -> (i64, i64) {
-        self.touched(lo, hi, self.pixels.x)
-    }
-
     /// The pixels of the window that a rectangle touches.
     #[inline]
     pub(crate) fn touched_by(&self, rect: &Rect) -> PixelRect {

@@ -7,7 +7,9 @@
 
 use smallvec::SmallVec;
 
-use crate::numeric::occlusion::{CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_SLOPE, PIXEL};
+use crate::numeric::occlusion::{
+    CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_OUTSIDE, HALF_PLANE_SLOPE, PIXEL,
+};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::Linear;
 use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
@@ -43,6 +45,13 @@ struct Conic {
     error: f64,
 }
 
+/// Which pixels are asked for: those inside for sure, or all that may be touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rounding {
+    Inwards,
+    Outwards,
+}
+
 #[derive(Debug)]
 enum Shape {
     Polygon {
@@ -57,7 +66,7 @@ enum Shape {
     Hyperbola { conic: Conic, right: bool },
 }
 
-/// A silhouette that is ready to be asked for rows of pixels.
+/// A shape on a face that is ready to be asked for rows of pixels.
 #[derive(Debug)]
 pub(crate) struct Rows {
     shape: Shape,
@@ -68,9 +77,11 @@ pub(crate) struct Rows {
     step: f64,
     /// Number of columns of the whole face.
     columns: f64,
+    /// Half a pixel more than the margin by which columns are moved inwards; less than zero if outwards.
+    inset: f64,
 }
 
-/// The pixels that a silhouette covers in one row of tiles.
+/// The pixels of a shape in one row of tiles.
 #[derive(Debug)]
 pub(crate) struct TileRow {
     /// For each row of pixels, the first covered column and the one after the last.
@@ -94,18 +105,31 @@ impl TileRow {
         i64::from(self.all.0) <= x && x + TILE <= self.all.1.into()
     }
 
+    /// The covered pixels of any tile of the window.
+    #[inline]
+    pub(crate) fn mask_of_tile(&self, x: i64) -> u64 {
+        if self.covers_tile(x) {
+            u64::MAX
+        } else if x + TILE <= self.some.0.into() || i64::from(self.some.1) <= x {
+            0
+        } else {
+            self.mask(x)
+        }
+    }
+
     /// The covered pixels of the tile that begins at column `x`.
     #[inline]
     pub(crate) fn mask(&self, x: i64) -> u64 {
         let x = x as i32;
-        let within = |columns: &[i32; ROWS]| columns.map(|c| (c - x).clamp(0, TILE as i32));
-        let (first, end) = (within(&self.first), within(&self.end));
-        let mut mask = 0;
-        for i in 0..ROWS {
-            let row = 0xffu32 << first[i] & !(0xff << end[i]) & 0xff;
-            mask |= u64::from(row) << (8 * i);
+        let mut rows = [0i32; ROWS];
+        // Column by column, because processors shift all lanes of a vector alike.
+        for column in 0..TILE as i32 {
+            for (i, row) in rows.iter_mut().enumerate() {
+                let covered = (self.first[i] <= x + column) & (x + column < self.end[i]);
+                *row |= if covered { 1 << column } else { 0 };
+            }
         }
-        mask
+        u64::from_le_bytes(rows.map(|row| row as u8))
     }
 }
 
@@ -121,16 +145,29 @@ fn lesser(a: f64, b: f64) -> f64 {
 }
 
 impl Rows {
-    /// The rows of a silhouette that lies in a rectangle of pixels; `None` if none of them is covered for sure.
-    pub(crate) fn new(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
-        let mut pixels = *pixels;
-        let shape = match silhouette.kind() {
-            Kind::Polygon(halves) => polygon(halves, window, &mut pixels)?,
-            Kind::Conic { s, k, u0, v0, e, .. } => conic(s, *k, (*u0, *v0), *e, window)?,
+    /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are none for sure.
+    pub(crate) fn inside(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
+        let (shape, pixels) = match silhouette.kind() {
+            Kind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
+            Kind::Conic { s, k, u0, v0, e, .. } => (conic(s, *k, (*u0, *v0), *e, window)?, *pixels),
             Kind::Everything => return None,
         };
+        let error = match &shape {
+            Shape::Polygon { .. } => 0.0,
+            Shape::Ellipse(conic) | Shape::Hyperbola { conic, .. } => conic.error,
+        };
+        Self::new(shape, window, pixels, PIXEL + error + 0.5)
+    }
+
+    /// The pixels of a window that may reach into all half-planes; `None` if there are none.
+    pub(crate) fn touching(halves: &[Linear], window: &Window) -> Option<Self> {
+        let (shape, pixels) = polygon(halves, window, window.pixels(), Rounding::Outwards)?;
+        Self::new(shape, window, pixels, -PIXEL - 0.5)
+    }
+
+    fn new(shape: Shape, window: &Window, pixels: PixelRect, inset: f64) -> Option<Self> {
         let (base, step, columns) = (window.border(0), window.step(), window.per_unit() * 2.0);
-        (!pixels.is_empty()).then_some(Self { shape, pixels, base, step, columns })
+        (!pixels.is_empty()).then_some(Self { shape, pixels, base, step, columns, inset })
     }
 
     /// The pixels outside of which nothing is covered.
@@ -143,28 +180,28 @@ impl Rows {
     pub(crate) fn tile_row(&self, ty: i64) -> TileRow {
         let y = ty * TILE;
         let v = self.base + self.step * y as f64;
-        match &self.shape {
-            Shape::Polygon { lower, upper } => self.whole_pixels(y, between(lower, upper, y as f64), PIXEL),
-            Shape::Ellipse(conic) => self.whole_pixels(y, conic.inside(v, self.step), PIXEL + conic.error),
-            Shape::Hyperbola { conic, right } => {
-                self.whole_pixels(y, conic.beside(*right, v, self.step), PIXEL + conic.error)
-            }
-        }
+        let columns = match &self.shape {
+            Shape::Polygon { lower, upper } => between(lower, upper, y as f64),
+            Shape::Ellipse(conic) => conic.inside(v, self.step),
+            Shape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
+        };
+        self.pixels_between(y, columns, self.inset)
     }
 
-    /// The whole pixels between two columns in each row from `y` on, both known to within `margin`.
+    /// The pixels between two columns in each row from `y` on, at least `inset` from both after rounding to the nearest
+    /// borders of pixels.
     #[inline(always)]
-    fn whole_pixels(&self, y: i64, (lo, hi): ([f64; ROWS], [f64; ROWS]), margin: f64) -> TileRow {
+    fn pixels_between(&self, y: i64, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
         let (x0, x1) = (self.pixels.x.0 as f64, self.pixels.x.1 as f64);
         let (y0, y1) = ((self.pixels.y.0 - y) as i32, (self.pixels.y.1 - y) as i32);
         let (mut first, mut end) = ([0; ROWS], [0; ROWS]);
         for i in 0..ROWS {
             // The borders of the face itself are exact.
-            let a = if lo[i] <= 0.0 { 0.0 } else { lo[i] + (margin + 0.5) };
-            let b = if hi[i] >= self.columns { self.columns } else { hi[i] - (margin + 0.5) };
+            let a = if lo[i] <= 0.0 { 0.0 } else { lo[i] + inset };
+            let b = if hi[i] >= self.columns { self.columns } else { hi[i] - inset };
             let (a, b) =
                 (nearest_integer(lesser(greater(a, x0), x1)), nearest_integer(lesser(greater(b, x0), x1)));
-            let some = (a < b) & (i as i32 >= y0) & ((i as i32) < y1);
+            let some = (a < b) & (lo[i] <= hi[i]) & (i as i32 >= y0) & ((i as i32) < y1);
             first[i] = if some { a } else { BEYOND };
             end[i] = if some { b } else { -BEYOND };
         }
@@ -177,15 +214,22 @@ impl Rows {
     }
 }
 
-/// Prepares the half-planes of a polygon. Those that bound rows narrow `pixels` instead.
-fn polygon(halves: &[Linear], window: &Window, pixels: &mut PixelRect) -> Option<Shape> {
+/// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels instead.
+fn polygon(
+    halves: &[Linear],
+    window: &Window,
+    pixels: &PixelRect,
+    rounding: Rounding,
+) -> Option<(Shape, PixelRect)> {
     let (step, per_unit, base) = (window.step(), window.per_unit(), window.border(0));
-    let (mut lower, mut upper) = (SmallVec::new(), SmallVec::new());
+    let (mut lower, mut upper, mut pixels) = (SmallVec::new(), SmallVec::new(), *pixels);
+    let inwards = rounding == Rounding::Inwards;
+    let margin = if inwards { CONE_MARGIN } else { 0.0 };
     for half in halves {
-        let c = half.c - CONE_MARGIN;
+        let c = half.c - margin;
         if half.a.abs() > HALF_PLANE_SLOPE {
-            // At the border of the row that is farther outside.
-            let v = if half.b < 0.0 { base + step } else { base };
+            // The border of a row that lies farther outside, or farther inside.
+            let v = if (half.b < 0.0) == inwards { base + step } else { base };
             let inverse = -1.0 / half.a;
             let at = ((half.b * v + c) * inverse + 1.0) * per_unit;
             let bound = Bound { at, slope: half.b * inverse };
@@ -196,19 +240,24 @@ fn polygon(halves: &[Linear], window: &Window, pixels: &mut PixelRect) -> Option
             }
             continue;
         }
-        // No column of the face is farther outside than this.
-        let c = c - HALF_PLANE_SLOPE;
-        let row = (1.0 - c / half.b) * per_unit;
-        let row = row.clamp(pixels.y.0 as f64 - 1.0, pixels.y.1 as f64 + 1.0);
-        if half.b > HALF_PLANE_SLOPE {
-            pixels.y.0 = pixels.y.0.max(-floor(-(row + PIXEL)));
-        } else if half.b < -HALF_PLANE_SLOPE {
-            pixels.y.1 = pixels.y.1.min(floor(row - PIXEL));
-        } else if c < HALF_PLANE_SLOPE {
-            return None;
+        // All columns of the face are as far inside but for this.
+        let c = if inwards { c - HALF_PLANE_SLOPE } else { c + HALF_PLANE_OUTSIDE };
+        if half.b.abs() <= HALF_PLANE_SLOPE {
+            let slack = if inwards { HALF_PLANE_SLOPE } else { -HALF_PLANE_SLOPE };
+            if c < slack {
+                return None;
+            }
+            continue;
+        }
+        let row = ((1.0 - c / half.b) * per_unit).clamp(pixels.y.0 as f64 - 2.0, pixels.y.1 as f64 + 2.0);
+        match (half.b > 0.0, inwards) {
+            (true, true) => pixels.y.0 = pixels.y.0.max(-floor(-(row + PIXEL))),
+            (true, false) => pixels.y.0 = pixels.y.0.max(floor(row - PIXEL)),
+            (false, true) => pixels.y.1 = pixels.y.1.min(floor(row - PIXEL)),
+            (false, false) => pixels.y.1 = pixels.y.1.min(floor(row + PIXEL) + 1),
         }
     }
-    Some(Shape::Polygon { lower, upper })
+    Some((Shape::Polygon { lower, upper }, pixels))
 }
 
 /// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola.

@@ -10,6 +10,9 @@ pub(crate) const TILE: i64 = 8;
 
 const LAYERS: usize = 4;
 
+/// The first column of a tile.
+const COLUMN: u64 = 0x0101_0101_0101_0101;
+
 /// No layer.
 const NONE: f32 = f32::NEG_INFINITY;
 
@@ -112,7 +115,31 @@ pub(crate) fn block(x0: i64, x1: i64, y0: i64, y1: i64) -> u64 {
         return 0;
     }
     let rows = (u64::MAX >> (64 - 8 * (y1 - y0))) << (8 * y0);
-    span(x0, x1).wrapping_mul(0x0101_0101_0101_0101) & rows
+    span(x0, x1).wrapping_mul(COLUMN) & rows
+}
+
+/// The pixels from column `x` of a window on, in the tile that contains it.
+#[inline]
+pub(crate) fn columns_from(x: i64) -> u64 {
+    (0xff << (x & 7) & 0xff) * COLUMN
+}
+
+/// The pixels up to before column `x` of a window, in the tile that contains the column before it.
+#[inline]
+pub(crate) fn columns_up_to(x: i64) -> u64 {
+    (0xff >> (7 - ((x - 1) & 7))) * COLUMN
+}
+
+/// The pixels from row `y` of a window on, in the tile that contains it.
+#[inline]
+pub(crate) fn rows_from(y: i64) -> u64 {
+    u64::MAX << (8 * (y & 7))
+}
+
+/// The pixels up to before row `y` of a window, in the tile that contains the row before it.
+#[inline]
+pub(crate) fn rows_up_to(y: i64) -> u64 {
+    u64::MAX >> (8 * (7 - ((y - 1) & 7)))
 }
 
 /// The set bits of a word.
@@ -185,5 +212,11 @@ mod tests {
             }
         }
         assert_eq!(block(1, 7, 2, 5), expected);
+        for at in 0..8 {
+            assert_eq!(columns_from(16 + at), block(at, 8, 0, 8));
+            assert_eq!(columns_up_to(17 + at), block(0, at + 1, 0, 8));
+            assert_eq!(rows_from(16 + at), block(0, 8, at, 8));
+            assert_eq!(rows_up_to(17 + at), block(0, 8, 0, at + 1));
+        }
     }
 }

@@ -28,7 +28,7 @@ impl FaceBuffer {
             owner,
         });
         let Drawn { silhouette, front, .. } = &self.drawn[number];
-        let rows = Rows::new(silhouette, &self.window, &pixels);
+        let rows = Rows::inside(silhouette, &self.window, &pixels);
         let cover = |rows: &Rows| cover_rows(&mut self.coverage, &self.window, rows, front, nearest);
         (true, rows.as_ref().is_some_and(cover))
     }

@@ -4,6 +4,14 @@ use glam::DVec3;
 
 use crate::query::point::Walk;
 
+/// A number that sorts objects by distance, to single precision, and then by slot; the slot is its lower half.
+fn sort_key(distance: f64, slot: u32) -> u64 {
+    let bits = (distance as f32).to_bits();
+    // The bits of negative numbers run the other way.
+    let order = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+    u64::from(order) << 32 | u64::from(slot)
+}
+
 impl Walk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: u32) {
@@ -27,7 +35,7 @@ impl Walk<'_> {
                     (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
                 }
             };
-            scratch.found.push((distance, slot));
+            scratch.found.push(sort_key(distance, slot));
         }
     }
 
@@ -37,8 +45,8 @@ impl Walk<'_> {
         let mut found = std::mem::take(&mut self.scratch.found);
         let limited = self.options.max_occluders < u32::MAX;
         let mut seen: Vec<(f64, u32)> = Vec::new();
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for (_, slot) in found.drain(..) {
+        found.sort_unstable();
+        for slot in found.drain(..).map(|key| key as u32) {
             self.stats.occlusion_tests += 1;
             if !self.hides(&self.scene.object(slot).bounds().block()) {
                 self.scratch.candidates.push(slot);
@@ -54,5 +62,18 @@ impl Walk<'_> {
             self.draw(slot);
         }
         self.scratch.found = found;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_sort_by_distance_and_then_by_slot() {
+        let objects = [(-3.0, 9), (-1.0, 1), (0.0, 4), (0.0, 5), (1e-9, 0), (2.0, 7), (f64::INFINITY, 2)];
+        let keys = objects.map(|(distance, slot)| sort_key(distance, slot));
+        assert!(keys.is_sorted());
+        assert_eq!(keys.map(|key| key as u32), objects.map(|(_, slot)| slot));
     }
 }
