@@ -60,18 +60,21 @@ const BOX_EDGES: [[u16; 4]; 12] = [
 /// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces and edges.
 pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>) {
     let (min, max) = (b.min.to_array(), b.max.to_array());
-    let mut fronts = SmallVec::new();
+    let nothing = HalfSpace { normal: DVec3::ZERO, offset: 0.0 };
+    let (mut fronts, mut count) = ([nothing; 3], 0);
     // Whether the lesser and the greater face along each axis is turned to the eye.
     let mut front = [[false; 2]; 3];
     for axis in 0..3 {
         front[axis] = [min[axis] > 0.0, max[axis] < 0.0];
-        if front[axis][0] {
-            fronts.push(HalfSpace { normal: DVec3::AXES[axis], offset: -min[axis] });
-        } else if front[axis][1] {
-            fronts.push(HalfSpace { normal: -DVec3::AXES[axis], offset: max[axis] });
+        if front[axis][0] || front[axis][1] {
+            let (sign, offset) = if front[axis][0] { (1.0, -min[axis]) } else { (-1.0, max[axis]) };
+            fronts[count] = HalfSpace { normal: DVec3::AXES[axis] * sign, offset };
+            count += 1;
         }
     }
-    let mut planes = SmallVec::new();
+    let fronts = SmallVec::from_buf_and_len(fronts, count);
+    // A box has at most six edges between a face that is turned to the eye and one that is not.
+    let (mut planes, mut count) = ([nothing; 8], 0);
     for (axis, i, j) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
         let along = greater(min[axis].abs(), max[axis].abs());
         let middle = ((min[i] + max[i]) * 0.5, (min[j] + max[j]) * 0.5);
@@ -85,7 +88,8 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
                 continue;
             }
             let distance = (p * p + q * q).sqrt();
-            let (a, b) = (q / distance, -p / distance);
+            let inverse = 1.0 / distance;
+            let (a, b) = (q * inverse, -p * inverse);
             let inside = a * middle.0 + b * middle.1;
             // Also if a number is not one.
             if !(distance > NEAREST_EDGE * reach && inside.abs() >= NO_WIDTH * reach) {
@@ -93,10 +97,15 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
             }
             let mut normal = [0.0; 3];
             (normal[i], normal[j]) = if inside < 0.0 { (-a, -b) } else { (a, b) };
-            planes.push(HalfSpace { normal: DVec3::from_array(normal), offset: 0.0 });
+            planes[count] = HalfSpace { normal: DVec3::from_array(normal), offset: 0.0 };
+            count += 1;
         }
     }
-    if planes.len() < 3 { (Outline::Everything, fronts) } else { (Outline::Cone(planes), fronts) }
+    let known = count >= 3;
+    (
+        if known { Outline::Cone(SmallVec::from_buf_and_len(planes, count)) } else { Outline::Everything },
+        fronts,
+    )
 }
 
 /// The greater of two numbers.

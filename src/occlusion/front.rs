@@ -126,11 +126,15 @@ impl Front {
     pub(crate) fn behind_inside(&self, r: &Rect) -> f64 {
         let planes = self.behind(r);
         let Some(ball) = &self.ball else { return planes };
-        let corners = r.corners().map(|(u, v)| ball.nearness(u, v));
-        if corners.iter().any(|near| near.is_nan()) {
-            return planes;
+        let mut least = f64::INFINITY;
+        for (u, v) in r.corners() {
+            let near = ball.nearness(u, v);
+            if near.is_nan() {
+                return planes;
+            }
+            least = if near < least { near } else { least };
         }
-        planes.max(corners.into_iter().fold(f64::INFINITY, |a, b| if b < a { b } else { a }))
+        planes.max(least)
     }
 
     /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their difference

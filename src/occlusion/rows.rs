@@ -193,7 +193,6 @@ impl Rows {
     #[inline(always)]
     fn pixels_between(&self, y: i64, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
         let (x0, x1) = (self.pixels.x.0 as f64, self.pixels.x.1 as f64);
-        let (y0, y1) = ((self.pixels.y.0 - y) as i32, (self.pixels.y.1 - y) as i32);
         let (mut first, mut end) = ([0; ROWS], [0; ROWS]);
         for i in 0..ROWS {
             // The borders of the face itself are exact.
@@ -201,9 +200,14 @@ impl Rows {
             let b = if hi[i] >= self.columns { self.columns } else { hi[i] - inset };
             let (a, b) =
                 (nearest_integer(lesser(greater(a, x0), x1)), nearest_integer(lesser(greater(b, x0), x1)));
-            let some = (a < b) & (lo[i] <= hi[i]) & (i as i32 >= y0) & ((i as i32) < y1);
-            first[i] = if some { a } else { BEYOND };
-            end[i] = if some { b } else { -BEYOND };
+            first[i] = if a < b { a } else { BEYOND };
+            end[i] = if a < b { b } else { -BEYOND };
+        }
+        if y < self.pixels.y.0 || y + TILE > self.pixels.y.1 {
+            for (i, (first, end)) in first.iter_mut().zip(&mut end).enumerate() {
+                let outside = y + (i as i64) < self.pixels.y.0 || y + i as i64 >= self.pixels.y.1;
+                (*first, *end) = if outside { (BEYOND, -BEYOND) } else { (*first, *end) };
+            }
         }
         let (mut some, mut all) = ((BEYOND, -BEYOND), (-BEYOND, BEYOND));
         for i in 0..ROWS {

@@ -6,6 +6,7 @@
 
 use smallvec::SmallVec;
 
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Outline;
 use crate::numeric::occlusion::{CONIC, CONIC_HORIZON};
 use crate::numeric::shape::CONE_MARGIN;
@@ -33,6 +34,17 @@ pub(crate) struct Silhouette {
     kind: Kind,
 }
 
+/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to collect them.
+fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
+    let half = |p: &HalfSpace| face.half(p.normal, p.offset);
+    let mut few = [Linear { a: 0.0, b: 0.0, c: 0.0 }; 8];
+    if planes.len() > few.len() {
+        return planes.iter().map(half).collect();
+    }
+    few.iter_mut().zip(planes).for_each(|(out, plane)| *out = half(plane));
+    SmallVec::from_buf_and_len(few, planes.len())
+}
+
 impl Silhouette {
     pub(crate) fn new(outline: &Outline, face: &Face) -> Self {
         let kind = match outline {
@@ -51,9 +63,7 @@ impl Silhouette {
                     Kind::Everything
                 }
             }
-            Outline::Cone(planes) => {
-                Kind::Polygon(planes.iter().map(|p| face.half(p.normal, p.offset)).collect())
-            }
+            Outline::Cone(planes) => Kind::Polygon(halves(planes, face)),
         };
         Self { kind }
     }

@@ -57,11 +57,19 @@ impl Tile {
             (self.near[0], self.mask[0]) = (near, mask);
             return true;
         }
-        let at = self.near.iter().take_while(|&&n| n >= near).count();
+        let at = self.near.iter().map(|&n| usize::from(n >= near)).sum::<usize>();
         let before = if at == 0 { 0 } else { self.mask[at - 1] };
         let mask = before | mask;
         if mask == before {
             return false;
+        }
+        if mask == u64::MAX && at < LAYERS {
+            // Nothing follows a layer that covers all.
+            let at = if at > 0 && self.near[at - 1] == near { at - 1 } else { at };
+            (self.near[at], self.mask[at]) = (near, mask);
+            self.near[at + 1..].fill(NONE);
+            self.mask[at + 1..].fill(0);
+            return true;
         }
         // The layers behind gain the new pixels. Layers without pixels of their own are dropped.
         let mut layers = [(NONE, 0u64); LAYERS + 1];

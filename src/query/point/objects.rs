@@ -4,12 +4,13 @@ use glam::DVec3;
 
 use crate::query::point::Walk;
 
-/// A number that sorts objects by distance, to single precision, and then by slot; the slot is its lower half.
-fn sort_key(distance: f64, slot: u32) -> u64 {
-    let bits = (distance as f32).to_bits();
+/// A number that sorts objects by distance and then by slot, which is its lower part. Whole numbers are compared
+/// without branches.
+fn sort_key(distance: f64, slot: u32) -> u128 {
+    let bits = distance.to_bits();
     // The bits of negative numbers run the other way.
-    let order = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
-    u64::from(order) << 32 | u64::from(slot)
+    let order = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
+    u128::from(order) << 32 | u128::from(slot)
 }
 
 impl Walk<'_> {
