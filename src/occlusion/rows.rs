@@ -181,7 +181,10 @@ impl Rows {
         let y = ty * TILE;
         let v = self.base + self.step * y as f64;
         let columns = match &self.shape {
-            Shape::Polygon { lower, upper } => between(lower, upper, y as f64),
+            Shape::Polygon { lower, upper } => {
+                let rows = ((self.pixels.y.0 - y) as f64, (self.pixels.y.1 - y) as f64);
+                between(lower, upper, y as f64, rows)
+            }
             Shape::Ellipse(conic) => conic.inside(v, self.step),
             Shape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
         };
@@ -202,12 +205,6 @@ impl Rows {
                 (nearest_integer(lesser(greater(a, x0), x1)), nearest_integer(lesser(greater(b, x0), x1)));
             first[i] = if a < b { a } else { BEYOND };
             end[i] = if a < b { b } else { -BEYOND };
-        }
-        if y < self.pixels.y.0 || y + TILE > self.pixels.y.1 {
-            for (i, (first, end)) in first.iter_mut().zip(&mut end).enumerate() {
-                let outside = y + (i as i64) < self.pixels.y.0 || y + i as i64 >= self.pixels.y.1;
-                (*first, *end) = if outside { (BEYOND, -BEYOND) } else { (*first, *end) };
-            }
         }
         let (mut some, mut all) = ((BEYOND, -BEYOND), (-BEYOND, BEYOND));
         for i in 0..ROWS {
@@ -284,10 +281,14 @@ fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> O
     Some(if width > 0.0 { Shape::Ellipse(conic) } else { Shape::Hyperbola { conic, right: s.a > 0.0 } })
 }
 
-/// The columns between all bounds, for the rows from `y` on.
+/// The columns between all bounds, for the rows from `y` on; none in rows outside of `rows`, which are counted from `y`.
 #[inline(always)]
-fn between(lower: &[Bound], upper: &[Bound], y: f64) -> ([f64; ROWS], [f64; ROWS]) {
+fn between(lower: &[Bound], upper: &[Bound], y: f64, rows: (f64, f64)) -> ([f64; ROWS], [f64; ROWS]) {
     let (mut lo, mut hi) = ([f64::MIN; ROWS], [f64::MAX; ROWS]);
+    for (i, lo) in lo.iter_mut().enumerate() {
+        let i = i as f64;
+        *lo = if (i >= rows.0) & (i < rows.1) { f64::MIN } else { f64::MAX };
+    }
     for bound in lower {
         let at = bound.at + bound.slope * y;
         for (i, lo) in lo.iter_mut().enumerate() {
