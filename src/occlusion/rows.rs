@@ -129,7 +129,11 @@ impl TileRow {
                 *row |= if covered { 1 << column } else { 0 };
             }
         }
-        u64::from_le_bytes(rows.map(|row| row as u8))
+        let mut bytes = [0; ROWS];
+        for (byte, row) in bytes.iter_mut().zip(rows) {
+            *byte = row as u8;
+        }
+        u64::from_le_bytes(bytes)
     }
 }
 
@@ -188,13 +192,13 @@ impl Rows {
             Shape::Ellipse(conic) => conic.inside(v, self.step),
             Shape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
         };
-        self.pixels_between(y, columns, self.inset)
+        self.pixels_between(columns, self.inset)
     }
 
     /// The pixels between two columns in each row from `y` on, at least `inset` from both after rounding to the nearest
     /// borders of pixels.
     #[inline(always)]
-    fn pixels_between(&self, y: i64, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
+    fn pixels_between(&self, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
         let (x0, x1) = (self.pixels.x.0 as f64, self.pixels.x.1 as f64);
         let (mut first, mut end) = ([0; ROWS], [0; ROWS]);
         for i in 0..ROWS {
@@ -343,5 +347,64 @@ impl Conic {
         } else {
             ([f64::MIN; ROWS], std::array::from_fn(|i| lesser(root(i), root(i + 1))))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::{Outline, outline_of_block};
+    use crate::occlusion::face::{Face, Rect};
+
+    const PIXELS: i64 = 64;
+
+    /// The pixels of the whole face that a silhouette covers, and those that are well inside of it.
+    fn check(outline: &Outline) -> usize {
+        let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
+        let window = Window::around(&Rect::FACE, PIXELS);
+        let silhouette = Silhouette::new(outline, &face);
+        let rows = Rows::inside(&silhouette, &window, window.pixels());
+        let mut covered = 0;
+        for ty in 0..PIXELS / TILE {
+            let row = rows.as_ref().map(|rows| rows.tile_row(ty));
+            for (x, y) in (0..PIXELS).flat_map(|x| (ty * TILE..(ty + 1) * TILE).map(move |y| (x, y))) {
+                let tile = x / TILE * TILE;
+                let bit = 8 * (y - ty * TILE) + x - tile;
+                let own = row.as_ref().is_some_and(|row| row.mask_of_tile(tile) >> bit & 1 == 1);
+                let square = window.square(x, y, 1);
+                assert!(!own || silhouette.covers(&square), "{outline:?} {x} {y}");
+                let room = 1e-6;
+                let (u0, v0) = (square.u0 - room, square.v0 - room);
+                let larger = Rect { u0, v0, u1: square.u1 + room, v1: square.v1 + room };
+                assert!(own || !silhouette.covers(&larger), "{outline:?} {x} {y}");
+                covered += usize::from(own);
+            }
+        }
+        covered
+    }
+
+    #[test]
+    fn rows_are_those_that_the_silhouette_covers() {
+        let mut state = 3u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+        };
+        let (mut spheres, mut boxes, mut beside) = (0, 0, 0);
+        for _ in 0..100 {
+            // Some centres are so far aside that the conic is a hyperbola.
+            let center = DVec3::new(next() * 6.0, next() * 6.0, next() + 1.0);
+            let radius = center.length() * (0.1 + 0.8 * (next() + 0.5));
+            let found = check(&Outline::Sphere { center, radius });
+            spheres += found;
+            beside += if radius > center.z { found } else { 0 };
+            let half = DVec3::new(next(), next(), next()).abs() + 0.1;
+            let block = Block { min: center - half, max: center + half };
+            boxes += check(&outline_of_block(&block).0);
+        }
+        assert!(spheres > 10_000 && boxes > 5000 && beside > 10_000, "{spheres} {boxes} {beside}");
     }
 }
