@@ -129,11 +129,7 @@ impl TileRow {
                 *row |= if covered { 1 << column } else { 0 };
             }
         }
-        let mut bytes = [0; ROWS];
-        for (byte, row) in bytes.iter_mut().zip(rows) {
-            *byte = row as u8;
-        }
-        u64::from_le_bytes(bytes)
+        u64::from_le_bytes(rows.map(|row| row as u8))
     }
 }
 
