@@ -39,9 +39,14 @@ pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
     // The new face: the points where edges were cut, in a ring around their middle.
     let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
     let (u, v) = plane.normal.any_orthonormal_pair();
-    let turn = |p: &DVec3| v.dot(*p - middle).atan2(u.dot(*p - middle));
+    let turn = |p: &DVec3| turn(u.dot(*p - middle), v.dot(*p - middle));
     rim.sort_by(|p, q| turn(p).total_cmp(&turn(q)));
     if !rim.is_empty() {
         faces.push(rim);
     }
+}
+
+/// A number that grows with the angle of a direction, from -2 to 2; cheaper than the angle.
+fn turn(x: f64, y: f64) -> f64 {
+    (1.0 - x / (x.abs() + y.abs())).copysign(y)
 }

@@ -54,6 +54,65 @@ const BOX_EDGES: [[u16; 4]; 12] = [
     [3, 7, 1, 3],
 ];
 
+/// The silhouette of a box along the axes as seen from the origin, and its faces turned there: as
+/// [`Polytope::outline`] and [`Polytope::fronts`] of [`Polytope::block`] give them. The box has an inside.
+///
+/// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces and edges.
+pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>) {
+    let (min, max) = (b.min.to_array(), b.max.to_array());
+    let nothing = HalfSpace { normal: DVec3::ZERO, offset: 0.0 };
+    let (mut fronts, mut count) = ([nothing; 3], 0);
+    // Whether the lesser and the greater face along each axis is turned to the eye.
+    let mut front = [[false; 2]; 3];
+    for axis in 0..3 {
+        front[axis] = [min[axis] > 0.0, max[axis] < 0.0];
+        if front[axis][0] || front[axis][1] {
+            let (sign, offset) = if front[axis][0] { (1.0, -min[axis]) } else { (-1.0, max[axis]) };
+            fronts[count] = HalfSpace { normal: DVec3::AXES[axis] * sign, offset };
+            count += 1;
+        }
+    }
+    let fronts = SmallVec::from_buf_and_len(fronts, count);
+    // A box has at most six edges between a face that is turned to the eye and one that is not.
+    let (mut planes, mut count) = ([nothing; 8], 0);
+    for (axis, i, j) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let along = greater(min[axis].abs(), max[axis].abs());
+        let middle = ((min[i] + max[i]) * 0.5, (min[j] + max[j]) * 0.5);
+        for (side, other) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if front[i][side] == front[j][other] {
+                continue;
+            }
+            let (p, q) = ([min, max][side][i], [min, max][other][j]);
+            let reach = greater(along, greater(p.abs(), q.abs()));
+            if max[axis] - min[axis] <= NO_EDGE * reach {
+                continue;
+            }
+            let distance = (p * p + q * q).sqrt();
+            let inverse = 1.0 / distance;
+            let (a, b) = (q * inverse, -p * inverse);
+            let inside = a * middle.0 + b * middle.1;
+            // Also if a number is not one.
+            if !(distance > NEAREST_EDGE * reach && inside.abs() >= NO_WIDTH * reach) {
+                return (Outline::Everything, fronts);
+            }
+            let mut normal = [0.0; 3];
+            (normal[i], normal[j]) = if inside < 0.0 { (-a, -b) } else { (a, b) };
+            planes[count] = HalfSpace { normal: DVec3::from_array(normal), offset: 0.0 };
+            count += 1;
+        }
+    }
+    let known = count >= 3;
+    (
+        if known { Outline::Cone(SmallVec::from_buf_and_len(planes, count)) } else { Outline::Everything },
+        fronts,
+    )
+}
+
+/// The greater of two numbers.
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 impl Polytope {
     /// A box of half-axes `axes` around `center`; the columns are at right angles.
     pub(crate) fn boxed(center: DVec3, axes: &DMat3) -> Self {
@@ -147,5 +206,39 @@ impl Polytope {
             });
         }
         if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_have_the_outlines_of_their_polytopes() {
+        let mut state = 5u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+        };
+        let mut cones = 0;
+        for _ in 0..2000 {
+            let (a, b) = (DVec3::new(next(), next(), next()), DVec3::new(next(), next(), next()));
+            let block = Block { min: a.min(b), max: a.max(b) };
+            let (outline, fronts) = outline_of_block(&block);
+            let general = Polytope::block(&block);
+            assert_eq!(fronts, general.fronts(None));
+            match (outline, general.outline(None)) {
+                (Outline::Cone(own), Outline::Cone(other)) => {
+                    cones += 1;
+                    assert_eq!(own.len(), other.len());
+                    let near = |a: &HalfSpace, b: &HalfSpace| (a.normal - b.normal).length() < 1e-12;
+                    assert!(own.iter().all(|a| other.iter().any(|b| near(a, b))), "{block:?}");
+                }
+                (own, other) => {
+                    assert!(matches!((own, other), (Outline::Everything, Outline::Everything)), "{block:?}");
+                }
+            }
+        }
+        assert!(cones > 1000, "{cones}");
     }
 }

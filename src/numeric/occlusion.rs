@@ -53,9 +53,19 @@ pub(crate) const CONIC: f64 = 1e-13;
 /// radius, both as shares of its distance: the divisor is then at least 1e-6 of the terms in it.
 pub(crate) const CONIC_HORIZON: f64 = 1e-3;
 
-/// A chord's leading coefficient of smaller magnitude counts as zero. The ends only propose columns, which
-/// the conic itself confirms, so an error costs coverage and never safety.
-pub(crate) const CHORD_PARABOLA: f64 = 1e-12;
+/// A sphere whose conic has a smaller leading coefficient (of terms up to 1) is close to a parabola on a face, and is
+/// not drawn there: the roots of the conic would keep less than half of their digits. One sphere of a million is.
+pub(crate) const CONIC_PARABOLA: f64 = 1e-6;
+
+/// The roots of a conic are known to this share of the inverse of its leading coefficient, on faces of width 2.
+///
+/// A root is the sum of a product and a square root, both up to 2, over that coefficient: six roundings err by less
+/// than 3e-15. The square under the root errs by less than [`CONIC`], which is taken off first.
+pub(crate) const CHORD_ROUNDING: f64 = 1e-14;
+
+/// Added to a number below 2^31, this leaves the nearest integer in the lowest bits: 1.5 times 2^52, in which the last
+/// place counts ones.
+pub(crate) const NEAREST_INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// Directions this close to the rim of a ball (squared sine of half the chord, as a share) get no depth:
 /// the root would keep less than half of its digits.

@@ -137,17 +137,17 @@ impl OcclusionBuffers {
     /// Draws an occluder. Returns whether it hides more than before.
     ///
     /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.
-    pub(crate) fn draw(&mut self, solid: &Solid, owner: u32) -> bool {
+    pub(crate) fn draw(&mut self, solid: Solid, owner: u32) -> bool {
         let index = self.shadows.len() as u32;
         let mut changed = false;
         let mut used = false;
         for buffer in self.faces.iter_mut().filter(|b| b.is_active()) {
-            let (drawn, new) = buffer.draw(solid, index, owner);
+            let (drawn, new) = buffer.draw(&solid, index, owner);
             used |= drawn;
             changed |= new;
         }
         if used {
-            self.shadows.push(solid.shadow.clone());
+            self.shadows.push(solid.shadow);
         }
         changed
     }
@@ -198,7 +198,6 @@ impl OcclusionBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::polytope::Polytope;
 
     struct Random(u64);
 
@@ -244,8 +243,8 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::polytope(Polytope::block(&occluder), None) else { continue };
-            buffers.draw(&solid, 0);
+            let Some(solid) = Solid::block(occluder, None) else { continue };
+            buffers.draw(solid, 0);
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
                 if buffers.test(&Target::block(b, None)) != Verdict::Hidden {

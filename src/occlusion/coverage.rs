@@ -3,7 +3,7 @@
 use crate::occlusion::face::{Linear, Rect};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
-use crate::occlusion::tiles::{TILE, Tile, block};
+use crate::occlusion::tiles::{TILE, Tile, columns_from, columns_up_to, rows_from, rows_up_to};
 
 /// Planes kept for a tile.
 const SHADES: usize = 2;
@@ -60,6 +60,8 @@ pub(crate) struct Coverage {
     /// For each tile, the nearness down to which all of its pixels are covered.
     closed: Vec<f32>,
     shades: Vec<Shades>,
+    /// Whether any tile has planes.
+    shaded: bool,
 }
 
 impl Coverage {
@@ -69,7 +71,10 @@ impl Coverage {
         self.tiles.resize(count, Tile::EMPTY);
         self.closed.clear();
         self.closed.resize(count, f32::NEG_INFINITY);
-        self.shades.clear();
+        if self.shaded {
+            self.shades.clear();
+            self.shaded = false;
+        }
         self.shades.resize(count, Shades::NONE);
     }
 
@@ -77,6 +82,12 @@ impl Coverage {
     #[inline]
     pub(crate) fn closed(&self, tile: usize) -> f32 {
         self.closed[tile]
+    }
+
+    /// Whether all pixels of the tiles from `first` to `last` are covered nearer than a nearness.
+    #[inline]
+    pub(crate) fn all_closed(&self, first: usize, last: usize, near: f32) -> bool {
+        self.closed[first..last + 1].iter().all(|&c| c >= near)
     }
 
     /// Whether all pixels of all tiles are covered nearer than a nearness.
@@ -111,6 +122,7 @@ impl Coverage {
     pub(crate) fn cover_plane(&mut self, tile: usize, mask: u64, near: f32, plane: Option<Linear>) -> bool {
         if let Some(plane) = plane {
             self.shades[tile].add(mask, plane);
+            self.shaded = true;
         }
         self.cover(tile, mask, near)
     }
@@ -121,18 +133,25 @@ impl Coverage {
         if pixels.is_empty() {
             return true;
         }
-        let ((x0, x1), (y0, y1)) = (pixels.x, pixels.y);
         let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
-        (ty0..=ty1).all(|ty| {
-            let (a, b) = (window.tile_index(tx0, ty), window.tile_index(tx1, ty));
-            self.closed[a..=b].iter().enumerate().all(|(i, &closed)| {
+        let last = (tx1 - tx0) as usize;
+        let (left, right) = (columns_from(pixels.x.0), columns_up_to(pixels.x.1));
+        for ty in ty0..=ty1 {
+            let rows = if ty == ty0 { rows_from(pixels.y.0) } else { u64::MAX }
+                & if ty == ty1 { rows_up_to(pixels.y.1) } else { u64::MAX };
+            let start = window.tile_index(tx0, ty);
+            let tiles = &self.tiles[start..start + last + 1];
+            for (i, (&closed, tile)) in self.closed[start..].iter().zip(tiles).enumerate() {
                 if closed >= near {
-                    return true;
+                    continue;
                 }
-                let (x, y) = ((tx0 + i as i64) * TILE, ty * TILE);
-                block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.tiles[a + i].hidden(near) == 0
-            })
-        })
+                let columns = if i == 0 { left } else { u64::MAX } & if i == last { right } else { u64::MAX };
+                if rows & columns & !tile.hidden(near) != 0 {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Whether a point of a pixel is hidden: by the tile at `tile_near`, or by a plane at `near`.
@@ -159,6 +178,7 @@ impl Coverage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::occlusion::tiles::block;
 
     #[test]
     fn a_rectangle_is_hidden_once_all_its_pixels_are() {

@@ -135,8 +135,12 @@ impl Face {
             if h.abs() < SMALLEST_DIVISOR {
                 return None;
             }
-            let (a, b, c) = (m.dot(self.right) / h, m.dot(self.up) / h, m.dot(self.forward) / h);
-            Some(Linear { a, b, c })
+            let inverse = 1.0 / h;
+            Some(Linear {
+                a: m.dot(self.right) * inverse,
+                b: m.dot(self.up) * inverse,
+                c: m.dot(self.forward) * inverse,
+            })
         }
     }
 
@@ -161,30 +165,32 @@ impl Face {
     /// A rectangle around the part of a box that the face sees, and the least and greatest depth of that part; `None`
     /// if the face sees no part. The caller adds the margins.
     pub(crate) fn block(&self, b: &Block) -> Option<(Rect, (f64, f64))> {
-        let (lo, hi) = if self.parallel {
+        if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
             let half = (b.max - b.min) * 0.5;
             let reach =
                 DVec3::new(half.dot(self.right.abs()), half.dot(self.up.abs()), half.dot(self.forward.abs()));
-            (c - reach, c + reach)
-        } else {
-            let (p, q) = (self.local(b.min), self.local(b.max));
-            (p.min(q), p.max(q))
-        };
-        if self.parallel {
+            let (lo, hi) = (c - reach, c + reach);
             return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, (lo.z, hi.z)));
         }
+        let ordered = |a: f64, b: f64| if a < b { (a, b) } else { (b, a) };
+        let (nearest, far) = ordered(b.min.dot(self.forward), b.max.dot(self.forward));
+        if far < 0.0 {
+            return None;
+        }
+        let (left, right) = ordered(b.min.dot(self.right), b.max.dot(self.right));
+        let (low, high) = ordered(b.min.dot(self.up), b.max.dot(self.up));
         // Inside the face's pyramid depth is at least |u| and |v| times depth.
-        let least = |lo: f64, hi: f64| lo.max(-hi).max(0.0);
-        let near = lo.z.max(least(lo.x, hi.x)).max(least(lo.y, hi.y));
-        let far = hi.z;
+        let near =
+            [left, -right, low, -high, 0.0].into_iter().fold(nearest, |a, b| if b > a { b } else { a });
         // A depth that is not a number passes, and makes the target visible in the end.
         if near > far {
             return None;
         }
-        let low = |c: f64| if c >= 0.0 { c / far } else { c / near };
-        let high = |c: f64| if c >= 0.0 { c / near } else { c / far };
-        let rect = Rect { u0: low(lo.x), v0: low(lo.y), u1: high(hi.x), v1: high(hi.y) };
+        let (by_near, by_far) = (1.0 / near, 1.0 / far);
+        let least = |c: f64| if c >= 0.0 { c * by_far } else { c * by_near };
+        let most = |c: f64| if c >= 0.0 { c * by_near } else { c * by_far };
+        let rect = Rect { u0: least(left), v0: least(low), u1: most(right), v1: most(high) };
         Some((rect, (near, far)))
     }
 

@@ -65,6 +65,21 @@ impl Ball {
     }
 }
 
+impl Ball {
+    /// Nearness where a direction enters; not a number where [`Ball::enters`] finds none.
+    #[inline]
+    fn nearness(&self, u: f64, v: f64) -> f64 {
+        let c = self.center;
+        if self.across > 0.0 {
+            return self.enters(u, v).map_or(f64::NAN, |z| -z);
+        }
+        let s = u * c.x + v * c.y + c.z;
+        let q = s * s - (u * u + v * v + 1.0) * self.power;
+        let known = (s > 0.0) & (q > BALL_RIM * s * s) & (self.power > BALL_NEAR_EYE * s * s);
+        if known { (s + q.sqrt()) / self.power } else { f64::NAN }
+    }
+}
+
 impl Front {
     /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest depth
     /// of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
@@ -77,8 +92,8 @@ impl Front {
     ) -> Self {
         // Planes too close to the eye, or seen edge-on, are not known well enough.
         let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * reach;
-        let found = planes.iter().filter(known).filter_map(|plane| face.nearness(plane));
-        let found: SmallVec<[Linear; 3]> = found.collect();
+        let mut found = SmallVec::new();
+        planes.iter().filter(known).filter_map(|plane| face.nearness(plane)).for_each(|l| found.push(l));
         let ball = match outline {
             Outline::Sphere { center, radius } => Some(Ball::new(face, *center, *radius)),
             _ => None,
@@ -111,14 +126,15 @@ impl Front {
     pub(crate) fn behind_inside(&self, r: &Rect) -> f64 {
         let planes = self.behind(r);
         let Some(ball) = &self.ball else { return planes };
-        let mut deepest = f64::NEG_INFINITY;
+        let mut least = f64::INFINITY;
         for (u, v) in r.corners() {
-            match ball.enters(u, v) {
-                Some(z) => deepest = deepest.max(z),
-                None => return planes,
+            let near = ball.nearness(u, v);
+            if near.is_nan() {
+                return planes;
             }
+            least = if near < least { near } else { least };
         }
-        planes.max(if ball.across > 0.0 { -deepest } else { 1.0 / deepest })
+        planes.max(least)
     }
 
     /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their difference

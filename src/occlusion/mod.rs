@@ -11,7 +11,7 @@
 //! |---|---|
 //! | geometry on a face | [`face`], [`silhouette`], [`front`] |
 //! | occluders and targets | [`solid`], [`surface`], [`target`] |
-//! | pixels | [`pitch`], [`pixels`], [`tiles`], [`coverage`], [`bins`] |
+//! | pixels | [`pitch`], [`pixels`], [`rows`], [`tiles`], [`coverage`], [`bins`] |
 //! | buffers | [`face_buffer`], [`buffers`], [`refine`], [`magnify`], [`image`] |
 //!
 //! After the thesis' future work (section 5, occluder fusion in image space) and the sources named in
@@ -28,6 +28,7 @@ pub(crate) mod magnify;
 pub(crate) mod pitch;
 pub(crate) mod pixels;
 pub(crate) mod refine;
+pub(crate) mod rows;
 pub(crate) mod silhouette;
 pub(crate) mod solid;
 pub(crate) mod surface;

@@ -6,13 +6,15 @@
 
 use smallvec::SmallVec;
 
+use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Outline;
-use crate::numeric::occlusion::{CHORD_PARABOLA, CONIC, CONIC_HORIZON};
+use crate::numeric::occlusion::{CONIC, CONIC_HORIZON};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};
 
+/// The kinds of silhouettes.
 #[derive(Debug, Clone)]
-enum Kind {
+pub(crate) enum Kind {
     /// `s^2 - k ((u - u0)^2 + (v - v0)^2 + e) >= 0` where `s > 0`.
     Conic {
         s: Linear,
@@ -30,6 +32,17 @@ enum Kind {
 #[derive(Debug, Clone)]
 pub(crate) struct Silhouette {
     kind: Kind,
+}
+
+/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to collect them.
+fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
+    let half = |p: &HalfSpace| face.half(p.normal, p.offset);
+    let mut few = [Linear { a: 0.0, b: 0.0, c: 0.0 }; 8];
+    if planes.len() > few.len() {
+        return planes.iter().map(half).collect();
+    }
+    few.iter_mut().zip(planes).for_each(|(out, plane)| *out = half(plane));
+    SmallVec::from_buf_and_len(few, planes.len())
 }
 
 impl Silhouette {
@@ -50,9 +63,7 @@ impl Silhouette {
                     Kind::Everything
                 }
             }
-            Outline::Cone(planes) => {
-                Kind::Polygon(planes.iter().map(|p| face.half(p.normal, p.offset)).collect())
-            }
+            Outline::Cone(planes) => Kind::Polygon(halves(planes, face)),
         };
         Self { kind }
     }
@@ -133,72 +144,8 @@ impl Silhouette {
         Some(Rect { u0, v0, u1, v1 })
     }
 
-    /// The columns between which a line of constant `v` runs inside a conic, rounded: the caller verifies them.
-    #[inline]
-    fn chord(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), v: f64) -> Option<(f64, f64)> {
-        let rest = s.b * v + s.c;
-        let dv = v - v0;
-        let a = s.a * s.a - k;
-        let b = s.a * rest + k * u0;
-        let c = rest * rest - k * (u0 * u0 + dv * dv + e);
-        let disc = b * b - a * c;
-        if disc.is_nan() || disc <= 0.0 {
-            return None;
-        }
-        let root = disc.sqrt();
-        if a < -CHORD_PARABOLA {
-            let (x, y) = ((-b + root) / a, (-b - root) / a);
-            (s.a * (x + y) * 0.5 + rest > 0.0).then_some((x, y))
-        } else if a > CHORD_PARABOLA {
-            // The branch of the hyperbola on which s is positive.
-            if s.a > 0.0 { Some(((-b + root) / a, 2.0)) } else { Some((-2.0, (-b - root) / a)) }
-        } else {
-            // A parabola: 2 b u + c = 0.
-            if b > 0.0 { Some((-c / (2.0 * b), 2.0)) } else { Some((-2.0, -c / (2.0 * b))) }
-        }
-    }
-
-    /// For each of `rows` rows of height `step` from `v` on, calls `row` with the columns between which it is
-    /// surely covered. For conics the ends are rounded roots, which [`Silhouette::covers`] must confirm.
-    #[inline]
-    pub(crate) fn rows(&self, v: f64, step: f64, rows: usize, mut row: impl FnMut(usize, f64, f64)) {
-        match &self.kind {
-            Kind::Conic { s, k, u0, v0, e, .. } => {
-                let chord = |i: usize| Self::chord(s, *k, (*u0, *v0, *e), v + step * i as f64);
-                let mut above = chord(0);
-                for i in 0..rows {
-                    let below = chord(i + 1);
-                    if let (Some(a), Some(b)) = (above, below) {
-                        row(i, a.0.max(b.0), a.1.min(b.1));
-                    }
-                    above = below;
-                }
-            }
-            Kind::Polygon(halves) => {
-                let inverses: SmallVec<[f64; 8]> = halves.iter().map(|half| -1.0 / half.a).collect();
-                for i in 0..rows {
-                    let (near, far) = (v + step * i as f64, v + step * (i + 1) as f64);
-                    let (mut lo, mut hi) = (-1.0f64, 1.0f64);
-                    for (half, inverse) in halves.iter().zip(&inverses) {
-                        let rest = (half.b * near).min(half.b * far) + half.c - CONE_MARGIN;
-                        // Where a u + rest >= 0.
-                        if half.a > 0.0 {
-                            lo = lo.max(rest * inverse);
-                        } else if half.a < 0.0 {
-                            hi = hi.min(rest * inverse);
-                        } else if rest < 0.0 {
-                            hi = f64::NEG_INFINITY;
-                        }
-                    }
-                    row(i, lo, hi);
-                }
-            }
-            Kind::Everything => {}
-        }
-    }
-
-    /// Whether row spans are rounded roots that need confirming.
-    pub(crate) fn is_conic(&self) -> bool {
-        matches!(self.kind, Kind::Conic { .. })
+    /// Its equations.
+    pub(crate) fn kind(&self) -> &Kind {
+        &self.kind
     }
 }

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Outline, Polytope};
+use crate::geometry::polytope::{Outline, Polytope, outline_of_block};
 use crate::numeric::occlusion::SPHERE_AROUND_EYE;
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::{Front, contour_depth};
@@ -26,8 +26,19 @@ pub(crate) struct Shadow {
 pub(crate) struct Solid {
     outline: Outline,
     pub(crate) shadow: Shadow,
+    /// Its corners; none for spheres and for boxes along the axes.
     vertices: SmallVec<[DVec3; 8]>,
     block: Block,
+}
+
+/// The part of a solid that a face sees.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    /// A rectangle around it.
+    pub(crate) rect: Rect,
+    /// Its least depth, and the greatest depth of the silhouette along the face's axis.
+    pub(crate) near: f64,
+    pub(crate) far: f64,
 }
 
 impl Solid {
@@ -35,10 +46,21 @@ impl Solid {
     pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Option<Self> {
         match body {
             Body::Sphere { center, radius } => Self::sphere(center, radius, direction),
-            Body::Block(block) => Self::polytope(Polytope::block(&block), direction),
+            Body::Block(block) => Self::block(block, direction),
             Body::Oriented { center, axes } => Self::polytope(Polytope::boxed(center, &axes), direction),
             Body::Polytope(polytope) => Self::polytope(polytope, direction),
         }
+    }
+
+    /// A box along the axes; `None` if the eye is in it or too close to tell.
+    pub(crate) fn block(block: Block, direction: Option<DVec3>) -> Option<Self> {
+        if direction.is_some() {
+            return Self::polytope(Polytope::block(&block), direction);
+        }
+        let (outline, planes) = outline_of_block(&block);
+        let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
+        let shadow = Shadow { planes, ball: None };
+        drawable.then(|| Self { outline, shadow, vertices: SmallVec::new(), block })
     }
 
     /// A sphere; `None` if the eye is in it.
@@ -69,31 +91,33 @@ impl Solid {
         drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block })
     }
 
+    /// Its silhouette on a face.
+    pub(crate) fn silhouette(&self, face: &Face) -> Silhouette {
+        Silhouette::new(&self.outline, face)
+    }
+
     /// Its front as a face sees it.
-    pub(crate) fn front(&self, face: &Face) -> Front {
+    pub(crate) fn front(&self, face: &Face, seen: &Seen) -> Front {
         let reach = self.block.min.abs().max(self.block.max.abs()).max_element();
-        Front::new(face, &self.outline, &self.shadow.planes, self.farthest(face), reach)
+        Front::new(face, &self.outline, &self.shadow.planes, seen.far, reach)
     }
 
-    /// The greatest depth of its silhouette along a face's axis.
-    fn farthest(&self, face: &Face) -> f64 {
-        match &self.outline {
-            Outline::Sphere { center, radius } => {
-                contour_depth(*center, *radius, face.forward, face.parallel)
+    /// The part of it that a face sees.
+    pub(crate) fn on_face(&self, face: &Face) -> Option<Seen> {
+        let (rect, (near, far)) = face.block(&self.block)?;
+        let (tighter, far) = match &self.outline {
+            Outline::Sphere { center, radius } => (
+                Silhouette::new(&self.outline, face).conic_rect(),
+                contour_depth(*center, *radius, face.forward, face.parallel),
+            ),
+            // The rectangle around a box is exact if the box lies in front of the eye.
+            _ if self.vertices.is_empty() => (None, far),
+            _ => {
+                let depths = self.vertices.iter().map(|v| v.dot(face.forward));
+                (face.points(&self.vertices).map(|(r, _)| r), depths.fold(f64::NEG_INFINITY, f64::max))
             }
-            _ => self.vertices.iter().map(|v| v.dot(face.forward)).fold(f64::NEG_INFINITY, f64::max),
-        }
-    }
-
-    /// Its silhouette with a rectangle around it and its least depth, if the face sees it.
-    pub(crate) fn on_face(&self, face: &Face) -> Option<(Rect, f64, Silhouette)> {
-        let (rect, (depth, _)) = face.block(&self.block)?;
-        let silhouette = Silhouette::new(&self.outline, face);
-        let tighter = match &self.outline {
-            Outline::Sphere { .. } => silhouette.conic_rect(),
-            _ => face.points(&self.vertices).map(|(r, _)| r),
         };
         let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
-        Some((rect.intersect(&Rect::FACE)?, depth, silhouette))
+        Some(Seen { rect: rect.intersect(&Rect::FACE)?, near, far })
     }
 }

@@ -10,6 +10,9 @@ pub(crate) const TILE: i64 = 8;
 
 const LAYERS: usize = 4;
 
+/// The first column of a tile.
+const COLUMN: u64 = 0x0101_0101_0101_0101;
+
 /// No layer.
 const NONE: f32 = f32::NEG_INFINITY;
 
@@ -50,11 +53,23 @@ impl Tile {
         if near.is_nan() {
             return false;
         }
-        let at = self.near.iter().take_while(|&&n| n >= near).count();
+        if self.near[0] == NONE && near > NONE && mask != 0 {
+            (self.near[0], self.mask[0]) = (near, mask);
+            return true;
+        }
+        let at = self.near.iter().map(|&n| usize::from(n >= near)).sum::<usize>();
         let before = if at == 0 { 0 } else { self.mask[at - 1] };
         let mask = before | mask;
         if mask == before {
             return false;
+        }
+        if mask == u64::MAX && at < LAYERS {
+            // Nothing follows a layer that covers all.
+            let at = if at > 0 && self.near[at - 1] == near { at - 1 } else { at };
+            (self.near[at], self.mask[at]) = (near, mask);
+            self.near[at + 1..].fill(NONE);
+            self.mask[at + 1..].fill(0);
+            return true;
         }
         // The layers behind gain the new pixels. Layers without pixels of their own are dropped.
         let mut layers = [(NONE, 0u64); LAYERS + 1];
@@ -108,7 +123,31 @@ pub(crate) fn block(x0: i64, x1: i64, y0: i64, y1: i64) -> u64 {
         return 0;
     }
     let rows = (u64::MAX >> (64 - 8 * (y1 - y0))) << (8 * y0);
-    span(x0, x1).wrapping_mul(0x0101_0101_0101_0101) & rows
+    span(x0, x1).wrapping_mul(COLUMN) & rows
+}
+
+/// The pixels from column `x` of a window on, in the tile that contains it.
+#[inline]
+pub(crate) fn columns_from(x: i64) -> u64 {
+    (0xff << (x & 7) & 0xff) * COLUMN
+}
+
+/// The pixels up to before column `x` of a window, in the tile that contains the column before it.
+#[inline]
+pub(crate) fn columns_up_to(x: i64) -> u64 {
+    (0xff >> (7 - ((x - 1) & 7))) * COLUMN
+}
+
+/// The pixels from row `y` of a window on, in the tile that contains it.
+#[inline]
+pub(crate) fn rows_from(y: i64) -> u64 {
+    u64::MAX << (8 * (y & 7))
+}
+
+/// The pixels up to before row `y` of a window, in the tile that contains the row before it.
+#[inline]
+pub(crate) fn rows_up_to(y: i64) -> u64 {
+    u64::MAX >> (8 * (7 - ((y - 1) & 7)))
 }
 
 /// The set bits of a word.
@@ -181,5 +220,11 @@ mod tests {
             }
         }
         assert_eq!(block(1, 7, 2, 5), expected);
+        for at in 0..8 {
+            assert_eq!(columns_from(16 + at), block(at, 8, 0, 8));
+            assert_eq!(columns_up_to(17 + at), block(0, at + 1, 0, 8));
+            assert_eq!(rows_from(16 + at), block(0, 8, at, 8));
+            assert_eq!(rows_up_to(17 + at), block(0, 8, 0, at + 1));
+        }
     }
 }

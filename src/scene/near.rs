@@ -37,7 +37,7 @@ impl Scene {
     }
 
     /// Whether an occluder, or an opaque cell, may touch a convex region inside the box `around`.
-    fn occluder_touches(&self, region: &View, around: &Block) -> bool {
+    pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
         let touches =
             |slot: u32| self.object(slot).occluder().is_some_and(|o| cut::may_meet(o, region, around));
         let always = || self.always().iter().any(|&slot| touches(slot));

@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-use crate::numeric::occlusion::{DIRECTION, HALF_PLANE_OUTSIDE, HALF_PLANE_SLOPE, PLANE_ALONG_RAYS};
+use crate::numeric::occlusion::{DIRECTION, PLANE_ALONG_RAYS};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::{MAX_DEPTH, Pitch};
-use crate::occlusion::tiles::{TILE, span};
+use crate::occlusion::rows::Rows;
+use crate::occlusion::tiles::TILE;
 use crate::view::{Origin, View};
 
 impl FaceBuffer {
@@ -47,45 +48,17 @@ impl FaceBuffer {
     /// Covers the pixels outside the frustum, as if by something at the eye.
     pub(super) fn cover_outside(&mut self) {
         let (first, count) = (self.window.first_tile(), self.window.tile_count());
+        let rows = Rows::touching(&self.halves, &self.window);
         for ty in first.1..first.1 + count.1 {
-            let mut rows = [(0i64, 0i64); TILE as usize];
-            for (i, row) in rows.iter_mut().enumerate() {
-                *row = self.inside_row(ty * TILE + i as i64);
-            }
-            let common = rows.iter().fold((i64::MIN, i64::MAX), |c, r| (c.0.max(r.0), c.1.min(r.1)));
-            for tx in first.0..first.0 + count.0 {
-                let x = tx * TILE;
-                if common.0 <= x && x + TILE <= common.1 {
-                    continue;
+            let start = self.window.tile_index(first.0, ty);
+            let row = rows.as_ref().map(|rows| rows.tile_row(ty));
+            for (tx, tile) in (first.0..first.0 + count.0).zip(start..) {
+                let inside = row.as_ref().map_or(0, |row| row.mask_of_tile(tx * TILE));
+                if inside != u64::MAX {
+                    self.coverage.cover(tile, !inside, f32::INFINITY);
                 }
-                let mut inside = 0;
-                for (i, row) in rows.iter().enumerate() {
-                    inside |= span(row.0 - x, row.1 - x) << (8 * i);
-                }
-                self.coverage.cover(self.window.tile_index(tx, ty), !inside, f32::INFINITY);
             }
         }
-    }
-
-    /// The pixels of a row that may be inside the frustum and are in the window.
-    fn inside_row(&self, y: i64) -> (i64, i64) {
-        let rows = self.window.pixels().y;
-        if y < rows.0 || y >= rows.1 {
-            return (0, 0);
-        }
-        let (v0, v1) = (self.window.border(y), self.window.border(y + 1));
-        let (mut lo, mut hi) = (-1.0f64, 1.0f64);
-        for half in &self.halves {
-            let rest = (half.b * v0).max(half.b * v1) + half.c;
-            if half.a > HALF_PLANE_SLOPE {
-                lo = lo.max(-rest / half.a);
-            } else if half.a < -HALF_PLANE_SLOPE {
-                hi = hi.min(-rest / half.a);
-            } else if rest < -HALF_PLANE_OUTSIDE {
-                return (0, 0);
-            }
-        }
-        if lo > hi { (0, 0) } else { self.window.columns(lo, hi) }
     }
 }
 

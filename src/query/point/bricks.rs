@@ -28,6 +28,13 @@ fn page_at(axis: usize, brick: i32) -> IVec3 {
     page
 }
 
+/// Which kinds of things that the walk looks for a page contains.
+struct PageContents {
+    objects: bool,
+    volumes: bool,
+    opaque: bool,
+}
+
 /// The part of one side of a shell of bricks that is in the grid.
 struct BrickSide<'a> {
     side: &'a Side,
@@ -129,11 +136,11 @@ impl Walk<'_> {
 
     /// Whether a brick contains nothing that the walk looks for.
     #[inline]
-    fn brick_is_empty(&self, brick: IVec3) -> bool {
+    fn brick_is_empty(&self, brick: IVec3, page: &PageContents) -> bool {
         let scene = self.scene;
-        scene.id_matrix().in_brick(brick).len() == 0
-            && scene.tbv_matrix().is_empty(brick)
-            && scene.fused().in_brick(brick).is_empty()
+        !(page.objects && scene.id_matrix().in_brick(brick).len() > 0
+            || page.volumes && !scene.tbv_matrix().is_empty(brick)
+            || page.opaque && !scene.fused().in_brick(brick).is_empty())
     }
 
     /// Whether a plane of pages contains nothing that the walk looks for.
@@ -152,20 +159,23 @@ impl Walk<'_> {
             && scene.fused().pages().row_is_empty(along, page)
     }
 
-    /// Whether a page contains nothing that the walk looks for.
+    /// The kinds of things in a page.
     #[inline]
-    fn page_is_empty(&self, page: IVec3) -> bool {
+    fn page(&self, page: IVec3) -> PageContents {
         let scene = self.scene;
-        scene.id_matrix().pages().page_is_empty(page)
-            && scene.tbv_matrix().pages().page_is_empty(page)
-            && scene.fused().pages().page_is_empty(page)
+        PageContents {
+            objects: !scene.id_matrix().pages().page_is_empty(page),
+            volumes: !scene.tbv_matrix().pages().page_is_empty(page),
+            opaque: !scene.fused().pages().page_is_empty(page),
+        }
     }
 
     /// Appends the bricks of shell `m` in the frustum that contain anything and are not hidden.
     fn shell_bricks(&self, shells: &Shells, m: i32, out: &mut Vec<IVec3>) {
         if m == 0 {
-            if self.grid.contains(shells.cell) && !self.brick_is_empty(shells.cell) {
-                out.push(shells.cell);
+            let brick = shells.cell;
+            if self.grid.contains(brick) && !self.brick_is_empty(brick, &self.page(brick >> 3i32)) {
+                out.push(brick);
             }
             return;
         }
@@ -237,9 +247,15 @@ impl Walk<'_> {
         while col <= hi {
             let b = part.brick + part.at(row, col);
             let last = hi.min(col + 7 - (b[part.side.axes.col] & 7));
-            if !self.page_is_empty(b >> 3i32) {
-                let bricks = (col..=last).map(|col| part.brick + part.at(row, col));
-                out.extend(bricks.filter(|&b| !self.brick_is_empty(b)));
+            let page = self.page(b >> 3i32);
+            if page.objects || page.volumes || page.opaque {
+                let mut brick = b;
+                for _ in col..=last {
+                    if !self.brick_is_empty(brick, &page) {
+                        out.push(brick);
+                    }
+                    brick[part.side.axes.col] += 1;
+                }
             }
             col = last + 1;
         }

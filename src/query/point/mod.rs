@@ -14,9 +14,12 @@ pub(crate) mod scratch;
 mod surfaces;
 mod volumes;
 
+use glam::DVec3;
+
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::method::PointOptions;
+use crate::numeric::shape::REGION;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
@@ -40,6 +43,8 @@ pub(crate) struct Walk<'a> {
     cut: Vec<(View, Block)>,
     /// The region where an eye may be that is not known exactly.
     unsure: Option<(View, Block)>,
+    /// A box around the eye and those regions; `None` for parallel rays.
+    starts: Option<Block>,
     /// The grid of bricks.
     grid: Grid,
     /// Whether boxes of opaque cells may be drawn, once that was found out.
@@ -63,6 +68,16 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     }
 }
 
+/// A box around an eye and some regions in which rays start, with room for rounding.
+fn around_starts<'r>(eye: DVec3, regions: impl Iterator<Item = &'r (View, Block)>) -> Block {
+    let all = regions.fold(Block { min: eye, max: eye }, |all, (_, around)| Block {
+        min: all.min.min(around.min),
+        max: all.max.max(around.max),
+    });
+    let by = REGION * (1.0 + all.min.abs().max(all.max.abs()).max_element());
+    Block { min: all.min - by, max: all.max + by }
+}
+
 impl<'a> Walk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
@@ -76,6 +91,8 @@ impl<'a> Walk<'a> {
         scratch.begin(scene.seams().patches(), marks.epoch());
         let (min, max) = scene.extent();
         let grid = scene.grid().bricks();
+        let cut: Vec<(View, Block)> = view.cut_regions(min, max).collect();
+        let unsure = view.eye_region();
         Self {
             scene,
             view,
@@ -83,8 +100,9 @@ impl<'a> Walk<'a> {
             pvs,
             marks,
             scratch,
-            cut: view.cut_regions(min, max).collect(),
-            unsure: view.eye_region(),
+            starts: view.eye().map(|eye| around_starts(eye, cut.iter().chain(&unsure))),
+            cut,
+            unsure,
             grid,
             fuses: None,
             around: Shells::around_eye(&grid, view, Start::Eye),

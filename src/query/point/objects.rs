@@ -4,6 +4,15 @@ use glam::DVec3;
 
 use crate::query::point::Walk;
 
+/// A number that sorts objects by distance and then by slot, which is its lower part. Whole numbers are compared
+/// without branches.
+fn sort_key(distance: f64, slot: u32) -> u128 {
+    let bits = distance.to_bits();
+    // The bits of negative numbers run the other way.
+    let order = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
+    u128::from(order) << 32 | u128::from(slot)
+}
+
 impl Walk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: u32) {
@@ -27,7 +36,7 @@ impl Walk<'_> {
                     (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
                 }
             };
-            scratch.found.push((distance, slot));
+            scratch.found.push(sort_key(distance, slot));
         }
     }
 
@@ -37,8 +46,8 @@ impl Walk<'_> {
         let mut found = std::mem::take(&mut self.scratch.found);
         let limited = self.options.max_occluders < u32::MAX;
         let mut seen: Vec<(f64, u32)> = Vec::new();
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for (_, slot) in found.drain(..) {
+        found.sort_unstable();
+        for slot in found.drain(..).map(|key| key as u32) {
             self.stats.occlusion_tests += 1;
             if !self.hides(&self.scene.object(slot).bounds().block()) {
                 self.scratch.candidates.push(slot);
@@ -54,5 +63,18 @@ impl Walk<'_> {
             self.draw(slot);
         }
         self.scratch.found = found;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_sort_by_distance_and_then_by_slot() {
+        let objects = [(-3.0, 9), (-1.0, 1), (0.0, 4), (0.0, 5), (1e-9, 0), (2.0, 7), (f64::INFINITY, 2)];
+        let keys = objects.map(|(distance, slot)| sort_key(distance, slot));
+        assert!(keys.is_sorted());
+        assert_eq!(keys.map(|key| key as u32), objects.map(|(_, slot)| slot));
     }
 }

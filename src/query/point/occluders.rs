@@ -2,15 +2,14 @@
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
 use crate::grid::cell_box::CellBox;
 use crate::numeric::shape::REGION;
 use crate::object::Occluder;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
-use crate::query::start::rays_start_in_occluder;
 use crate::view::cut::may_start_in;
+use crate::view::{Origin, View};
 
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
@@ -35,15 +34,26 @@ impl Walk<'_> {
             }
             return;
         }
-        let buffers = &mut self.scratch.buffers;
-        if may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder) {
+        if self.starts_near(&occluder.block())
+            && may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder)
+        {
             self.stats.eye_in_occluder = true;
             return;
         }
+        let buffers = &mut self.scratch.buffers;
         if let Some(solid) = solid(occluder, buffers) {
             self.stats.occluders_drawn += 1;
-            self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+            self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         }
+    }
+
+    /// Whether a box reaches the places where rays start; in doubt, yes.
+    fn starts_near(&self, block: &Block) -> bool {
+        self.starts.as_ref().is_none_or(|starts| {
+            let reach = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
+            // Also if a number is not one.
+            !((block.min - reach).cmpgt(starts.max).any() || (block.max + reach).cmplt(starts.min).any())
+        })
     }
 
     /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
@@ -69,7 +79,7 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
-        self.stats.occluders_useful += u32::from(buffers.draw(&solid, slot));
+        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         true
     }
 
@@ -93,16 +103,22 @@ impl Walk<'_> {
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
-            && let Some(solid) = Solid::polytope(Polytope::block(&block), buffers.direction())
+            && let Some(solid) = Solid::block(block, buffers.direction())
         {
             self.stats.cells_drawn += 1;
-            buffers.draw(&solid, NOBODY);
+            buffers.draw(solid, NOBODY);
         }
     }
 
     /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
     pub(super) fn may_fuse(&mut self) -> bool {
-        *self.fuses.get_or_insert_with(|| !rays_start_in_occluder(self.scene, self.view))
+        let touches = |(region, around): &(View, Block)| self.scene.occluder_touches(region, around);
+        *self.fuses.get_or_insert_with(|| match self.view.origin {
+            Origin::Eye { at, .. } => {
+                !(self.scene.inside_occluder(at) || self.cut.iter().chain(&self.unsure).any(touches))
+            }
+            Origin::Direction(_) => false,
+        })
     }
 }
 

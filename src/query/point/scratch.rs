@@ -24,8 +24,8 @@ pub(crate) struct PointScratch {
     pub(super) bricks: Vec<IVec3>,
     /// Bricks of a shell with temporal bounding volumes that are not hidden.
     pub(super) volumes: Vec<IVec3>,
-    /// Objects of a shell: distance and slot.
-    pub(super) found: Vec<(f64, u32)>,
+    /// Objects of a shell, as numbers that sort them by distance.
+    pub(super) found: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<u32>,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in: object and patch.

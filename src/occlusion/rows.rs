@@ -1,0 +1,406 @@
+//! Rows of pixels inside a silhouette, eight at a time.
+//!
+//! A silhouette is prepared once for a face: each edge of a polygon becomes a line that gives a column for each row, and
+//! a conic two roots for each border between rows. A silhouette is convex, so a row of pixels is inside as far as both
+//! of its borders are. Everything is kept in pixels, and the loops over the eight rows of a tile have no branches, so
+//! that compilers vectorise them.
+
+use smallvec::SmallVec;
+
+use crate::numeric::occlusion::{
+    CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_OUTSIDE, HALF_PLANE_SLOPE, PIXEL,
+};
+use crate::numeric::shape::CONE_MARGIN;
+use crate::occlusion::face::Linear;
+use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
+use crate::occlusion::silhouette::{Kind, Silhouette};
+use crate::occlusion::tiles::TILE;
+
+/// Rows of a tile.
+const ROWS: usize = TILE as usize;
+
+/// A column that no window has, so that a row from here to minus here is empty in each tile.
+const BEYOND: i32 = 1 << 28;
+
+/// A bound on the columns of each row, in pixels: `at + slope * row`.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    at: f64,
+    slope: f64,
+}
+
+/// A conic whose roots are `middle +- root` on the border at height `v`, for `rest = b v + c`:
+/// `middle = rest * shift + origin` and `root = sqrt(k (rest^2 - width ((v - v0)^2 + e))) * scale`.
+#[derive(Debug, Clone, Copy)]
+struct Conic {
+    s: Linear,
+    k: f64,
+    v0: f64,
+    e: f64,
+    width: f64,
+    shift: f64,
+    origin: f64,
+    scale: f64,
+    /// How far the roots may be off, in pixels.
+    error: f64,
+}
+
+/// Which pixels are asked for: those inside for sure, or all that may be touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rounding {
+    Inwards,
+    Outwards,
+}
+
+#[derive(Debug)]
+enum Shape {
+    Polygon {
+        /// Columns are not less than these.
+        lower: SmallVec<[Bound; 6]>,
+        /// Columns are not greater than these.
+        upper: SmallVec<[Bound; 6]>,
+    },
+    /// An ellipse is covered between its roots.
+    Ellipse(Conic),
+    /// A hyperbola is covered beyond one root, on the side of greater columns if `right`.
+    Hyperbola { conic: Conic, right: bool },
+}
+
+/// A shape on a face that is ready to be asked for rows of pixels.
+#[derive(Debug)]
+pub(crate) struct Rows {
+    shape: Shape,
+    /// The pixels outside of which nothing is covered.
+    pixels: PixelRect,
+    /// Height of the lower border of row 0, and of a row.
+    base: f64,
+    step: f64,
+    /// Number of columns of the whole face.
+    columns: f64,
+    /// Half a pixel more than the margin by which columns are moved inwards; less than zero if outwards.
+    inset: f64,
+}
+
+/// The pixels of a shape in one row of tiles.
+#[derive(Debug)]
+pub(crate) struct TileRow {
+    /// For each row of pixels, the first covered column and the one after the last.
+    first: [i32; ROWS],
+    end: [i32; ROWS],
+    /// Columns that some row covers, and that all rows cover.
+    some: (i32, i32),
+    all: (i32, i32),
+}
+
+impl TileRow {
+    /// The columns that some row covers, upper end excluded.
+    #[inline]
+    pub(crate) fn columns(&self) -> (i64, i64) {
+        (self.some.0.into(), self.some.1.into())
+    }
+
+    /// Whether the tile that begins at column `x` is covered as a whole.
+    #[inline]
+    pub(crate) fn covers_tile(&self, x: i64) -> bool {
+        i64::from(self.all.0) <= x && x + TILE <= self.all.1.into()
+    }
+
+    /// The covered pixels of any tile of the window.
+    #[inline]
+    pub(crate) fn mask_of_tile(&self, x: i64) -> u64 {
+        if self.covers_tile(x) {
+            u64::MAX
+        } else if x + TILE <= self.some.0.into() || i64::from(self.some.1) <= x {
+            0
+        } else {
+            self.mask(x)
+        }
+    }
+
+    /// The covered pixels of the tile that begins at column `x`.
+    #[inline]
+    pub(crate) fn mask(&self, x: i64) -> u64 {
+        let x = x as i32;
+        let mut rows = [0i32; ROWS];
+        // Column by column, because processors shift all lanes of a vector alike.
+        for column in 0..TILE as i32 {
+            for (i, row) in rows.iter_mut().enumerate() {
+                let covered = (self.first[i] <= x + column) & (x + column < self.end[i]);
+                *row |= if covered { 1 << column } else { 0 };
+            }
+        }
+        u64::from_le_bytes(rows.map(|row| row as u8))
+    }
+}
+
+/// The greater and the lesser of two numbers, of which none is NaN.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+impl Rows {
+    /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are none for sure.
+    pub(crate) fn inside(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
+        let (shape, pixels) = match silhouette.kind() {
+            Kind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
+            Kind::Conic { s, k, u0, v0, e, .. } => (conic(s, *k, (*u0, *v0), *e, window)?, *pixels),
+            Kind::Everything => return None,
+        };
+        let error = match &shape {
+            Shape::Polygon { .. } => 0.0,
+            Shape::Ellipse(conic) | Shape::Hyperbola { conic, .. } => conic.error,
+        };
+        Self::new(shape, window, pixels, PIXEL + error + 0.5)
+    }
+
+    /// The pixels of a window that may reach into all half-planes; `None` if there are none.
+    pub(crate) fn touching(halves: &[Linear], window: &Window) -> Option<Self> {
+        let (shape, pixels) = polygon(halves, window, window.pixels(), Rounding::Outwards)?;
+        Self::new(shape, window, pixels, -PIXEL - 0.5)
+    }
+
+    fn new(shape: Shape, window: &Window, pixels: PixelRect, inset: f64) -> Option<Self> {
+        let (base, step, columns) = (window.border(0), window.step(), window.per_unit() * 2.0);
+        (!pixels.is_empty()).then_some(Self { shape, pixels, base, step, columns, inset })
+    }
+
+    /// The pixels outside of which nothing is covered.
+    pub(crate) fn pixels(&self) -> &PixelRect {
+        &self.pixels
+    }
+
+    /// The covered pixels of the row of tiles `ty`.
+    #[inline]
+    pub(crate) fn tile_row(&self, ty: i64) -> TileRow {
+        let y = ty * TILE;
+        let v = self.base + self.step * y as f64;
+        let columns = match &self.shape {
+            Shape::Polygon { lower, upper } => {
+                let rows = ((self.pixels.y.0 - y) as f64, (self.pixels.y.1 - y) as f64);
+                between(lower, upper, y as f64, rows)
+            }
+            Shape::Ellipse(conic) => conic.inside(v, self.step),
+            Shape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
+        };
+        self.pixels_between(columns, self.inset)
+    }
+
+    /// The pixels between two columns in each row from `y` on, at least `inset` from both after rounding to the nearest
+    /// borders of pixels.
+    #[inline(always)]
+    fn pixels_between(&self, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
+        let (x0, x1) = (self.pixels.x.0 as f64, self.pixels.x.1 as f64);
+        let (mut first, mut end) = ([0; ROWS], [0; ROWS]);
+        for i in 0..ROWS {
+            // The borders of the face itself are exact.
+            let a = if lo[i] <= 0.0 { 0.0 } else { lo[i] + inset };
+            let b = if hi[i] >= self.columns { self.columns } else { hi[i] - inset };
+            let (a, b) =
+                (nearest_integer(lesser(greater(a, x0), x1)), nearest_integer(lesser(greater(b, x0), x1)));
+            first[i] = if a < b { a } else { BEYOND };
+            end[i] = if a < b { b } else { -BEYOND };
+        }
+        let (mut some, mut all) = ((BEYOND, -BEYOND), (-BEYOND, BEYOND));
+        for i in 0..ROWS {
+            some = (some.0.min(first[i]), some.1.max(end[i]));
+            all = (all.0.max(first[i]), all.1.min(end[i]));
+        }
+        TileRow { first, end, some, all }
+    }
+}
+
+/// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels instead.
+fn polygon(
+    halves: &[Linear],
+    window: &Window,
+    pixels: &PixelRect,
+    rounding: Rounding,
+) -> Option<(Shape, PixelRect)> {
+    let (step, per_unit, base) = (window.step(), window.per_unit(), window.border(0));
+    let (mut lower, mut upper, mut pixels) = (SmallVec::new(), SmallVec::new(), *pixels);
+    let inwards = rounding == Rounding::Inwards;
+    let margin = if inwards { CONE_MARGIN } else { 0.0 };
+    for half in halves {
+        let c = half.c - margin;
+        if half.a.abs() > HALF_PLANE_SLOPE {
+            // The border of a row that lies farther outside, or farther inside.
+            let v = if (half.b < 0.0) == inwards { base + step } else { base };
+            let inverse = -1.0 / half.a;
+            let at = ((half.b * v + c) * inverse + 1.0) * per_unit;
+            let bound = Bound { at, slope: half.b * inverse };
+            if half.a > 0.0 {
+                lower.push(bound)
+            } else {
+                upper.push(bound)
+            }
+            continue;
+        }
+        // All columns of the face are as far inside but for this.
+        let c = if inwards { c - HALF_PLANE_SLOPE } else { c + HALF_PLANE_OUTSIDE };
+        if half.b.abs() <= HALF_PLANE_SLOPE {
+            let slack = if inwards { HALF_PLANE_SLOPE } else { -HALF_PLANE_SLOPE };
+            if c < slack {
+                return None;
+            }
+            continue;
+        }
+        let row = ((1.0 - c / half.b) * per_unit).clamp(pixels.y.0 as f64 - 2.0, pixels.y.1 as f64 + 2.0);
+        match (half.b > 0.0, inwards) {
+            (true, true) => pixels.y.0 = pixels.y.0.max(-floor(-(row + PIXEL))),
+            (true, false) => pixels.y.0 = pixels.y.0.max(floor(row - PIXEL)),
+            (false, true) => pixels.y.1 = pixels.y.1.min(floor(row - PIXEL)),
+            (false, false) => pixels.y.1 = pixels.y.1.min(floor(row + PIXEL) + 1),
+        }
+    }
+    Some((Shape::Polygon { lower, upper }, pixels))
+}
+
+/// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola.
+fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> Option<Shape> {
+    let (width, per_unit) = (k - s.a * s.a, window.per_unit());
+    if width.abs() <= CONIC_PARABOLA {
+        return None;
+    }
+    let conic = Conic {
+        s: *s,
+        k,
+        v0,
+        e,
+        width,
+        shift: s.a / width * per_unit,
+        origin: (u0 + 1.0) * per_unit,
+        scale: per_unit / width.abs(),
+        error: CHORD_ROUNDING * per_unit / width.abs(),
+    };
+    Some(if width > 0.0 { Shape::Ellipse(conic) } else { Shape::Hyperbola { conic, right: s.a > 0.0 } })
+}
+
+/// The columns between all bounds, for the rows from `y` on; none in rows outside of `rows`, which are counted from `y`.
+#[inline(always)]
+fn between(lower: &[Bound], upper: &[Bound], y: f64, rows: (f64, f64)) -> ([f64; ROWS], [f64; ROWS]) {
+    let (mut lo, mut hi) = ([f64::MIN; ROWS], [f64::MAX; ROWS]);
+    for (i, lo) in lo.iter_mut().enumerate() {
+        let i = i as f64;
+        *lo = if (i >= rows.0) & (i < rows.1) { f64::MIN } else { f64::MAX };
+    }
+    for bound in lower {
+        let at = bound.at + bound.slope * y;
+        for (i, lo) in lo.iter_mut().enumerate() {
+            *lo = greater(*lo, at + bound.slope * i as f64);
+        }
+    }
+    for bound in upper {
+        let at = bound.at + bound.slope * y;
+        for (i, hi) in hi.iter_mut().enumerate() {
+            *hi = lesser(*hi, at + bound.slope * i as f64);
+        }
+    }
+    (lo, hi)
+}
+
+impl Conic {
+    /// The middle between its roots on the border at height `v`, the square under the root, and whether `rest` is
+    /// positive: the line then meets the cone in front of the eye.
+    #[inline(always)]
+    fn line(&self, v: f64) -> (f64, f64, bool) {
+        let (dv, rest) = (v - self.v0, self.s.b * v + self.s.c);
+        let square = self.k * (rest * rest - self.width * (dv * dv + self.e));
+        (rest * self.shift + self.origin, square, rest > 0.0)
+    }
+
+    /// The columns inside an ellipse, for rows from the border at height `v` on.
+    #[inline(always)]
+    fn inside(&self, v: f64, step: f64) -> ([f64; ROWS], [f64; ROWS]) {
+        let (mut lo, mut hi) = ([f64::MAX; ROWS + 1], [f64::MIN; ROWS + 1]);
+        for i in 0..=ROWS {
+            let (middle, square, front) = self.line(v + step * i as f64);
+            let root = greater(square - CONIC, 0.0).sqrt() * self.scale;
+            let meets = front & (square > CONIC);
+            lo[i] = if meets { middle - root } else { f64::MAX };
+            hi[i] = if meets { middle + root } else { f64::MIN };
+        }
+        (
+            std::array::from_fn(|i| greater(lo[i], lo[i + 1])),
+            std::array::from_fn(|i| lesser(hi[i], hi[i + 1])),
+        )
+    }
+
+    /// The columns inside the branch of a hyperbola that opens to greater columns if `right`.
+    fn beside(&self, right: bool, v: f64, step: f64) -> ([f64; ROWS], [f64; ROWS]) {
+        let root = |i: usize| {
+            let (middle, square, _) = self.line(v + step * i as f64);
+            let root = greater(square + CONIC, 0.0).sqrt() * self.scale;
+            if right { middle + root } else { middle - root }
+        };
+        if right {
+            (std::array::from_fn(|i| greater(root(i), root(i + 1))), [f64::MAX; ROWS])
+        } else {
+            ([f64::MIN; ROWS], std::array::from_fn(|i| lesser(root(i), root(i + 1))))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::{Outline, outline_of_block};
+    use crate::occlusion::face::{Face, Rect};
+
+    const PIXELS: i64 = 64;
+
+    /// The pixels of the whole face that a silhouette covers, and those that are well inside of it.
+    fn check(outline: &Outline) -> usize {
+        let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
+        let window = Window::around(&Rect::FACE, PIXELS);
+        let silhouette = Silhouette::new(outline, &face);
+        let rows = Rows::inside(&silhouette, &window, window.pixels());
+        let mut covered = 0;
+        for ty in 0..PIXELS / TILE {
+            let row = rows.as_ref().map(|rows| rows.tile_row(ty));
+            for (x, y) in (0..PIXELS).flat_map(|x| (ty * TILE..(ty + 1) * TILE).map(move |y| (x, y))) {
+                let tile = x / TILE * TILE;
+                let bit = 8 * (y - ty * TILE) + x - tile;
+                let own = row.as_ref().is_some_and(|row| row.mask_of_tile(tile) >> bit & 1 == 1);
+                let square = window.square(x, y, 1);
+                assert!(!own || silhouette.covers(&square), "{outline:?} {x} {y}");
+                let room = 1e-6;
+                let (u0, v0) = (square.u0 - room, square.v0 - room);
+                let larger = Rect { u0, v0, u1: square.u1 + room, v1: square.v1 + room };
+                assert!(own || !silhouette.covers(&larger), "{outline:?} {x} {y}");
+                covered += usize::from(own);
+            }
+        }
+        covered
+    }
+
+    #[test]
+    fn rows_are_those_that_the_silhouette_covers() {
+        let mut state = 3u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+        };
+        let (mut spheres, mut boxes, mut beside) = (0, 0, 0);
+        for _ in 0..100 {
+            // Some centres are so far aside that the conic is a hyperbola.
+            let center = DVec3::new(next() * 6.0, next() * 6.0, next() + 1.0);
+            let radius = center.length() * (0.1 + 0.8 * (next() + 0.5));
+            let found = check(&Outline::Sphere { center, radius });
+            spheres += found;
+            beside += if radius > center.z { found } else { 0 };
+            let half = DVec3::new(next(), next(), next()).abs() + 0.1;
+            let block = Block { min: center - half, max: center + half };
+            boxes += check(&outline_of_block(&block).0);
+        }
+        assert!(spheres > 10_000 && boxes > 5000 && beside > 10_000, "{spheres} {boxes} {beside}");
+    }
+}
