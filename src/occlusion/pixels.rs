@@ -102,6 +102,11 @@ impl Window {
         self.per_unit
     }
 
+    /// Pixels along each side of the whole face.
+    pub(crate) fn face_pixels(&self) -> i64 {
+        (self.per_unit * 2.0).round() as i64
+    }
+
     /// Its first tile.
     #[inline]
     pub(crate) fn first_tile(&self) -> (i64, i64) {
@@ -136,6 +141,12 @@ impl Window {
     #[inline]
     pub(crate) fn square(&self, x: i64, y: i64, size: i64) -> Rect {
         Rect { u0: self.border(x), v0: self.border(y), u1: self.border(x + size), v1: self.border(y + size) }
+    }
+
+    /// A rectangle of pixels as directions.
+    pub(crate) fn rect(&self, pixels: &PixelRect) -> Rect {
+        let (x, y) = (pixels.x, pixels.y);
+        Rect { u0: self.border(x.0), v0: self.border(y.0), u1: self.border(x.1), v1: self.border(y.1) }
     }
 
     /// The pixels of `range` that the part of the face between two coordinates touches.
