@@ -183,3 +183,88 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             .is_some_and(|c| open.iter().all(|fine| outside(fine) || search.is_covered(fine, &c, HALVINGS)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::Polytope;
+    use crate::occlusion::pitch::Pitch;
+    use crate::occlusion::solid::Solid;
+    use crate::view::View;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        }
+
+        fn point(&mut self) -> DVec3 {
+            DVec3::new(self.next(), self.next(), self.next())
+        }
+
+        /// A box in front of the eye, between two depths.
+        fn block(&mut self, (near, far): (f64, f64), size: f64) -> Block {
+            let depth = near + (far - near) * self.next();
+            let at = (self.point() - 0.5) * DVec3::new(0.8, 0.8, 0.0) * depth + DVec3::Z * depth;
+            let half = self.point() * size * depth + 0.001;
+            Block { min: at - half, max: at + half }
+        }
+    }
+
+    /// Whether a segment from the origin meets a box before its end.
+    fn meets(b: &Block, end: DVec3) -> bool {
+        let (x, y) = (b.min / end, b.max / end);
+        x.min(y).max_element().max(0.0) <= x.max(y).min_element().min(1.0)
+    }
+
+    #[test]
+    fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
+        let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
+        let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO };
+        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>>, count: 0 };
+        let effort = Effort { squares: 256, depth: 6 };
+        let mut random = Random(11);
+        let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());
+        let (mut hidden, mut gained) = (0, 0);
+        for _ in 0..30 {
+            buffers.begin(&view, &pitch);
+            let occluders: Vec<Block> = (0..60).map(|_| random.block((2.0, 6.0), 0.12)).collect();
+            for (i, block) in occluders.iter().enumerate() {
+                let solid = Solid::polytope(Polytope::block(block), None).unwrap();
+                buffers.draw(&solid, i as u32);
+            }
+            magnifier.begin(&buffers);
+            let mut budget = Budget { squares: 1 << 20, patches: 0 };
+            for _ in 0..200 {
+                let block = random.block((6.5, 12.0), 0.03);
+                let target = Target::block(block, None);
+                let coarse = buffers.test(&target) == crate::occlusion::buffers::Verdict::Hidden;
+                let mut examination = Examination {
+                    buffers: &buffers,
+                    magnifier: &mut magnifier,
+                    patches: &patches,
+                    effort,
+                    budget: &mut budget,
+                };
+                let proven = examination.hides(&target, u32::MAX);
+                magnifier.close(&mut buffers);
+                assert!(proven || !coarse, "{block:?}");
+                if !proven {
+                    continue;
+                }
+                hidden += 1;
+                gained += u32::from(!coarse);
+                for _ in 0..40 {
+                    let end = block.min + random.point() * (block.max - block.min);
+                    assert!(occluders.iter().any(|o| meets(o, end)), "{block:?} {end}");
+                }
+            }
+        }
+        assert!(hidden > 1000 && gained > 200, "{hidden} {gained}");
+    }
+}

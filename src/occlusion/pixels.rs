@@ -184,13 +184,6 @@ impl Window {
         };
         Some((at(u, self.pixels.x)?, at(v, self.pixels.y)?))
     }
-
-    /// The pixel nearest to the lower left corner of a rectangle that lies in the window.
-    pub(crate) fn corner_of(&self, rect: &Rect) -> (i64, i64) {
-        let pixel =
-            |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + PIXEL).clamp(lo, hi - 1);
-        (pixel(rect.u0, self.pixels.x), pixel(rect.v0, self.pixels.y))
-    }
 }
 
 /// The floor of a number within the range of `i64`.
@@ -217,7 +210,7 @@ mod tests {
         assert_eq!(window.touched_by(&inside), PixelRect { x: (8, 9), y: (8, 11) });
         assert_eq!(window.pixel_at(0.01, 0.26), Some((8, 10)));
         assert_eq!(window.pixel_at(-0.9, 0.0), None);
-        assert_eq!(window.corner_of(&inside), (8, 8));
+        assert_eq!(window.rect(&PixelRect { x: (8, 16), y: (8, 16) }), window.square(8, 8, 8));
         let square = window.square(8, 8, 8);
         assert_eq!((square.u0, square.v0, square.u1, square.v1), (0.0, 0.0, 1.0, 1.0));
         // A bound that is not a number touches everything.

@@ -281,3 +281,49 @@ impl Silhouette {
         matches!(self.kind, Kind::Conic { .. })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::Polytope;
+
+    #[test]
+    fn pixels_of_a_tile_are_those_that_are_covered_one_by_one() {
+        let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
+        let block = Block { min: DVec3::new(-1.1, -0.7, 3.0), max: DVec3::new(1.3, 0.9, 5.0) };
+        let slanted = Polytope::boxed(
+            DVec3::new(0.5, 0.2, 4.0),
+            &glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2),
+        );
+        let outlines = [
+            Polytope::block(&block).outline(None),
+            slanted.outline(None),
+            Outline::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
+        ];
+        let mut partly = 0;
+        for outline in &outlines {
+            let whole = Silhouette::new(outline, &face);
+            for tile in 0..256 {
+                let border = |t: i32| std::array::from_fn(|i| f64::from(8 * t + i as i32) / 64.0 - 1.0);
+                let (us, vs): (Borders, Borders) = (border(tile % 16), border(tile / 16));
+                let rect = Rect { u0: us[0], v0: vs[0], u1: us[8], v1: vs[8] };
+                let crossing = whole.crossing(&rect);
+                let mut covered = 0u64;
+                for bit in 0..64 {
+                    let (i, j) = (bit % 8, bit / 8);
+                    let pixel = Rect { u0: us[i], v0: vs[j], u1: us[i + 1], v1: vs[j + 1] };
+                    covered |= u64::from(whole.covers(&pixel)) << bit;
+                    let part = crossing.as_ref();
+                    assert_eq!(whole.touches(&pixel), part.is_some_and(|part| part.touches(&pixel)));
+                    assert_eq!(whole.covers(&pixel), part.is_some_and(|part| part.covers(&pixel)));
+                }
+                assert_eq!(whole.pixels(&us, &vs), covered, "{outline:?} {tile}");
+                partly += u32::from(covered != 0 && covered != u64::MAX);
+            }
+        }
+        assert!(partly > 40, "{partly}");
+    }
+}

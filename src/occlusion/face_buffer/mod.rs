@@ -63,8 +63,6 @@ pub(crate) struct FaceBuffer {
     /// Whether any part of the face is inside the frustum.
     active: bool,
     window: Window,
-    /// A rectangle around the part of the face inside the frustum.
-    bounds: Rect,
     /// Directions inside the frustum.
     halves: SmallVec<[Linear; 8]>,
     coverage: Coverage,
@@ -80,7 +78,6 @@ impl FaceBuffer {
             face,
             active: false,
             window: Window::empty(1),
-            bounds: Rect::FACE,
             halves: SmallVec::new(),
             coverage: Coverage::default(),
             occluders: Bins::new(),
@@ -104,7 +101,6 @@ impl FaceBuffer {
             self.window = Window::empty(pixels);
             return;
         };
-        self.bounds = bounds;
         self.window = Window::around(&bounds, pixels);
         let (nx, ny) = self.window.tile_count();
         self.coverage.clear((nx * ny) as usize);
@@ -140,11 +136,6 @@ impl FaceBuffer {
 
     pub(crate) fn window(&self) -> &Window {
         &self.window
-    }
-
-    /// A rectangle around the part of the face inside the frustum.
-    pub(crate) fn bounds(&self) -> &Rect {
-        &self.bounds
     }
 
     /// Half-planes around the directions inside the frustum.
