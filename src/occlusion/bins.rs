@@ -4,9 +4,9 @@ use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::tiles::TILE;
 
 /// Tiles along each side of a bin.
-const BIN: i64 = 4;
+const BIN: i64 = 2;
 
-/// One list for each square of 4x4 tiles of a window.
+/// One list for each square of 2x2 tiles of a window.
 #[derive(Debug, Clone)]
 pub(crate) struct Bins<T> {
     lists: Vec<Vec<T>>,
@@ -90,7 +90,9 @@ mod tests {
         bins.clear(&window);
         bins.push(&PixelRect { x: (31, 33), y: (0, 1) }, 7);
         bins.push(&PixelRect { x: (99, 100), y: (99, 100) }, 8);
-        for (x, y, expected) in [(0, 0, vec![7]), (40, 31, vec![7]), (64, 0, vec![]), (96, 96, vec![8])] {
+        for (x, y, expected) in
+            [(20, 0, vec![7]), (40, 15, vec![7]), (64, 0, vec![]), (0, 0, vec![]), (96, 96, vec![8])]
+        {
             assert_eq!(bins.list(bins.index(x, y)), expected, "{x} {y}");
         }
         let all = |bins: &Bins<u32>| {

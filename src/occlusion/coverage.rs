@@ -78,6 +78,21 @@ impl Coverage {
         self.shades.resize(count, Shades::NONE);
     }
 
+    /// Appends an open tile. Returns its place.
+    pub(crate) fn append(&mut self) -> usize {
+        self.tiles.push(Tile::EMPTY);
+        self.closed.push(f32::NEG_INFINITY);
+        self.shades.push(Shades::NONE);
+        self.tiles.len() - 1
+    }
+
+    /// Makes a tile equal to one of another window.
+    pub(crate) fn copy_tile(&mut self, tile: usize, other: &Self, from: usize) {
+        self.tiles[tile] = other.tiles[from];
+        self.closed[tile] = other.closed[from];
+        self.shades[tile] = other.shades[from];
+    }
+
     /// The nearness down to which all pixels of a tile are covered.
     #[inline]
     pub(crate) fn closed(&self, tile: usize) -> f32 {

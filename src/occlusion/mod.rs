@@ -4,15 +4,15 @@
 //! frustum looks through a window of some faces only. Occluders are rounded inwards: a pixel is covered only
 //! if all directions in its square are inside the silhouette, at a depth behind which everything in the
 //! whole tile is hidden. Targets are rounded outwards: one is hidden only if every pixel that its silhouette
-//! may touch is covered nearer than its nearest point. Where pixels are too coarse to decide, [`refine`] tests
-//! the silhouettes themselves, and [`magnify`] draws triangles again at a finer pitch.
+//! may touch is covered nearer than its nearest point. Where pixels are too coarse to decide, [`magnify`] draws
+//! them again at a finer pitch, and [`refine`] tests the silhouettes themselves; [`examine`] does both.
 //!
 //! | Layer | Modules |
 //! |---|---|
 //! | geometry on a face | [`face`], [`silhouette`], [`front`] |
 //! | occluders and targets | [`solid`], [`surface`], [`target`] |
 //! | pixels | [`pitch`], [`pixels`], [`rows`], [`tiles`], [`coverage`], [`bins`] |
-//! | buffers | [`face_buffer`], [`buffers`], [`refine`], [`magnify`], [`image`] |
+//! | buffers | [`face_buffer`], [`buffers`], [`refine`], [`magnify`], [`examine`], [`image`] |
 //!
 //! After the thesis' future work (section 5, occluder fusion in image space) and the sources named in
 //! [`tiles`].
@@ -20,6 +20,7 @@
 pub(crate) mod bins;
 pub(crate) mod buffers;
 pub(crate) mod coverage;
+pub(crate) mod examine;
 pub(crate) mod face;
 pub(crate) mod face_buffer;
 pub(crate) mod front;

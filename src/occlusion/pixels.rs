@@ -102,6 +102,11 @@ impl Window {
         self.per_unit
     }
 
+    /// Pixels along each side of the whole face.
+    pub(crate) fn face_pixels(&self) -> i64 {
+        (self.per_unit * 2.0).round() as i64
+    }
+
     /// Its first tile.
     #[inline]
     pub(crate) fn first_tile(&self) -> (i64, i64) {
@@ -138,6 +143,12 @@ impl Window {
         Rect { u0: self.border(x), v0: self.border(y), u1: self.border(x + size), v1: self.border(y + size) }
     }
 
+    /// A rectangle of pixels as directions.
+    pub(crate) fn rect(&self, pixels: &PixelRect) -> Rect {
+        let (x, y) = (pixels.x, pixels.y);
+        Rect { u0: self.border(x.0), v0: self.border(y.0), u1: self.border(x.1), v1: self.border(y.1) }
+    }
+
     /// The pixels of `range` that the part of the face between two coordinates touches.
     #[inline]
     fn touched(&self, lo: f64, hi: f64, range: (i64, i64)) -> (i64, i64) {
@@ -168,13 +179,6 @@ impl Window {
             (lo <= pixel && pixel < hi).then_some(pixel)
         };
         Some((at(u, self.pixels.x)?, at(v, self.pixels.y)?))
-    }
-
-    /// The pixel nearest to the lower left corner of a rectangle that lies in the window.
-    pub(crate) fn corner_of(&self, rect: &Rect) -> (i64, i64) {
-        let pixel =
-            |at: f64, (lo, hi): (i64, i64)| floor((at + 1.0) * self.per_unit + PIXEL).clamp(lo, hi - 1);
-        (pixel(rect.u0, self.pixels.x), pixel(rect.v0, self.pixels.y))
     }
 }
 
@@ -209,7 +213,7 @@ mod tests {
         assert_eq!(window.touched_by(&inside), PixelRect { x: (8, 9), y: (8, 11) });
         assert_eq!(window.pixel_at(0.01, 0.26), Some((8, 10)));
         assert_eq!(window.pixel_at(-0.9, 0.0), None);
-        assert_eq!(window.corner_of(&inside), (8, 8));
+        assert_eq!(window.rect(&PixelRect { x: (8, 16), y: (8, 16) }), window.square(8, 8, 8));
         let square = window.square(8, 8, 8);
         assert_eq!((square.u0, square.v0, square.u1, square.v1), (0.0, 0.0, 1.0, 1.0));
         // A bound that is not a number touches everything.

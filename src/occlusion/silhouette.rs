@@ -11,6 +11,7 @@ use crate::geometry::polytope::Outline;
 use crate::numeric::occlusion::{CONIC, CONIC_HORIZON};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};
+use crate::occlusion::tiles::TILE;
 
 /// The kinds of silhouettes.
 #[derive(Debug, Clone)]
@@ -26,6 +27,44 @@ pub(crate) enum Kind {
     },
     Polygon(SmallVec<[Linear; 8]>),
     Everything,
+}
+
+/// The borders between the columns or rows of a tile.
+pub(crate) type Borders = [f64; TILE as usize + 1];
+
+/// The pixels of a tile that lie inside a half-plane.
+fn half_pixels(half: &Linear, us: &Borders, vs: &Borders) -> u64 {
+    // The half-plane is least at one corner of each pixel, the same for all.
+    let (left, lower) = (usize::from(half.a < 0.0), usize::from(half.b < 0.0));
+    let columns: [f64; TILE as usize] = std::array::from_fn(|i| half.a * us[i + left]);
+    let mut pixels = 0;
+    for j in 0..TILE as usize {
+        let rest = half.b * vs[j + lower] + half.c;
+        let count = columns.iter().map(|&c| u32::from(c + rest >= CONE_MARGIN)).sum::<u32>();
+        // The first ones of falling columns, the last ones of rising columns.
+        let row = if half.a < 0.0 { (1u64 << count) - 1 } else { 0xff & 0xff << (8 - count) };
+        pixels |= row << (8 * j);
+    }
+    pixels
+}
+
+/// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`: so do the pixels, as
+/// its inside is convex.
+fn conic_pixels(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), us: &Borders, vs: &Borders) -> u64 {
+    let columns: [(f64, f64); TILE as usize + 1] =
+        std::array::from_fn(|i| (s.a * us[i], k * (us[i] - u0) * (us[i] - u0)));
+    let corners: [u16; TILE as usize + 1] = std::array::from_fn(|j| {
+        let (rest, dv) = (s.b * vs[j] + s.c, vs[j] - v0);
+        let own = k * (dv * dv + e);
+        columns.iter().enumerate().fold(0, |row, (i, &(a, square))| {
+            let at = a + rest;
+            row | u16::from(at > 0.0 && at * at - (square + own) >= CONIC) << i
+        })
+    });
+    corners.windows(2).enumerate().fold(0, |pixels, (j, c)| {
+        let both = c[0] & c[1];
+        pixels | u64::from(both & both >> 1 & 0xff) << (8 * j)
+    })
 }
 
 /// The directions of a face that a convex shape covers.
@@ -124,6 +163,46 @@ impl Silhouette {
         }
     }
 
+    /// The silhouette for tests of squares inside a rectangle, without the half-planes that the rectangle lies inside
+    /// of; `None` if the rectangle does not touch it.
+    #[inline]
+    pub(crate) fn crossing(&self, r: &Rect) -> Option<Self> {
+        let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.clone()) };
+        let mut crossing = SmallVec::new();
+        for half in halves {
+            if half.most(r) < -CONE_MARGIN {
+                return None;
+            }
+            if half.least(r) < CONE_MARGIN {
+                crossing.push(*half);
+            }
+        }
+        Some(Self { kind: Kind::Polygon(crossing) })
+    }
+
+    /// The pixels of a tile that are surely covered. The tile's borders between columns and rows are given.
+    pub(crate) fn pixels(&self, us: &Borders, vs: &Borders) -> u64 {
+        let tile = Rect { u0: us[0], v0: vs[0], u1: us[us.len() - 1], v1: vs[vs.len() - 1] };
+        match &self.kind {
+            Kind::Conic { .. } if !self.touches(&tile) => 0,
+            Kind::Conic { .. } if self.covers(&tile) => u64::MAX,
+            Kind::Conic { s, k, u0, v0, e, .. } => conic_pixels(s, *k, (*u0, *v0, *e), us, vs),
+            Kind::Polygon(halves) => {
+                let mut pixels = u64::MAX;
+                for half in halves {
+                    if half.most(&tile) < CONE_MARGIN {
+                        return 0;
+                    }
+                    if half.least(&tile) < CONE_MARGIN {
+                        pixels &= half_pixels(half, us, vs);
+                    }
+                }
+                pixels
+            }
+            Kind::Everything => 0,
+        }
+    }
+
     /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face; `None` for
     /// all others.
     pub(crate) fn conic_rect(&self) -> Option<Rect> {
@@ -147,5 +226,51 @@ impl Silhouette {
     /// Its equations.
     pub(crate) fn kind(&self) -> &Kind {
         &self.kind
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::Polytope;
+
+    #[test]
+    fn pixels_of_a_tile_are_those_that_are_covered_one_by_one() {
+        let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
+        let block = Block { min: DVec3::new(-1.1, -0.7, 3.0), max: DVec3::new(1.3, 0.9, 5.0) };
+        let slanted = Polytope::boxed(
+            DVec3::new(0.5, 0.2, 4.0),
+            &glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2),
+        );
+        let outlines = [
+            Polytope::block(&block).outline(None),
+            slanted.outline(None),
+            Outline::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
+        ];
+        let mut partly = 0;
+        for outline in &outlines {
+            let whole = Silhouette::new(outline, &face);
+            for tile in 0..256 {
+                let border = |t: i32| std::array::from_fn(|i| f64::from(8 * t + i as i32) / 64.0 - 1.0);
+                let (us, vs): (Borders, Borders) = (border(tile % 16), border(tile / 16));
+                let rect = Rect { u0: us[0], v0: vs[0], u1: us[8], v1: vs[8] };
+                let crossing = whole.crossing(&rect);
+                let mut covered = 0u64;
+                for bit in 0..64 {
+                    let (i, j) = (bit % 8, bit / 8);
+                    let pixel = Rect { u0: us[i], v0: vs[j], u1: us[i + 1], v1: vs[j + 1] };
+                    covered |= u64::from(whole.covers(&pixel)) << bit;
+                    let part = crossing.as_ref();
+                    assert_eq!(whole.touches(&pixel), part.is_some_and(|part| part.touches(&pixel)));
+                    assert_eq!(whole.covers(&pixel), part.is_some_and(|part| part.covers(&pixel)));
+                }
+                assert_eq!(whole.pixels(&us, &vs), covered, "{outline:?} {tile}");
+                partly += u32::from(covered != 0 && covered != u64::MAX);
+            }
+        }
+        assert!(partly > 40, "{partly}");
     }
 }

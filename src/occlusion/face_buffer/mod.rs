@@ -3,14 +3,14 @@
 mod draw;
 mod frustum;
 mod receivers;
-mod search;
+pub(crate) mod search;
 
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::numeric::occlusion::above;
 use crate::occlusion::bins::Bins;
-use crate::occlusion::coverage::{Coverage, Shades};
+use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
 use crate::occlusion::pixels::{PixelRect, Window};
@@ -63,8 +63,6 @@ pub(crate) struct FaceBuffer {
     /// Whether any part of the face is inside the frustum.
     active: bool,
     window: Window,
-    /// A rectangle around the part of the face inside the frustum.
-    bounds: Rect,
     /// Directions inside the frustum.
     halves: SmallVec<[Linear; 8]>,
     coverage: Coverage,
@@ -80,7 +78,6 @@ impl FaceBuffer {
             face,
             active: false,
             window: Window::empty(1),
-            bounds: Rect::FACE,
             halves: SmallVec::new(),
             coverage: Coverage::default(),
             occluders: Bins::new(),
@@ -104,7 +101,6 @@ impl FaceBuffer {
             self.window = Window::empty(pixels);
             return;
         };
-        self.bounds = bounds;
         self.window = Window::around(&bounds, pixels);
         let (nx, ny) = self.window.tile_count();
         self.coverage.clear((nx * ny) as usize);
@@ -118,13 +114,15 @@ impl FaceBuffer {
         self.face = coarse.face;
         self.halves.clone_from(&coarse.halves);
         let w = &coarse.window;
+        // The borders between pixels belong to both; half a finer pixel in from them, the window ends with `pixels`.
+        let inset = 0.5 * w.step() / finer as f64;
         let bounds = Rect {
-            u0: w.border(pixels.x.0),
-            v0: w.border(pixels.y.0),
-            u1: w.border(pixels.x.1),
-            v1: w.border(pixels.y.1),
+            u0: w.border(pixels.x.0) + inset,
+            v0: w.border(pixels.y.0) + inset,
+            u1: w.border(pixels.x.1) - inset,
+            v1: w.border(pixels.y.1) - inset,
         };
-        self.clear(Some(bounds), (w.per_unit() * 2.0).round() as i64 * finer);
+        self.clear(Some(bounds), w.face_pixels() * finer);
     }
 
     pub(crate) fn face(&self) -> &Face {
@@ -138,11 +136,6 @@ impl FaceBuffer {
 
     pub(crate) fn window(&self) -> &Window {
         &self.window
-    }
-
-    /// A rectangle around the part of the face inside the frustum.
-    pub(crate) fn bounds(&self) -> &Rect {
-        &self.bounds
     }
 
     /// Half-planes around the directions inside the frustum.
@@ -202,14 +195,14 @@ impl FaceBuffer {
         self.coverage.hides(&self.window, pixels, near)
     }
 
+    /// The nearness down to which a pixel of the window is hidden; negative infinity if it is open.
+    pub(crate) fn nearness(&self, x: i64, y: i64) -> f32 {
+        self.coverage.nearness(&self.window, x, y)
+    }
+
     /// Number of pixels of the window.
     pub(crate) fn pixel_count(&self) -> u64 {
         let PixelRect { x, y } = self.window.pixels();
         ((x.1 - x.0) * (y.1 - y.0)) as u64
-    }
-
-    #[inline]
-    fn shades(&self, tile: usize) -> &Shades {
-        self.coverage.shades(tile)
     }
 }

@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
+use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::pixels::Window;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, bits, block};
 
@@ -25,38 +27,12 @@ impl FaceBuffer {
                     continue;
                 }
                 let (x, y) = (tx * TILE, ty * TILE);
-                let open = block(x0 - x, x1 - x, y0 - y, y1 - y) & !self.coverage.hidden(t, target.near);
-                if open != 0 && self.uncovered_in_tile(target, t, (x, y), open, &mut found) {
+                let open = block(x0 - x, x1 - x, y0 - y, y1 - y);
+                if search_tile(&self.coverage, t, &self.window, (x, y), target, open, &mut found) {
                     return;
                 }
             }
         }
-    }
-
-    /// Calls `found` with those of the pixels `open` of a tile that a target may touch and that are not hidden.
-    /// Returns whether it was told to stop.
-    #[inline(always)]
-    fn uncovered_in_tile(
-        &self,
-        target: &FaceTarget,
-        t: usize,
-        (x, y): (i64, i64),
-        mut open: u64,
-        found: &mut impl FnMut(i64, i64, &Rect) -> bool,
-    ) -> bool {
-        let rect = self.window.square(x, y, TILE);
-        if !target.silhouette.touches(&rect) {
-            return false;
-        }
-        // In this tile the target may be farther than as a whole.
-        open &= !self.coverage.hidden(t, target.near(&rect));
-        let shades = self.shades(t);
-        open = shades.open(open, target, &rect);
-        bits(open).any(|bit| {
-            let (x, y) = (x + (bit & 7), y + (bit >> 3));
-            let rect = self.window.square(x, y, 1);
-            target.silhouette.touches(&rect) && !shades.hide_pixel(bit, target, &rect) && found(x, y, &rect)
-        })
     }
 
     /// Whether a target is seen in any open pixel.
@@ -70,6 +46,13 @@ impl FaceBuffer {
         seen
     }
 
+    /// Whether a patch of triangles may hide a point at a nearness in a pixel.
+    pub(crate) fn patch_may_hide(&self, (x, y): (i64, i64), near: f32) -> bool {
+        let holds = |(lo, hi): (i64, i64), at: i64| lo <= at && at < hi;
+        let listed = self.patches.list(self.patches.index(x, y));
+        listed.iter().any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
+    }
+
     /// Whether a point, in coordinates of the face, lies in an open pixel for which no convex occluder is listed.
     pub(crate) fn shows(&self, p: DVec3) -> bool {
         if !self.face.parallel && p.z <= 0.0 {
@@ -81,6 +64,35 @@ impl FaceBuffer {
         self.occluders.list(self.occluders.index(x, y)).is_empty()
             && !self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near)
     }
+}
+
+/// Calls `found` with those of the pixels `open` of a tile that are not hidden and that a target may touch, until that
+/// returns true. Returns whether it did. `(x, y)` is the tile's first pixel in the window.
+#[inline(always)]
+pub(crate) fn search_tile(
+    coverage: &Coverage,
+    tile: usize,
+    window: &Window,
+    (x, y): (i64, i64),
+    target: &FaceTarget,
+    mut open: u64,
+    found: &mut impl FnMut(i64, i64, &Rect) -> bool,
+) -> bool {
+    open &= !coverage.hidden(tile, target.near);
+    if open == 0 {
+        return false;
+    }
+    let rect = window.square(x, y, TILE);
+    let Some(silhouette) = target.silhouette.crossing(&rect) else { return false };
+    // In this tile the target may be farther than as a whole.
+    open &= !coverage.hidden(tile, target.near(&rect));
+    let shades = coverage.shades(tile);
+    open = shades.open(open, target, &rect);
+    bits(open).any(|bit| {
+        let (x, y) = (x + (bit & 7), y + (bit >> 3));
+        let rect = window.square(x, y, 1);
+        silhouette.touches(&rect) && !shades.hide_pixel(bit, target, &rect) && found(x, y, &rect)
+    })
 }
 
 #[cfg(test)]

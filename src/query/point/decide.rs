@@ -3,31 +3,27 @@
 use crate::geometry::body::Body;
 use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
-use crate::occlusion::magnify::Magnifier;
-use crate::occlusion::refine::Effort;
+use crate::occlusion::examine::{Budget, Effort, Examination};
+use crate::occlusion::magnify::{Magnifier, Patches};
 use crate::occlusion::target::Target;
 use crate::query::point::Walk;
-
-/// The budget of refinement that a query has left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Left {
-    squares: u64,
-    patches: u32,
-}
 
 impl Walk<'_> {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
-        let mut left =
-            Left { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
+        magnifier.begin(&self.scratch.buffers);
+        let given =
+            Budget { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
+        let mut left = given;
         for slot in candidates.drain(..) {
             let object = self.scene.object(slot);
             if !(object.is_unlocated() || object.is_hidden_unreported()) {
                 self.stats.occlusion_tests += 1;
                 let before = left;
                 let hidden = self.is_hidden(object.bounds(), slot, &mut magnifier, &mut left);
+                magnifier.close(&mut self.scratch.buffers);
                 self.stats.refined += u32::from(left != before);
                 if hidden {
                     self.stats.refined_hidden += u32::from(left != before);
@@ -36,35 +32,28 @@ impl Walk<'_> {
             }
             self.pvs.push(self.scene.id(slot));
         }
-        self.stats.refine_squares = u64::from(self.options.refine_budget) - left.squares;
-        self.stats.refine_patches = self.options.refine_patches - left.patches;
+        self.stats.refine_squares = given.squares - left.squares;
+        self.stats.refine_patches = given.patches - left.patches;
         self.scratch.candidates = candidates;
         self.scratch.magnifier = magnifier;
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.
-    fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, left: &mut Left) -> bool {
+    fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, budget: &mut Budget) -> bool {
         let buffers = &self.scratch.buffers;
         let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
         let drawable = |id: u32| {
             let (slot, patch) = self.scratch.patches[id as usize];
             self.drawable(slot, patch)
         };
+        let patches = Patches { drawable, count: self.scene.seams().patches() };
+        let mut examination = Examination { buffers, magnifier, patches: &patches, effort, budget };
         let mut hidden = |target: &Target| {
-            let verdict = if effort.squares > 0 {
-                buffers.refine(target, slot, &effort, &mut left.squares)
+            if effort.squares == 0 && self.options.refine_patches == 0 {
+                buffers.test(target) == Verdict::Hidden
             } else {
-                buffers.test(target)
-            };
-            verdict == Verdict::Hidden
-                || left.patches > 0
-                    && magnifier.hides(
-                        buffers,
-                        target,
-                        self.scene.seams().patches(),
-                        &mut left.patches,
-                        drawable,
-                    )
+                examination.hides(target, slot)
+            }
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
         if let Some(middle) = bounds.kind().middle_of_parts() {

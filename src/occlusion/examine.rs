@@ -1,0 +1,270 @@
+//! The second test of a target: its open pixels are magnified, and those that stay open are refined.
+
+use smallvec::SmallVec;
+
+use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::face::Rect;
+use crate::occlusion::magnify::{Magnifier, Patches};
+use crate::occlusion::refine::Search;
+use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::target::Target;
+use crate::occlusion::tiles::TILE;
+
+/// The limits of refinement for one target.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effort {
+    /// Directions and squares examined for one target, at most.
+    pub(crate) squares: u32,
+    /// How often a pixel is halved, at most.
+    pub(crate) depth: u32,
+}
+
+/// The work that a query may still do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Budget {
+    /// Directions and squares.
+    pub(crate) squares: u64,
+    /// Patches drawn again.
+    pub(crate) patches: u32,
+}
+
+/// Directions tried for one target on one face.
+const DIRECTIONS: u32 = 8;
+
+/// A target with more open pixels than this on one face is taken to be visible, even if none of them shows it for
+/// certain.
+const PIXELS: usize = 64;
+
+/// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
+const PATCHED: usize = 12;
+
+/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
+/// which would cost more.
+const FEW: u32 = 4;
+
+/// How often a magnified pixel is halved: eight finer pixels along each side.
+const HALVINGS: u32 = TILE.trailing_zeros();
+
+/// An open pixel and its square.
+type OpenPixel = (i64, i64, Rect);
+
+/// The examination of one target.
+pub(crate) struct Examination<'a, F> {
+    pub(crate) buffers: &'a OcclusionBuffers,
+    pub(crate) magnifier: &'a mut Magnifier,
+    pub(crate) patches: &'a Patches<F>,
+    pub(crate) effort: Effort,
+    pub(crate) budget: &'a mut Budget,
+}
+
+impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
+    /// Whether a target is hidden for certain. `owner` is its object.
+    pub(crate) fn hides(&mut self, target: &Target, owner: u32) -> bool {
+        if self.buffers.is_close(target.bounds()) {
+            return false;
+        }
+        let buffers = self.buffers;
+        let mut left = self.effort.squares.min(self.budget.squares.min(u64::from(u32::MAX)) as u32);
+        buffers.faces().enumerate().all(|(face, buffer)| {
+            let Some(on_face) = target.on_face(buffer.face()) else { return true };
+            let mut search =
+                Search { buffer, target: &on_face, owner, squares: left, depth: self.effort.depth };
+            let hidden = self.hides_on_face(&mut search, target, face);
+            self.budget.squares -= u64::from(left - search.squares);
+            left = search.squares;
+            hidden
+        })
+    }
+
+    fn hides_on_face(&mut self, search: &mut Search, target: &Target, face: usize) -> bool {
+        let Some(open) = self.find_open(search, target, face) else { return false };
+        let mut rest = &open[..];
+        while let Some(&(x, y, _)) = rest.first() {
+            let tile = (x / TILE, y / TILE);
+            let count = rest.iter().take_while(|o| (o.0 / TILE, o.1 / TILE) == tile).count();
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            if !self.hides_in_tile(search, target, face, own) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether the target is hidden in the open pixels of one tile.
+    fn hides_in_tile(
+        &mut self,
+        search: &mut Search,
+        target: &Target,
+        face: usize,
+        open: &[OpenPixel],
+    ) -> bool {
+        let (buffer, near) = (search.buffer, search.target.near);
+        let mut wanted = 0u64;
+        for &(x, y, ref rect) in open {
+            if self.magnifier.has(face, buffer, (x, y)) {
+                continue;
+            }
+            let listed = buffer.occluders().list(buffer.occluders().index(x, y));
+            if !buffer.patch_may_hide((x, y), near)
+                && let Some(few) = search.contest((self.buffers, target), listed, rect, FEW)
+            {
+                if !search.is_covered(rect, &few, 0) {
+                    return false;
+                }
+            } else {
+                wanted |= 1 << (y % TILE * TILE + x % TILE);
+            }
+        }
+        if wanted != 0 {
+            let tile = (open[0].0 / TILE, open[0].1 / TILE);
+            let budget = &mut self.budget.patches;
+            self.magnifier.magnify(self.buffers, (face, buffer), tile, wanted, self.patches, budget);
+        }
+        open.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
+    }
+
+    /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
+    fn find_open(
+        &self,
+        search: &mut Search,
+        target: &Target,
+        face: usize,
+    ) -> Option<SmallVec<[OpenPixel; PATCHED]>> {
+        if search.middle_is_seen(target) {
+            return None;
+        }
+        let mut open = SmallVec::new();
+        let (mut seen, mut tries) = (false, 0);
+        let (buffer, on_face) = (search.buffer, search.target);
+        buffer.uncovered(on_face, |x, y, rect| {
+            let known = self.magnifier.search(face, buffer, (x, y), on_face, |_| true);
+            if known.is_some_and(|(open, _)| !open) {
+                return false;
+            }
+            let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
+            if tries < DIRECTIONS && on_face.silhouette.holds(u, v) {
+                tries += 1;
+                seen = search.direction_is_seen(u, v, (x, y));
+            }
+            open.push((x, y, *rect));
+            let patched =
+                open.len() > PATCHED && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
+            seen |= patched || open.len() > PIXELS;
+            seen
+        });
+        (!seen).then_some(open)
+    }
+
+    /// Whether the target is hidden in a pixel, if that is magnified.
+    fn hides_in_pixel(
+        &self,
+        search: &mut Search,
+        target: &Target,
+        face: usize,
+        &(x, y, ref rect): &OpenPixel,
+    ) -> bool {
+        let mut open: SmallVec<[Rect; 64]> = SmallVec::new();
+        let (buffer, on_face) = (search.buffer, search.target);
+        let found = self.magnifier.search(face, buffer, (x, y), on_face, |fine| {
+            open.push(*fine);
+            false
+        });
+        let Some((_, solids)) = found else { return true };
+        if open.is_empty() {
+            return true;
+        }
+        if self.effort.depth <= HALVINGS || search.squares == 0 {
+            return false;
+        }
+        let outside = |fine: &Rect| buffer.halves().iter().any(|h| h.most(fine) < 0.0);
+        let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
+        contest
+            .is_some_and(|c| open.iter().all(|fine| outside(fine) || search.is_covered(fine, &c, HALVINGS)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Block;
+    use crate::geometry::polytope::Polytope;
+    use crate::occlusion::pitch::Pitch;
+    use crate::occlusion::solid::Solid;
+    use crate::view::View;
+
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        }
+
+        fn point(&mut self) -> DVec3 {
+            DVec3::new(self.next(), self.next(), self.next())
+        }
+
+        /// A box in front of the eye, between two depths.
+        fn block(&mut self, (near, far): (f64, f64), size: f64) -> Block {
+            let depth = near + (far - near) * self.next();
+            let at = (self.point() - 0.5) * DVec3::new(0.8, 0.8, 0.0) * depth + DVec3::Z * depth;
+            let half = self.point() * size * depth + 0.001;
+            Block { min: at - half, max: at + half }
+        }
+    }
+
+    /// Whether a segment from the origin meets a box before its end.
+    fn meets(b: &Block, end: DVec3) -> bool {
+        let (x, y) = (b.min / end, b.max / end);
+        x.min(y).max_element().max(0.0) <= x.max(y).min_element().min(1.0)
+    }
+
+    #[test]
+    fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
+        let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
+        let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO };
+        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>>, count: 0 };
+        let effort = Effort { squares: 256, depth: 6 };
+        let mut random = Random(11);
+        let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());
+        let (mut hidden, mut gained) = (0, 0);
+        for _ in 0..30 {
+            buffers.begin(&view, &pitch);
+            let occluders: Vec<Block> = (0..60).map(|_| random.block((2.0, 6.0), 0.12)).collect();
+            for (i, block) in occluders.iter().enumerate() {
+                let solid = Solid::polytope(Polytope::block(block), None).unwrap();
+                buffers.draw(&solid, i as u32);
+            }
+            magnifier.begin(&buffers);
+            let mut budget = Budget { squares: 1 << 20, patches: 0 };
+            for _ in 0..200 {
+                let block = random.block((6.5, 12.0), 0.03);
+                let target = Target::block(block, None);
+                let coarse = buffers.test(&target) == crate::occlusion::buffers::Verdict::Hidden;
+                let mut examination = Examination {
+                    buffers: &buffers,
+                    magnifier: &mut magnifier,
+                    patches: &patches,
+                    effort,
+                    budget: &mut budget,
+                };
+                let proven = examination.hides(&target, u32::MAX);
+                magnifier.close(&mut buffers);
+                assert!(proven || !coarse, "{block:?}");
+                if !proven {
+                    continue;
+                }
+                hidden += 1;
+                gained += u32::from(!coarse);
+                for _ in 0..40 {
+                    let end = block.min + random.point() * (block.max - block.min);
+                    assert!(occluders.iter().any(|o| meets(o, end)), "{block:?} {end}");
+                }
+            }
+        }
+        assert!(hidden > 1000 && gained > 200, "{hidden} {gained}");
+    }
+}
