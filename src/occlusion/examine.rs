@@ -236,7 +236,7 @@ mod tests {
             let occluders: Vec<Block> = (0..60).map(|_| random.block((2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
                 let solid = Solid::polytope(Polytope::block(block), None).unwrap();
-                buffers.draw(&solid, i as u32);
+                buffers.draw(solid.clone(), i as u32);
             }
             magnifier.begin(&buffers);
             let mut budget = Budget { squares: 1 << 20, patches: 0 };

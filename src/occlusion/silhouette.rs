@@ -107,6 +107,11 @@ impl Silhouette {
         Self { kind }
     }
 
+    /// Whether it is that of a sphere.
+    pub(crate) fn is_conic(&self) -> bool {
+        matches!(self.kind, Kind::Conic { .. })
+    }
+
     /// Whether a direction is inside by more than `margin`, in units of the conic or of distance.
     #[inline]
     fn inside(&self, u: f64, v: f64, conic: f64, cone: f64) -> bool {
