@@ -1,6 +1,8 @@
 //! What the cell method proves hidden, the point method finds hidden too, but for what `Method::Point` says.
 
-use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
+use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, View};
+use casca_lab::measure::Settled;
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Mat4, Quat, UVec3, Vec3};
 
@@ -66,6 +68,22 @@ fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
         scene.begin_frame(1.0).unwrap();
         assert!(query(Method::point()).run(&scene, &views[0]).contains(behind));
         assert_eq!(boxes(&scene), 0);
+    }
+}
+
+#[test]
+fn the_named_options_find_ever_fewer_objects() {
+    let named = [PointOptions::fast(), PointOptions::balanced(), PointOptions::tight()];
+    for kind in [SceneKind::Spheres, SceneKind::City, SceneKind::Forest, SceneKind::Terrain, SceneKind::Rocks]
+    {
+        let mut world = build(kind, &SceneOptions { frames: 6, ..SceneOptions::default() });
+        world.set_frame(0);
+        let settled = Settled::new(&world, Method::default()).unwrap();
+        let found = named.map(|options| {
+            let mut query = query(Method::Point(options));
+            settled.views.iter().map(|view| query.run(&settled.driver.scene, view).len()).sum::<usize>()
+        });
+        assert!(found[0] > found[1] && found[1] > found[2], "{kind:?}: {found:?}");
     }
 }
 
