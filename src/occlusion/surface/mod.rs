@@ -14,6 +14,7 @@
 //! the outline.
 
 pub(crate) mod back;
+pub(crate) mod by_patch;
 pub(crate) mod component;
 pub(crate) mod components;
 pub(crate) mod deep;

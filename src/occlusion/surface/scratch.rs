@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::surface::raster::{Area, Edges, LANES, Marks, Raster};
 
 /// A patch as one face sees it.
@@ -108,7 +109,7 @@ pub(crate) struct SurfaceScratch {
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
     /// For each patch of the scene, the last drawing of a face that saw it, and its index in `seen`.
-    places: Vec<(u32, u32)>,
+    places: ByPatch<(u32, u32)>,
     /// Counts drawings of faces.
     drawing: u32,
     pub(super) sides: SeenSides,
@@ -120,12 +121,10 @@ pub(crate) struct SurfaceScratch {
 impl SurfaceScratch {
     /// Forgets the patches seen. `patches` is greater than all their numbers in the scene.
     pub(super) fn begin(&mut self, patches: usize) {
-        if self.places.len() < patches {
-            self.places.resize(patches, (0, 0));
-        }
+        self.places.grow(patches);
         self.drawing += 1;
         if self.drawing == u32::MAX {
-            self.places.fill((0, 0));
+            self.places.clear();
             self.drawing = 1;
         }
         self.seen.clear();
@@ -136,14 +135,14 @@ impl SurfaceScratch {
     /// Appends a patch, by its number in the scene and those of its parts.
     pub(super) fn push(&mut self, numbers: Range<u32>, seen: Seen) {
         let place = (self.drawing, self.seen.len() as u32);
-        self.places[numbers.start as usize..numbers.end as usize].fill(place);
+        self.places.fill(numbers, place);
         self.seen.push(seen);
     }
 
     /// The index of a patch, if the face sees it.
     #[inline]
     pub(super) fn find(&self, number: u32) -> Option<u32> {
-        let (drawing, place) = self.places[number as usize];
+        let (drawing, place) = self.places.get(number);
         (drawing == self.drawing).then_some(place)
     }
 

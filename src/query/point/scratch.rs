@@ -5,6 +5,7 @@ use glam::IVec3;
 use crate::geometry::Block;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::Magnifier;
+use crate::occlusion::surface::by_patch::ByPatch;
 
 /// How a patch was drawn.
 #[derive(Debug, Clone, Copy, Default)]
@@ -31,7 +32,7 @@ pub(crate) struct PointScratch {
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in: object and patch.
     pub(super) waiting: Vec<Vec<(u32, u32)>>,
     /// For each patch of the scene, how it was drawn last.
-    pub(super) drawn: Vec<DrawnPatch>,
+    pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
@@ -45,9 +46,9 @@ impl PointScratch {
         self.candidates.clear();
         self.waiting.iter_mut().for_each(Vec::clear);
         self.patches.clear();
-        self.drawn.resize(patches.max(self.drawn.len()), DrawnPatch::default());
+        self.drawn.grow(patches);
         if epoch == 1 {
-            self.drawn.fill(DrawnPatch::default());
+            self.drawn.clear();
         }
     }
 

@@ -131,7 +131,7 @@ impl<'a> Walk<'a> {
                 let epoch = self.marks.epoch();
                 let drawn = DrawnPatch { epoch, batch: self.scratch.batches, whole: number };
                 let numbers = drawable.numbers();
-                self.scratch.drawn[numbers.start as usize..numbers.end as usize].fill(drawn);
+                self.scratch.drawn.fill(numbers, drawn);
                 batch.push(drawable);
             } else if has_parts {
                 open.extend(surface.parts(number));
@@ -159,18 +159,18 @@ impl<'a> Walk<'a> {
             let first = batch[i].clone();
             for (_, twin) in first.sides() {
                 let Some((twin, _)) = twin else { continue };
-                let drawn = self.scratch.drawn[twin as usize];
+                let drawn = self.scratch.drawn.get(twin);
                 if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
                 let slot = self.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
                 let Some(again) = self.drawable(slot, drawn.whole) else {
-                    self.scratch.drawn[twin as usize] = whole;
+                    self.scratch.drawn.fill(twin..twin + 1, whole);
                     continue;
                 };
                 let numbers = again.numbers();
-                self.scratch.drawn[numbers.start as usize..numbers.end as usize].fill(whole);
+                self.scratch.drawn.fill(numbers, whole);
                 batch.push(Drawable { again: true, ..again });
             }
         }
