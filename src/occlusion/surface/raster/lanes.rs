@@ -164,11 +164,11 @@ impl Raster {
 }
 
 /// The integer nearest to a number below 2^22, halves to even: as its twin in double precision. Adding 1.5 * 2^23 leaves
-/// no digits after the point.
+/// no digits after the point. Other numbers, which lanes hold that are not drawn, give any integer.
 #[inline(always)]
 fn nearest(v: f32) -> i32 {
     const WHOLE: f32 = 12_582_912.0;
-    (v + WHOLE).to_bits() as i32 - WHOLE.to_bits() as i32
+    ((v + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)
 }
 
 const _: () = assert!(FAR_PIXEL + ACROSS < 4_194_304.0, "all columns and rows fit `nearest`");
@@ -176,6 +176,31 @@ const _: () = assert!(FAR_PIXEL + ACROSS < 4_194_304.0, "all columns and rows fi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::occlusion::surface::raster::Area;
+
+    #[test]
+    fn lanes_that_are_not_drawn_may_hold_anything() {
+        let mut raster = Raster::default();
+        raster.begin(Area { x: 0, y: 0, nx: 1, ny: 1 }, (0, 0));
+        let any = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -3e9, 3e9, -0.0, 1e-45];
+        for turn in 0..LANES {
+            let lanes = |by: usize| std::array::from_fn(|i| any[(i * (by + turn) + by) % LANES]);
+            let (wide, unsure) = (lanes(4), lanes(6));
+            let edges = Edges {
+                x0: lanes(1),
+                y0: lanes(3),
+                x1: lanes(5),
+                y1: lanes(7),
+                wide,
+                unsure,
+                plain: 0,
+                seams: 255,
+            };
+            raster.edges(&edges, false);
+        }
+        raster.finish();
+        assert!(raster.marks(0).is_empty());
+    }
 
     #[test]
     fn nearest_integers() {
