@@ -103,9 +103,9 @@ impl Topology {
     }
 
     fn new(edges: &[Edge]) -> Self {
-        let mut all = edges.chunk_by(|a, b| a.ends == b.ends);
-        let closed = !edges.is_empty() && all.clone().all(|beside| beside.len() == 2);
-        Self { closed, alike: closed && all.all(|beside| beside[0].run().1 != beside[1].run().1) }
+        let all = || edges.chunk_by(|a, b| a.ends == b.ends);
+        let closed = !edges.is_empty() && all().all(|beside| beside.len() == 2);
+        Self { closed, alike: closed && all().all(|beside| beside[0].run().1 != beside[1].run().1) }
     }
 }
 
