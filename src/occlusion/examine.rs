@@ -1,4 +1,8 @@
 //! The second test of a target: its open pixels are magnified, and those that stay open are refined.
+//!
+//! Magnified pixels serve all later targets, so that the order of targets decides about some of them that pixels leave
+//! undecided: scenes with the same objects in another order may keep a few others. Objects that can be seen are
+//! among them in any order.
 
 use smallvec::SmallVec;
 
