@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
+use crate::numeric::shape::REGION;
 
 /// An axis-aligned box in `f64`, in world units unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,14 @@ impl Block {
     /// Whether they share a point, if only on their surfaces.
     pub(crate) fn meets(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
+    }
+
+    /// Whether they may share a point, with room for the rounding of the tests that follow; in doubt, yes.
+    pub(crate) fn may_meet(&self, other: &Self) -> bool {
+        let reach = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
+        let room = 2.0 * REGION * (1.0 + reach(self) + reach(other));
+        // Also if a number is not one.
+        !((self.min - room).cmpgt(other.max).any() || (self.max + room).cmplt(other.min).any())
     }
 
     /// The eight corners; bit 0 of the index is the greater x, bit 1 the greater y, bit 2 the greater z.
@@ -88,5 +97,24 @@ impl Block {
 impl From<Aabb> for Block {
     fn from(b: Aabb) -> Self {
         Self { min: b.min.as_dvec3(), max: b.max.as_dvec3() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_that_rounding_may_bring_together_may_meet() {
+        let block = |min: f64, max: f64| Block { min: DVec3::splat(min), max: DVec3::splat(max) };
+        for at in [0.0, 1.0, -3e4, 1e12] {
+            let room = REGION * (1.0 + f64::abs(at));
+            let below = block(at - 1.0, at);
+            assert!(below.may_meet(&block(at + room, at + 1.0 + room)), "{at}");
+            assert!(!below.may_meet(&block(at + 9.0 * room, at + 1.0 + 9.0 * room)), "{at}");
+        }
+        let not_known = Block { min: DVec3::new(f64::NAN, 0.0, 0.0), max: DVec3::ONE };
+        assert!(not_known.may_meet(&block(0.5, 2.0)) && block(0.5, 2.0).may_meet(&not_known));
+        assert!(block(f64::NEG_INFINITY, f64::INFINITY).may_meet(&block(0.5, 2.0)));
     }
 }

@@ -227,6 +227,12 @@ fn polygon(
     let inwards = rounding == Rounding::Inwards;
     let margin = if inwards { CONE_MARGIN } else { 0.0 };
     for half in halves {
+        if !(half.a + half.b + half.c).is_finite() {
+            if inwards {
+                return None;
+            }
+            continue;
+        }
         let c = half.c - margin;
         if half.a.abs() > HALF_PLANE_SLOPE {
             // The border of a row that lies farther outside, or farther inside.
@@ -261,10 +267,11 @@ fn polygon(
     Some((Shape::Polygon { lower, upper }, pixels))
 }
 
-/// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola.
+/// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola, or whose numbers overflowed.
 fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> Option<Shape> {
     let (width, per_unit) = (k - s.a * s.a, window.per_unit());
-    if width.abs() <= CONIC_PARABOLA {
+    let finite = (s.a + s.b + s.c + k + u0 + v0 + e).is_finite() && width.is_finite();
+    if !finite || width.abs() <= CONIC_PARABOLA {
         return None;
     }
     let conic = Conic {
@@ -380,6 +387,26 @@ mod tests {
             }
         }
         covered
+    }
+
+    #[test]
+    fn numbers_that_overflowed_cover_nothing() {
+        let window = Window::around(&Rect::FACE, PIXELS);
+        let fine = [0.5, 0.25, 0.75];
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for place in 0..3 {
+                let mut of = fine;
+                of[place] = bad;
+                let half = Linear { a: of[0], b: of[1], c: of[2] };
+                assert!(polygon(&[half], &window, window.pixels(), Rounding::Inwards).is_none());
+                assert!(Rows::touching(&[half], &window).is_some_and(|rows| rows.tile_row(0).covers_tile(0)));
+                assert!(conic(&half, 0.5, (0.0, 0.0), 1.0, &window).is_none());
+            }
+            let s = Linear { a: 0.1, b: 0.2, c: 0.9 };
+            assert!(conic(&s, bad, (0.0, 0.0), 1.0, &window).is_none());
+            assert!(conic(&s, 0.5, (bad, 0.0), 1.0, &window).is_none());
+            assert!(conic(&s, 0.5, (0.0, bad), 1.0, &window).is_none());
+        }
     }
 
     #[test]

@@ -18,9 +18,10 @@ impl Scene {
     /// Whether a point may lie inside an occluder that is in the matrices.
     pub(crate) fn inside_occluder(&self, point: DVec3) -> bool {
         let cell = self.grid.cell_of(point);
+        let around = Block { min: point, max: point };
         let contains = |slot| {
             let occluder = self.object(slot).occluder();
-            occluder.is_some_and(|o| o.block().contains_point(point) && o.contains_point(point))
+            occluder.is_some_and(|o| o.block().may_meet(&around) && o.contains_point(point))
         };
         self.always().iter().copied().any(contains)
             || self.grid.contains(cell)
@@ -31,9 +32,14 @@ impl Scene {
     /// through it, since its front is cut away. So one does where an eye that is not known exactly may lie
     /// inside.
     pub(crate) fn near_plane_cuts(&self, view: &View) -> bool {
+        self.start_regions(view).any(|(region, around)| self.occluder_touches(&region, &around))
+    }
+
+    /// Where rays of a view may start beside the eye: between the eye and the near plane, and where an eye that is not
+    /// known exactly may lie.
+    pub(crate) fn start_regions(&self, view: &View) -> impl Iterator<Item = (View, Block)> {
         let (min, max) = self.extent();
-        let touches = |(region, block): (View, Block)| self.occluder_touches(&region, &block);
-        view.cut_regions(min, max).any(touches) || view.eye_region().is_some_and(touches)
+        view.cut_regions(min, max).chain(view.eye_region())
     }
 
     /// Whether an occluder, or an opaque cell, may touch a convex region inside the box `around`.

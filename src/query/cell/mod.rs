@@ -127,7 +127,8 @@ impl<'a> Walk<'a> {
     fn occlusion_slack(&mut self) -> Option<f64> {
         let Origin::Eye { at, error } = self.view.origin else { return None };
         let grid = self.scene.grid();
-        self.stats.eye_in_occluder = rays_start_in_occluder(self.scene, self.view);
+        self.stats.eye_in_occluder =
+            rays_start_in_occluder(self.scene, self.view, self.scene.start_regions(self.view));
         let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
         let slack = if sure { 0.0 } else { error / grid.cell_size() };
         (!self.stats.eye_in_occluder && self.from_eye && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)

@@ -19,7 +19,6 @@ use glam::DVec3;
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::method::PointOptions;
-use crate::numeric::shape::REGION;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
@@ -68,14 +67,12 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     }
 }
 
-/// A box around an eye and some regions in which rays start, with room for rounding.
+/// A box around an eye and some regions in which rays start.
 fn around_starts<'r>(eye: DVec3, regions: impl Iterator<Item = &'r (View, Block)>) -> Block {
-    let all = regions.fold(Block { min: eye, max: eye }, |all, (_, around)| Block {
+    regions.fold(Block { min: eye, max: eye }, |all, (_, around)| Block {
         min: all.min.min(around.min),
         max: all.max.max(around.max),
-    });
-    let by = REGION * (1.0 + all.min.abs().max(all.max.abs()).max_element());
-    Block { min: all.min - by, max: all.max + by }
+    })
 }
 
 impl<'a> Walk<'a> {

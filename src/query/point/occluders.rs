@@ -8,8 +8,8 @@ use crate::object::Occluder;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
+use crate::query::start::rays_start_in_occluder;
 use crate::view::cut::may_start_in;
-use crate::view::{Origin, View};
 
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
@@ -49,11 +49,7 @@ impl Walk<'_> {
 
     /// Whether a box reaches the places where rays start; in doubt, yes.
     fn starts_near(&self, block: &Block) -> bool {
-        self.starts.as_ref().is_none_or(|starts| {
-            let reach = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
-            // Also if a number is not one.
-            !((block.min - reach).cmpgt(starts.max).any() || (block.max + reach).cmplt(starts.min).any())
-        })
+        self.starts.as_ref().is_none_or(|starts| starts.may_meet(block))
     }
 
     /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
@@ -112,13 +108,8 @@ impl Walk<'_> {
 
     /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
     pub(super) fn may_fuse(&mut self) -> bool {
-        let touches = |(region, around): &(View, Block)| self.scene.occluder_touches(region, around);
-        *self.fuses.get_or_insert_with(|| match self.view.origin {
-            Origin::Eye { at, .. } => {
-                !(self.scene.inside_occluder(at) || self.cut.iter().chain(&self.unsure).any(touches))
-            }
-            Origin::Direction(_) => false,
-        })
+        let regions = || self.cut.iter().chain(&self.unsure);
+        *self.fuses.get_or_insert_with(|| !rays_start_in_occluder(self.scene, self.view, regions()))
     }
 }
 
