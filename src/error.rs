@@ -90,6 +90,14 @@ pub enum Error {
     /// A mesh without triangles.
     #[error("the mesh has no triangles")]
     EmptyMesh,
+    /// A mesh with more triangles than their edges can be numbered.
+    #[error("the mesh has {triangles} triangles, but may have {max} at most: cut it into several")]
+    MeshTooLarge {
+        /// How many there are.
+        triangles: usize,
+        /// How many there may be.
+        max: usize,
+    },
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but the mesh has {vertices}")]
     MeshIndex {
@@ -293,6 +301,7 @@ codes!(
     SceneFull => "scene-full",
     Cancelled => "cancelled",
     EmptyMesh => "empty-mesh",
+    MeshTooLarge => "mesh-too-large",
     MeshIndex => "mesh-index",
     BoundsOnly => "bounds-only",
     SpeedNeeded => "speed-needed",

@@ -17,6 +17,17 @@ use crate::mesh::preparation::{MeshOptions, Progress};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
+/// The most triangles of a mesh: three edges for each, twice, are numbered by 32 bits.
+const MAX_TRIANGLES: usize = 1 << 29;
+
+/// Refuses more triangles than can be numbered.
+fn check_size(triangles: usize) -> Result<(), Error> {
+    match triangles {
+        0..=MAX_TRIANGLES => Ok(()),
+        _ => Err(Error::MeshTooLarge { triangles, max: MAX_TRIANGLES }),
+    }
+}
+
 /// A triangle mesh in world space, checked and prepared once.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
@@ -45,7 +56,8 @@ impl TriMesh {
     /// Costs a few sorts of the triangles: a second or two for a million.
     ///
     /// # Errors
-    /// Refuses an empty mesh, positions that are not finite and indices of missing vertices.
+    /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and indices of missing
+    /// vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ControlFlow::Continue(()))
     }
@@ -101,6 +113,7 @@ impl TriMesh {
         how: &MeshOptions,
         progress: &mut dyn FnMut(f32) -> ControlFlow<()>,
     ) -> Result<Self, Error> {
+        check_size(triangles.len())?;
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions.len()) {
                 return Err(Error::MeshIndex { triangle, vertex, vertices: positions.len() });
@@ -259,4 +272,18 @@ fn signed_volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
 /// A point of the first, which is the largest.
 fn middle_of(parts: &[Convex]) -> DVec3 {
     parts.first().map_or(DVec3::ZERO, Convex::middle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_triangles_than_can_be_numbered_are_refused() {
+        assert_eq!(check_size(MAX_TRIANGLES), Ok(()));
+        let triangles = MAX_TRIANGLES + 1;
+        assert_eq!(check_size(triangles), Err(Error::MeshTooLarge { triangles, max: MAX_TRIANGLES }));
+        let numbered = MAX_TRIANGLES as u64 * 3 * 2;
+        assert!(numbered < u64::from(u32::MAX), "edges in both directions have 32 bits");
+    }
 }

@@ -80,8 +80,6 @@ impl Seams {
             self.places.resize_with(slot as usize + 1, Place::default);
         }
         let class = Self::class(surface.patches.len());
-        // The last number means none.
-        let Some(end) = self.end.checked_add(1 << class).filter(|&end| end < NONE) else { return false };
         if self.free.len() <= class {
             self.free.resize_with(class + 1, Vec::new);
         }
@@ -92,6 +90,10 @@ impl Seams {
                 base
             }
             None => {
+                // The last number means none.
+                let Some(end) = self.end.checked_add(1 << class).filter(|&end| end < NONE) else {
+                    return false;
+                };
                 self.ranges.push((self.end, slot));
                 std::mem::replace(&mut self.end, end)
             }
@@ -279,6 +281,23 @@ mod tests {
             }
         }
         assert!(most >= 7, "{most}");
+    }
+
+    #[test]
+    fn numbers_that_were_given_back_are_given_again_when_no_others_are_left() {
+        let small = strip(1, false);
+        let corners = [0.0, 9.0, 18.0].map(|x| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + x)).concat();
+        let rules = Rules { tolerance: 0.0, cosine: 0.2, least: 0.0, front: false };
+        let large = Surface::new(&corners, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]], &rules);
+        assert!(large.patches.len() > small.patches.len());
+        let mut seams = Seams::default();
+        assert!(seams.insert(0, &small, true) && seams.insert(1, &small, true));
+        seams.remove(0, &small, true);
+        seams.end = NONE - 1;
+        assert!(!seams.insert(2, &large, true), "no numbers are left");
+        assert!(seams.insert(3, &small, true), "those of object 0 are");
+        assert!(!seams.insert(4, &small, true));
+        assert_eq!((seams.place(3).base, seams.owner(seams.place(3).base)), (0, 3));
     }
 
     #[test]
