@@ -7,6 +7,7 @@ use crate::occlusion::examine::{Budget, Effort, Examination};
 use crate::occlusion::magnify::{Magnifier, Patches};
 use crate::occlusion::target::Target;
 use crate::query::point::Walk;
+use crate::query::point::scratch::Candidate;
 
 impl Walk<'_> {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
@@ -17,12 +18,12 @@ impl Walk<'_> {
         let given =
             Budget { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
         let mut left = given;
-        for slot in candidates.drain(..) {
-            let object = self.scene.object(slot);
-            if !(object.is_unlocated() || object.is_hidden_unreported()) {
+        for Candidate { id, block } in candidates.drain(..) {
+            if block.is_some() {
                 self.stats.occlusion_tests += 1;
                 let before = left;
-                let hidden = self.is_hidden(object.bounds(), slot, &mut magnifier, &mut left);
+                let bounds = self.scene.object(id.slot).bounds();
+                let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, &mut left);
                 magnifier.close(&mut self.scratch.buffers);
                 self.stats.refined += u32::from(left != before);
                 if hidden {
@@ -30,7 +31,7 @@ impl Walk<'_> {
                     continue;
                 }
             }
-            self.pvs.push(self.scene.id(slot));
+            self.pvs.push(id);
         }
         self.stats.refine_squares = given.squares - left.squares;
         self.stats.refine_patches = given.patches - left.patches;

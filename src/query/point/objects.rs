@@ -3,14 +3,15 @@
 use glam::DVec3;
 
 use crate::query::point::Walk;
+use crate::query::point::scratch::Candidate;
 
-/// A number that sorts objects by distance and then by slot, which is its lower part. Whole numbers are compared
-/// without branches.
-fn sort_key(distance: f64, slot: u32) -> u128 {
+/// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole numbers are
+/// compared without branches.
+fn sort_key(distance: f64, slot: u32, place: u32) -> u128 {
     let bits = distance.to_bits();
     // The bits of negative numbers run the other way.
     let order = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
-    u128::from(order) << 32 | u128::from(slot)
+    u128::from(order) << 64 | u128::from(slot) << 32 | u128::from(place)
 }
 
 impl Walk<'_> {
@@ -21,9 +22,10 @@ impl Walk<'_> {
             return;
         }
         let scratch = &mut *self.scratch;
+        let id = self.scene.id(slot);
         if object.is_unlocated() || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
-            scratch.candidates.push(slot);
+            scratch.candidates.push(Candidate { id, block: None });
             return;
         }
         self.stats.objects_tested += 1;
@@ -36,7 +38,9 @@ impl Walk<'_> {
                     (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
                 }
             };
-            scratch.found.push(sort_key(distance, slot));
+            let place = scratch.objects.len() as u32;
+            scratch.objects.push(Candidate { id, block: Some(block) });
+            scratch.found.push(sort_key(distance, slot, place));
         }
     }
 
@@ -47,10 +51,12 @@ impl Walk<'_> {
         let limited = self.options.max_occluders < u32::MAX;
         let mut seen: Vec<(f64, u32)> = Vec::new();
         found.sort_unstable();
-        for slot in found.drain(..).map(|key| key as u32) {
+        for place in found.drain(..).map(|key| key as u32) {
             self.stats.occlusion_tests += 1;
-            if !self.hides(&self.scene.object(slot).bounds().block()) {
-                self.scratch.candidates.push(slot);
+            let candidate = self.scratch.objects[place as usize];
+            if !candidate.block.is_some_and(|block| self.hides(&block)) {
+                let slot = candidate.id.slot;
+                self.scratch.candidates.push(candidate);
                 if limited {
                     seen.push((self.solid_angle(slot), slot));
                 } else {
@@ -63,6 +69,7 @@ impl Walk<'_> {
             self.draw(slot);
         }
         self.scratch.found = found;
+        self.scratch.objects.clear();
     }
 }
 
@@ -73,8 +80,8 @@ mod tests {
     #[test]
     fn keys_sort_by_distance_and_then_by_slot() {
         let objects = [(-3.0, 9), (-1.0, 1), (0.0, 4), (0.0, 5), (1e-9, 0), (2.0, 7), (f64::INFINITY, 2)];
-        let keys = objects.map(|(distance, slot)| sort_key(distance, slot));
+        let keys = objects.map(|(distance, slot)| sort_key(distance, slot, 9 - slot));
         assert!(keys.is_sorted());
-        assert_eq!(keys.map(|key| key as u32), objects.map(|(_, slot)| slot));
+        assert_eq!(keys.map(|key| key as u32), objects.map(|(_, slot)| 9 - slot));
     }
 }

@@ -11,6 +11,10 @@ use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
 use crate::view::cut::may_start_in;
 
+/// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer pixels they hide too
+/// little for the time that they take: scenes of thousands lose less than one object of a thousand.
+const SMALLEST_OCCLUDER: f64 = 0.35;
+
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
 
@@ -22,7 +26,8 @@ impl Walk<'_> {
         }
         let Some(occluder) = self.scene.object(slot).occluder() else { return };
         let least = f64::from(self.options.min_solid_angle);
-        let small = least > 0.0 && self.solid_angle(slot) < least;
+        let small = self.is_small(&occluder.block(), SMALLEST_OCCLUDER)
+            || least > 0.0 && self.solid_angle(slot) < least;
         if small || self.stats.occluders_drawn >= self.options.max_occluders {
             self.stats.occluders_skipped += 1;
             return;

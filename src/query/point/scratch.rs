@@ -3,6 +3,7 @@
 use glam::IVec3;
 
 use crate::geometry::Block;
+use crate::id::ObjectId;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
@@ -18,6 +19,14 @@ pub(super) struct DrawnPatch {
     pub(super) whole: u32,
 }
 
+/// An object that may be visible, with all that a test of its box takes: objects themselves are far apart in memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) id: ObjectId,
+    /// The box of its bounds; `None` if it may be anywhere.
+    pub(super) block: Option<Block>,
+}
+
 /// The memory of the point method, reused from query to query.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointScratch {
@@ -25,10 +34,12 @@ pub(crate) struct PointScratch {
     pub(super) bricks: Vec<IVec3>,
     /// Bricks of a shell with temporal bounding volumes that are not hidden.
     pub(super) volumes: Vec<IVec3>,
-    /// Objects of a shell, as numbers that sort them by distance.
+    /// Objects of a shell.
+    pub(super) objects: Vec<Candidate>,
+    /// Numbers that sort them by distance, with the place of each.
     pub(super) found: Vec<u128>,
     /// Objects found visible so far.
-    pub(super) candidates: Vec<u32>,
+    pub(super) candidates: Vec<Candidate>,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in: object and patch.
     pub(super) waiting: Vec<Vec<(u32, u32)>>,
     /// For each patch of the scene, how it was drawn last.
