@@ -194,7 +194,8 @@ impl PointOptions {
         Self::new()
     }
 
-    /// The tightest sets: pixels of 0.09 degrees, and larger budgets. Costs more than [`PointOptions::balanced`] nearly everywhere. Where thousands of boxes are smaller than a pixel, the finer pixels save more than they cost.
+    /// The tightest sets: pixels of 0.09 degrees, and larger budgets. Costs more than [`PointOptions::balanced`] nearly
+    /// everywhere. Where thousands of boxes are smaller than a pixel, the finer pixels save more than they cost.
     pub const fn tight() -> Self {
         Self::new()
             .pixel_degrees(0.09)
