@@ -119,8 +119,8 @@ mod shape;
 mod view;
 mod walk;
 
-pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, Light};
-pub use error::{Error, FileError};
+pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, KeySet, Light};
+pub use error::{Error, FileError, KeySetError};
 pub use geometry::{Aabb, Obb, Plane, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;

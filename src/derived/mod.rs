@@ -1,9 +1,11 @@
-//! Answers drawn from a PVS: draw lists, shadow casters, the aggressive mode.
+//! Answers drawn from a PVS: draw lists, shadow casters, sets for networks, the aggressive mode.
 
 pub(crate) mod aggressive;
 pub(crate) mod draw;
+pub(crate) mod key_set;
 pub(crate) mod shadows;
 
 pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
+pub use key_set::KeySet;
 pub use shadows::Light;
