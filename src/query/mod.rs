@@ -21,6 +21,8 @@ use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
 
+pub use sight::Sight;
+
 /// What a query is told besides its view.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Extras<'a> {

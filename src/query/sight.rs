@@ -1,18 +1,47 @@
-//! Testing boxes against the last run of a query.
+//! Questions about boxes, points and bounds to the last run of a query.
 
-use crate::geometry::Block;
+use glam::Vec3;
+
+use crate::geometry::{Aabb, Block};
 use crate::method::Method;
 use crate::numeric::view::ALONG_RAYS;
-use crate::object::Occluder;
+use crate::object::{Bounds, Occluder};
+use crate::occlusion::buffers::Verdict;
+use crate::occlusion::target::Target;
 use crate::query::Query;
 use crate::query::point::scratch::PointScratch;
 use crate::scene::Scene;
 use crate::view::cut::may_start_in;
 use crate::view::{Origin, View};
 
-/// The view of a query's last run, and the buffers that hide boxes from it.
+/// Answers whether the view of a query's last run can see a box, a point or some bounds, which need not be objects of the scene:
+/// bullets, sounds, particles, the place where something is to appear. See [`Query::sight`].
+///
+/// The answer "no" is certain: no segment from the eye to any point asked for is free of occluders inside the view. The answer
+/// "yes" may be wrong, as with a [`crate::Pvs`]. Many questions share the one set of occlusion buffers, so each costs the
+/// pixels that it covers.
+///
+/// ```
+/// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
+/// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+/// let mut query = Query::new();
+/// query.run(&scene, &View::omnidirectional(Vec3::new(16.0, 16.0, 8.0))?);
+///
+/// let sight = query.sight(&scene).expect("the query has run");
+/// assert!(sight.has_occlusion());
+/// assert!(sight.may_see_point(Vec3::new(16.0, 16.0, 12.0)), "before the wall");
+/// assert!(!sight.may_see_point(Vec3::new(16.0, 16.0, 20.0)), "behind it");
+/// assert!(!sight.may_see_box(&Aabb::new(Vec3::new(10.0, 10.0, 20.0), Vec3::new(20.0, 20.0, 24.0))));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
-pub(crate) struct Sight<'a> {
+pub struct Sight<'a> {
     pub(crate) view: &'a View,
     /// The occlusion buffers, as long as they are true.
     buffers: Option<&'a PointScratch>,
@@ -23,9 +52,10 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Query {
-    /// The sight of the last run; `None` if it saw nothing or there was none. Its buffers count only if they
-    /// were drawn by that run ([`Method::Point`]) and nothing moved since that they or the set depend on.
-    pub(crate) fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
+    /// The view of the last run with its occlusion buffers, for questions about anything in space; `None` before the first
+    /// run. Buffers count only if that run drew them ([`Method::Point`]) and nothing moved since that they or the set
+    /// depend on ([`Sight::has_occlusion`]). Costs the objects that the near plane may cut.
+    pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
         let drawn = matches!(pvs.method, Method::Point(_)) && pvs.is_valid_for(scene, view);
@@ -40,6 +70,33 @@ impl Query {
 }
 
 impl Sight<'_> {
+    /// Whether occluders count. If not, all that lies inside the frustum may be seen.
+    pub fn has_occlusion(&self) -> bool {
+        self.buffers.is_some()
+    }
+
+    /// Whether a point of a box can be seen; in doubt, yes. A box that is inverted or not finite may be seen.
+    pub fn may_see_box(&self, b: &Aabb) -> bool {
+        b.check("a box").is_err() || self.may_see(&Block::from(*b))
+    }
+
+    /// Whether a point can be seen; in doubt, yes. A point that is not finite may be seen.
+    pub fn may_see_point(&self, point: Vec3) -> bool {
+        self.may_see_box(&Aabb::new(point, point))
+    }
+
+    /// Whether a point of some bounds can be seen; in doubt, yes. Tighter than their box, and slower: undecided bounds are
+    /// compared with the pixels that their own outline touches. Meshes are tested as one convex shape.
+    pub fn may_see_bounds(&self, bounds: &Bounds) -> bool {
+        if !self.view.may_see(bounds) {
+            return false;
+        }
+        let Some(buffers) = self.buffers.map(|scratch| &scratch.buffers) else { return true };
+        let outer = || bounds.kind().outer(buffers.origin(), buffers.uncertainty());
+        !buffers.hides(&buffers.relative(&bounds.block()))
+            && buffers.test(&Target::new(outer(), buffers.direction())) == Verdict::Visible
+    }
+
     /// Whether the view may see a point of some geometry in a box; in doubt, yes.
     pub(crate) fn may_see(&self, block: &Block) -> bool {
         self.view.may_see_volume(block) && !self.buffers.is_some_and(|buffers| buffers.hides(block))

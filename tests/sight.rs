@@ -1,0 +1,128 @@
+//! Questions to the last run of a query, compared with segments cut by boxes.
+
+use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
+use glam::{UVec3, Vec3};
+use proptest::prelude::*;
+
+const SIZE: f32 = 32.0;
+
+fn scene(occluders: &[Aabb]) -> Scene {
+    let grid = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(SIZE as u32) };
+    let mut scene = Scene::new(&grid).unwrap();
+    for &b in occluders {
+        scene.insert(ObjectDesc::fixed(b).occluder(b)).unwrap();
+    }
+    scene
+}
+
+/// Whether a box cuts the segment between two points, its surface included.
+fn cuts(b: &Aabb, from: Vec3, to: Vec3) -> bool {
+    let (from, to) = (from.as_dvec3(), to.as_dvec3());
+    let way = to - from;
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for axis in 0..3 {
+        let (lo, hi) = (f64::from(b.min[axis]) - from[axis], f64::from(b.max[axis]) - from[axis]);
+        if way[axis] == 0.0 {
+            if lo > 0.0 || hi < 0.0 {
+                return false;
+            }
+            continue;
+        }
+        let (x, y) = (lo / way[axis], hi / way[axis]);
+        (enter, leave) = (enter.max(x.min(y)), leave.min(x.max(y)));
+    }
+    enter <= leave
+}
+
+fn point() -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(0.0f32..SIZE).prop_map(Vec3::from)
+}
+
+fn slab() -> impl Strategy<Value = Aabb> {
+    (point(), prop::array::uniform3(0.2f32..12.0))
+        .prop_map(|(p, half)| Aabb::new(p - Vec3::from(half) * 0.5, p + Vec3::from(half) * 0.5))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { rng_seed: prop::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+    #[test]
+    fn nothing_that_a_segment_reaches_is_denied(
+        occluders in prop::collection::vec(slab(), 1..12),
+        eye in point(),
+        targets in prop::collection::vec((point(), 0.0f32..2.0), 60),
+    ) {
+        let scene = scene(&occluders);
+        let mut query = Query::new();
+        query.run(&scene, &View::omnidirectional(eye).unwrap());
+        let sight = query.sight(&scene).unwrap();
+        prop_assert!(sight.has_occlusion());
+        let inside = |p: Vec3| occluders.iter().any(|b| b.min.cmple(p).all() && b.max.cmpge(p).all());
+        // One sees out of an occluder around the eye.
+        let hiding: Vec<&Aabb> = occluders.iter().filter(|b| !(b.min.cmple(eye).all() && b.max.cmpge(eye).all())).collect();
+        let free = |p: Vec3| !hiding.iter().any(|b| cuts(b, eye, p));
+        for (p, radius) in targets {
+            prop_assert!(sight.may_see_point(p) || !free(p), "{p} from {eye}, inside {}", inside(p));
+            let around = Aabb::new(p - radius, p + radius);
+            let ball = Bounds::from(Sphere::new(p, radius));
+            let (by_box, by_ball) = (sight.may_see_box(&around), sight.may_see_bounds(&ball));
+            prop_assert!(by_box || !by_ball, "a ball in a hidden box is hidden");
+            for corner in 0..8u32 {
+                let side = Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32) * 2.0 - 1.0;
+                prop_assert!(by_box || !free(p + side * radius));
+                let on_ball = (p.as_dvec3() + side.as_dvec3().normalize() * f64::from(radius) * 0.999_999).as_vec3();
+                prop_assert!(by_ball || !free(on_ball));
+            }
+        }
+    }
+}
+
+/// A wall across the grid, and an eye before it.
+fn wall() -> (Aabb, Vec3) {
+    (Aabb::new(Vec3::new(1.0, 1.0, 15.0), Vec3::new(31.0, 31.0, 17.0)), Vec3::new(16.0, 16.0, 10.0))
+}
+
+#[test]
+fn a_wall_hides_nearly_all_behind_it() {
+    let (wall, eye) = wall();
+    let scene = scene(&[wall]);
+    let mut query = Query::new();
+    query.run(&scene, &View::omnidirectional(eye).unwrap());
+    let sight = query.sight(&scene).unwrap();
+    let mut hidden = 0;
+    for i in 0..1000 {
+        let p =
+            Vec3::new(1.0 + 3.0 * (i % 10) as f32, 1.0 + 3.0 * (i / 10 % 10) as f32, 18.0 + (i / 100) as f32);
+        let behind = cuts(&wall, eye, p);
+        assert!(behind || sight.may_see_point(p));
+        hidden += u32::from(behind && !sight.may_see_point(p));
+    }
+    assert!(hidden > 900, "{hidden}");
+    assert!(!sight.may_see_bounds(&Sphere::new(Vec3::new(16.0, 16.0, 22.0), 3.0).into()));
+}
+
+#[test]
+fn doubt_means_visible() {
+    let (wall, eye) = wall();
+    let mut scene = scene(&[wall]);
+    let behind = Vec3::new(16.0, 16.0, 24.0);
+    assert!(Query::new().sight(&scene).is_none(), "there was no run");
+    for method in [Method::Frustum, Method::cell()] {
+        let mut query = Query::with_method(method).unwrap();
+        query.run(&scene, &View::omnidirectional(eye).unwrap());
+        let sight = query.sight(&scene).unwrap();
+        assert!(!sight.has_occlusion() && sight.may_see_point(behind), "{method:?}");
+    }
+    let mut query = Query::new();
+    query.run(&scene, &View::omnidirectional(eye).unwrap());
+    let sight = query.sight(&scene).unwrap();
+    assert!(!sight.may_see_point(behind));
+    for bad in [Vec3::NAN, Vec3::INFINITY, Vec3::new(16.0, f32::NAN, 24.0)] {
+        assert!(sight.may_see_point(bad) && sight.may_see_box(&Aabb::new(behind, bad)));
+    }
+    assert!(sight.may_see_box(&Aabb { min: behind + 1.0, max: behind }), "it is inverted");
+    // What moved may have opened the view.
+    scene.insert(ObjectDesc::fixed(Sphere::new(eye + 3.0, 1.0))).unwrap();
+    let sight = query.sight(&scene).unwrap();
+    assert!(!sight.has_occlusion() && sight.may_see_point(behind));
+}
