@@ -167,8 +167,8 @@ fn finish(
 ) -> (f64, f64) {
     match view.origin {
         Origin::Eye { at, error } => {
-            // The eye may be anywhere within a cube: as near as that allows.
-            let unsure = error * 3f64.sqrt();
+            // The eye may be anywhere within a cube, and go from there: as near as that allows.
+            let unsure = error * 3f64.sqrt() + view.reach();
             let way = (center - at).length() - unsure;
             // NaN is inside.
             let size = if way > radius { 2.0 * (radius / way).asin() } else { TAU };

@@ -36,6 +36,7 @@ pub(crate) struct OcclusionBuffers {
     surfaces: SurfaceScratch,
     origin: DVec3,
     error: f64,
+    reach: f64,
     direction: Option<DVec3>,
     nearest: f64,
 }
@@ -45,6 +46,7 @@ impl OcclusionBuffers {
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
         self.nearest = pitch.nearest;
+        self.reach = if view.eye().is_some() { view.reach() } else { 0.0 };
         let wanted = self.set_origin(view, pitch);
         self.faces.truncate(wanted.len());
         for (i, face) in wanted.into_iter().enumerate() {
@@ -101,6 +103,16 @@ impl OcclusionBuffers {
     /// The eye may lie this far from the origin, in any direction.
     pub(crate) fn uncertainty(&self) -> f64 {
         self.error * 3f64.sqrt()
+    }
+
+    /// The eye may go this far from its place.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Occluders are smaller by this on all sides: an eye may lie so far from the origin.
+    pub(crate) fn shrinking(&self) -> f64 {
+        self.uncertainty() + self.reach
     }
 
     /// Surfaces are cut at this depth: nothing nearer is drawn.

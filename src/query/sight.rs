@@ -111,7 +111,7 @@ impl Sight<'_> {
     /// coordinate on that axis; in doubt, yes.
     pub(crate) fn may_enter(&self, axis: usize, sign: f64, at: f64) -> bool {
         match self.view.origin {
-            Origin::Eye { at: eye, error } => (eye[axis] - at) * sign >= -error,
+            Origin::Eye { at: eye, .. } => (eye[axis] - at) * sign >= -self.view.eye_room(),
             Origin::Direction(d) => d[axis] * sign <= ALONG_RAYS,
         }
     }

@@ -3,7 +3,7 @@
 use crate::method::Method;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
-use crate::view::{Origin, View};
+use crate::view::View;
 
 impl Pvs {
     /// Whether this result still holds for a new view. In doubt, no.
@@ -13,7 +13,7 @@ impl Pvs {
     /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
     /// (nor does any other plane between its eye and the part of the world that it sees), and
     /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
-    /// - [`Method::Point`]: the new eye is at the same point.
+    /// - [`Method::Point`]: the new eye is at the same point, or within the [reach](View::with_reach) of the view.
     ///
     /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for every view from its cell.
     /// Aggressive results never hold, nor do those of [`crate::Query::shadow_casters`]. Costs the planes of both views, and the cells before the near plane.
@@ -40,14 +40,13 @@ impl Pvs {
         match self.method {
             Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
-            Method::Point(_) => {
-                own.origin == view.origin && view.eye().is_some() && !scene.near_plane_cuts(view)
-            }
+            Method::Point(_) => own.reaches(view) && !scene.near_plane_cuts(view),
             // Nothing was taken to be hidden.
             Method::Cell(_) if self.stats.eye_in_occluder => true,
             // The half-spaces were widened to contain the whole cell: every point of it will do.
             Method::Cell(_) => {
-                let Origin::Eye { at, error } = view.origin else { return false };
+                let Some(at) = view.eye() else { return false };
+                let error = view.eye_room();
                 let cell_of = |p| Some(scene.grid().cell_of(p));
                 cell_of(at - error) == self.cell
                     && cell_of(at + error) == self.cell

@@ -44,6 +44,7 @@ impl View {
                 widened: 0.0,
                 ordered: false,
                 layers: self.layers,
+                reach: 0.0,
             };
             let corners = region.corners(min, max);
             let block = corners.iter().fold(None, |b: Option<Block>, &c| {
@@ -53,11 +54,12 @@ impl View {
         })
     }
 
-    /// Where an eye that is not known exactly may lie, as a region with its box.
+    /// Where an eye may lie that is not known exactly, or that may go elsewhere, as a region with its box.
     pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
-        let Origin::Eye { at, error } = self.origin else { return None };
+        let Origin::Eye { at, .. } = self.origin else { return None };
+        let room = self.eye_room();
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
-        let planes = axes.map(|n| HalfSpace { normal: n, offset: error - n.dot(at) }).collect();
+        let planes = axes.map(|n| HalfSpace { normal: n, offset: room - n.dot(at) }).collect();
         let region = Self {
             origin: self.origin,
             planes,
@@ -65,8 +67,9 @@ impl View {
             widened: 0.0,
             ordered: false,
             layers: self.layers,
+            reach: 0.0,
         };
-        (error > 0.0).then_some((region, Block { min: at - error, max: at + error }))
+        (room > 0.0).then_some((region, Block { min: at - room, max: at + room }))
     }
 }
 

@@ -11,9 +11,10 @@ mod tests;
 use glam::{DVec3, Mat4, Vec3};
 use smallvec::SmallVec;
 
-use crate::error::{Error, finite3};
+use crate::error::{Error, finite3, not_negative};
 use crate::geometry::Plane;
 use crate::geometry::plane::HalfSpace;
+use crate::numeric::shape::REGION;
 use crate::numeric::view::THROUGH_EYE;
 pub(crate) use crate::view::eye::Origin;
 use crate::view::matrix::Frustum;
@@ -34,12 +35,15 @@ pub struct View {
     pub(crate) planes: SmallVec<[HalfSpace; 6]>,
     /// One bit for each plane outside of which the eye lies.
     cutting: u32,
-    /// How far planes found from a matrix that cut off the eye, or any of parallel rays, were moved outwards, at most.
+    /// How far planes that cut off the eye, or any of parallel rays, were moved outwards, at most: since they were found from a
+    /// matrix, or because of the reach.
     widened: f64,
     /// Whether it is known at which end parallel rays start.
     ordered: bool,
     /// The layers that it shows, a bit for each.
     layers: u32,
+    /// How far the eye may go, in world units.
+    reach: f64,
 }
 
 impl View {
@@ -123,6 +127,7 @@ impl View {
             widened: 0.0,
             ordered: true,
             layers: u32::MAX,
+            reach: 0.0,
         }
     }
 
@@ -130,7 +135,7 @@ impl View {
     /// Normals have length 1.
     pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
         let origin = Origin::Eye { at: eye, error: 0.0 };
-        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false, layers: u32::MAX }
+        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false, layers: u32::MAX, reach: 0.0 }
     }
 
     /// Whether it is known where rays start.
@@ -175,6 +180,7 @@ impl View {
             widened: 0.0,
             ordered: false,
             layers: u32::MAX,
+            reach: 0.0,
         })
     }
 
@@ -210,6 +216,48 @@ impl View {
         self.layers
     }
 
+    /// The same view for an eye that may go up to `reach` world units from its place, in any direction and without
+    /// turning: the result of a query has all that it can see from anywhere there. It holds for many frames
+    /// ([`crate::Pvs::is_valid_for`]), or for a client whose eye is known with delay.
+    ///
+    /// The planes of the view go along with the eye. Objects nearer than eight times the reach are visible without a test.
+    /// Occluders are smaller by the reach on all sides (Wonka, Wimmer & Schmalstieg 2000), so that each hides what
+    /// it hides from all of these eyes; objects are tested as they are. Meshes hide nothing from a view with a reach yet.
+    /// The reach replaces that of an earlier call; 0 is the view as it was.
+    ///
+    /// # Errors
+    /// Refuses a reach that is negative or not finite.
+    pub fn with_reach(mut self, reach: f32) -> Result<Self, Error> {
+        not_negative("the reach", f64::from(reach))?;
+        let by = f64::from(reach) - self.reach;
+        self.planes.iter_mut().for_each(|plane| plane.offset += by);
+        self.widened += by;
+        self.reach = f64::from(reach);
+        Ok(self)
+    }
+
+    /// How far the eye may go from its place, in world units: see [`View::with_reach`].
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// How far from its place the eye may be along an axis: as far as it is not known, and as it may go.
+    pub(crate) fn eye_room(&self) -> f64 {
+        match self.origin {
+            Origin::Eye { error, .. } => error + self.reach,
+            Origin::Direction(_) => 0.0,
+        }
+    }
+
+    /// Whether all eyes of another view are among those of this one.
+    pub(crate) fn reaches(&self, other: &Self) -> bool {
+        let (Origin::Eye { at, .. }, Origin::Eye { at: eye, error }) = (self.origin, other.origin) else {
+            return false;
+        };
+        let far = (eye - at).length() + error * 3f64.sqrt() + other.reach;
+        self.origin == other.origin && other.reach <= self.reach || far * (1.0 + REGION) <= self.reach
+    }
+
     /// The eye in world units; `None` for parallel rays.
     pub fn eye(&self) -> Option<DVec3> {
         match self.origin {
@@ -221,6 +269,6 @@ impl View {
 
 impl From<Frustum> for View {
     fn from(Frustum { origin, planes, cutting, widened }: Frustum) -> Self {
-        Self { origin, planes, cutting, widened, ordered: false, layers: u32::MAX }
+        Self { origin, planes, cutting, widened, ordered: false, layers: u32::MAX, reach: 0.0 }
     }
 }

@@ -8,7 +8,7 @@ use crate::geometry::plane::HalfSpace;
 use crate::grid::Grid;
 use crate::grid::side::Side;
 use crate::numeric::query::{HALF_SPACE, ROW_SLOPE};
-use crate::view::{Origin, View};
+use crate::view::View;
 
 #[derive(Debug, Clone, Copy)]
 struct CellPlane {
@@ -45,8 +45,8 @@ impl CellFrustum {
         let widened = |plane: &HalfSpace| {
             let mut offset = plane.offset;
             let reach = plane.normal.abs().element_sum();
-            if let (Origin::Eye { at, error }, true) = (view.origin, start != Start::None) {
-                offset += (reach * error - plane.distance(at)).max(0.0);
+            if let (Some(at), true) = (view.eye(), start != Start::None) {
+                offset += (reach * view.eye_room() - plane.distance(at)).max(0.0);
             }
             let half = reach * 0.5;
             let mut at_center = (plane.normal.dot(center) + offset) / grid.cell_size();

@@ -19,7 +19,7 @@ use crate::query::cell::spans::{next_clear, next_set};
 use crate::query::marks::Marks;
 use crate::query::start::rays_start_in_occluder;
 use crate::scene::Scene;
-use crate::view::{Origin, View};
+use crate::view::View;
 use crate::walk::{Shells, Start};
 use glam::IVec3;
 
@@ -125,7 +125,7 @@ impl<'a> Walk<'a> {
 
     /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken to be hidden.
     fn occlusion_slack(&mut self) -> Option<f64> {
-        let Origin::Eye { at, error } = self.view.origin else { return None };
+        let (at, error) = (self.view.eye()?, self.view.eye_room());
         let grid = self.scene.grid();
         self.stats.eye_in_occluder =
             rays_start_in_occluder(self.scene, self.view, self.scene.start_regions(self.view));

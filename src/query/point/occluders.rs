@@ -34,7 +34,8 @@ impl Walk<'_> {
         }
         if let Some(surface) = occluder.surface() {
             self.stats.occluders_drawn += 1;
-            if !self.draw_convex_mesh(slot, occluder) {
+            // Outlines are not yet widened by the distance that the eye may go.
+            if !self.draw_convex_mesh(slot, occluder) && self.scratch.buffers.reach() == 0.0 {
                 self.list_surface(slot, surface, occluder.placement());
             }
             return;
@@ -61,7 +62,7 @@ impl Walk<'_> {
     fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
         let origin = buffers.origin();
-        if buffers.uncertainty() > 0.0 {
+        if buffers.shrinking() > 0.0 {
             return false;
         }
         let Some((polytope, beyond)) = occluder.convex_mesh(origin) else { return false };
@@ -100,7 +101,7 @@ impl Walk<'_> {
     pub(super) fn draw_cells(&mut self, cells: &CellBox) {
         let buffers = &mut self.scratch.buffers;
         let (min, max) = self.scene.grid().range_bounds(cells.lo, cells.hi);
-        let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
+        let (origin, shrink) = (buffers.origin(), buffers.shrinking());
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
@@ -118,7 +119,7 @@ impl Walk<'_> {
     }
 }
 
-/// A convex occluder, shrunk by the uncertainty of the eye; `None` if nothing is left.
+/// A convex occluder, shrunk by how far the eye may be from the origin; `None` if nothing is left.
 fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
-    Solid::new(occluder.kind().inner(buffers.origin(), buffers.uncertainty())?, buffers.direction())
+    Solid::new(occluder.kind().inner(buffers.origin(), buffers.shrinking())?, buffers.direction())
 }
