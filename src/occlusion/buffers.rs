@@ -124,13 +124,6 @@ impl OcclusionBuffers {
         Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
     }
 
-    /// Covers pixels of a tile of the face at a place among those that the view looks through.
-    pub(crate) fn cover(&mut self, face: usize, tile: usize, mask: u64, near: f32) {
-        if let Some(buffer) = self.faces.iter_mut().filter(|b| b.is_active()).nth(face) {
-            buffer.coverage_mut().cover(tile, mask, near);
-        }
-    }
-
     /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
     /// all of them, and what lies beyond.
     pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {

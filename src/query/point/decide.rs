@@ -23,7 +23,6 @@ impl Walk<'_> {
                 self.stats.occlusion_tests += 1;
                 let before = left;
                 let hidden = self.is_hidden(object.bounds(), slot, &mut magnifier, &mut left);
-                magnifier.close(&mut self.scratch.buffers);
                 self.stats.refined += u32::from(left != before);
                 if hidden {
                     self.stats.refined_hidden += u32::from(left != before);
