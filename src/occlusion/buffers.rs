@@ -166,10 +166,10 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
-    /// Whether a point of a target lies in an open pixel inside the view where no convex occluder is
-    /// listed: then testing the target finds that pixel.
-    pub(crate) fn shows(&self, point: DVec3) -> bool {
-        self.faces().any(|b| b.shows(b.face().local(point)))
+    /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
+    /// its owner.
+    pub(crate) fn shows(&self, point: DVec3, owner: u32) -> bool {
+        self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
     /// Whether a box reaches so close to the eye that directions to it are not told apart.

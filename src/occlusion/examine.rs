@@ -48,6 +48,9 @@ const PATCHED: usize = 12;
 /// which would cost more.
 const FEW: u32 = 4;
 
+/// Squares examined for such a comparison in one pixel, at most.
+const COMPARED: u32 = 128;
+
 /// An open pixel and its square.
 type OpenPixel = (i64, i64, Rect);
 
@@ -67,14 +70,15 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             return false;
         }
         let buffers = self.buffers;
-        let mut left = self.effort.squares.min(self.budget.squares.min(u64::from(u32::MAX)) as u32);
+        let mut left = self.effort.squares;
         buffers.faces().enumerate().all(|(face, buffer)| {
             let Some(on_face) = target.on_face(buffer.face()) else { return true };
-            let mut search =
-                Search { buffer, target: &on_face, owner, squares: left, depth: self.effort.depth };
+            let rest = self.budget.squares.min(u64::from(u32::MAX)) as u32;
+            let mut search = Search::new(buffer, &on_face, owner, left.min(rest), self.effort.depth);
+            let before = search.squares;
             let hidden = self.hides_on_face(&mut search, target, face);
-            self.budget.squares -= u64::from(left - search.squares);
-            left = search.squares;
+            left -= before - search.squares;
+            self.budget.squares = self.budget.squares.saturating_sub(search.spent);
             hidden
         })
     }
@@ -83,6 +87,10 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let Some(open) = self.find_open(search, target) else { return false };
         let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
         for pixel in open {
+            // A magnified pixel that is closed hides the target whatever a comparison says, at no cost.
+            if self.magnifier.closes((face, search.buffer), (pixel.0, pixel.1), search.target) {
+                continue;
+            }
             match self.compare(search, target, face, &pixel) {
                 Some(true) => {}
                 Some(false) => return false,
@@ -92,7 +100,11 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         rest.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
-    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not few, or not alone.
+    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not few, or not alone, or
+    /// if squares do not tell. Magnifying the pixel would give the same answer, at a higher cost.
+    ///
+    /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
+    /// magnified before.
     fn compare(
         &self,
         search: &mut Search,
@@ -101,12 +113,15 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         &(x, y, ref rect): &OpenPixel,
     ) -> Option<bool> {
         let buffer = search.buffer;
-        if buffer.patch_may_hide((x, y), search.target.near) {
+        if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
             return None;
         }
+        let own = std::mem::replace(&mut search.squares, COMPARED);
         let listed = buffer.occluders().list(buffer.occluders().index(x, y));
-        let few = search.contest((self.buffers, target), listed, rect, FEW)?;
-        Some(search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few))
+        let few = search.contest((self.buffers, target), listed, rect, FEW);
+        let hidden = few.map(|few| search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few));
+        search.squares = own;
+        hidden.filter(|&hidden| hidden || !search.is_cut_short())
     }
 
     /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.

@@ -199,6 +199,18 @@ impl Magnifier {
         Pixel { fine, first: (x * FINER, y * FINER), rect: *rect, open: u64::MAX }
     }
 
+    /// Whether a pixel is magnified, and none of its finer pixels that a target may touch is open.
+    pub(crate) fn closes(
+        &self,
+        (face, buffer): (usize, &FaceBuffer),
+        (x, y): (i64, i64),
+        target: &FaceTarget,
+    ) -> bool {
+        let (fine, place) = (&self.faces[face], place_in_group(x, y));
+        let drawn = fine.find(buffer.window(), (x, y)).filter(|group| group.drawn >> place & 1 == 1);
+        drawn.is_some_and(|group| fine.open(group.tiles + place, (x * FINER, y * FINER), target) == 0)
+    }
+
     /// A magnified pixel, with those of its finer pixels open that a target may touch, and the convex occluders around.
     pub(crate) fn search(
         &self,

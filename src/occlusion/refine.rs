@@ -120,13 +120,38 @@ pub(crate) struct Search<'a> {
     /// Directions and squares that may still be examined.
     pub(crate) squares: u32,
     /// How often a square may be halved.
-    pub(crate) depth: u32,
+    depth: u32,
+    /// Directions and squares examined so far.
+    pub(crate) spent: u64,
+    /// Whether the last squares were not examined to the end.
+    cut_short: bool,
 }
 
 impl<'a> Search<'a> {
+    pub(crate) fn new(
+        buffer: &'a FaceBuffer,
+        target: &'a FaceTarget,
+        owner: u32,
+        squares: u32,
+        depth: u32,
+    ) -> Self {
+        Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false }
+    }
+
+    /// Whether the last squares were not examined to the end: with more squares or halvings, they might be covered.
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.cut_short
+    }
+
+    /// Takes squares from the budget.
+    fn spend(&mut self, squares: u32) {
+        self.squares = self.squares.saturating_sub(squares);
+        self.spent += u64::from(squares);
+    }
+
     /// Takes the cost of going through a list of occluders from the budget.
     fn pay(&mut self, listed: usize) {
-        self.squares = self.squares.saturating_sub(1 + (listed / LISTED) as u32);
+        self.spend(1 + (listed / LISTED) as u32);
     }
 
     /// Whether the direction to the target's middle shows it.
@@ -196,14 +221,16 @@ impl<'a> Search<'a> {
 
     /// Whether the candidates surely hide the target in a pixel, or in some of its finer pixels.
     pub(crate) fn is_covered(&mut self, pixel: &Pixel, contest: &Contest) -> bool {
+        self.cut_short = false;
         self.is_covered_by(&Square { rect: pixel.rect, pixel, corner: (0, 0), level: 0 }, contest, u64::MAX)
     }
 
     fn is_covered_by(&mut self, square: &Square, contest: &Contest, among: u64) -> bool {
         if self.squares == 0 {
+            self.cut_short = true;
             return false;
         }
-        self.squares -= 1;
+        self.spend(1);
         let rect = &square.rect;
         let mut rest = 0u64;
         let mut near = None;
@@ -223,6 +250,7 @@ impl<'a> Search<'a> {
             rest |= 1 << i;
         }
         if rest == 0 || square.level >= self.depth {
+            self.cut_short |= rest != 0;
             return false;
         }
         let (u, v) = square.middle();
@@ -253,14 +281,7 @@ impl<'a> Search<'a> {
     /// occluders. This is not rounded: a wrong yes makes a hidden target visible, which is safe, and a no decides
     /// nothing.
     fn is_seen(&self, u: f64, v: f64, occluders: &[Listed]) -> bool {
-        let near = self.target.at(u, v);
         self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
-            && occluders.iter().all(|listed| {
-                if f64::from(listed.near) <= near {
-                    return true;
-                }
-                let d = self.buffer.drawn(listed);
-                d.owner == self.owner || !d.silhouette.may_hold(u, v) || d.front.at(u, v) <= near
-            })
+            && self.buffer.is_before((u, v), self.target.at(u, v), occluders, self.owner)
     }
 }

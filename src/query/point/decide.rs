@@ -60,7 +60,7 @@ impl Walk<'_> {
                 return true;
             }
             // A quick way to find objects that are plainly in sight.
-            if buffers.shows(middle - origin) {
+            if buffers.shows(middle - origin, slot) {
                 return false;
             }
         }
