@@ -169,10 +169,12 @@ pub struct PointOptions {
     /// How often an undecided pixel is halved, up to 16. Default: 6.
     pub refine_depth: u32,
     /// The most squares examined again in a whole query: this bounds the time where thousands of objects are
-    /// smaller than a pixel. Default: 65,536.
+    /// smaller than a pixel. Once it is used up, the order of objects decides which of the undecided ones are left
+    /// out; until then it decides nothing. Default: 65,536.
     pub refine_budget: u32,
     /// The most patches of triangles that are drawn again, eight times as fine, in pixels that leave
-    /// objects undecided, in a whole query. 0 turns it off. Default: 3,000.
+    /// objects undecided, in a whole query. 0 turns it off. The order of objects matters as for
+    /// [`PointOptions::refine_budget`]. Default: 3,000.
     pub refine_patches: u32,
 }
 

@@ -136,13 +136,6 @@ impl OcclusionBuffers {
         Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
     }
 
-    /// Covers pixels of a tile of the face at a place among those that the view looks through.
-    pub(crate) fn cover(&mut self, face: usize, tile: usize, mask: u64, near: f32) {
-        if let Some(buffer) = self.faces.iter_mut().filter(|b| b.is_active()).nth(face) {
-            buffer.coverage_mut().cover(tile, mask, near);
-        }
-    }
-
     /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
     /// all of them, and what lies beyond.
     pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {
@@ -185,10 +178,10 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
-    /// Whether a point of a target lies in an open pixel inside the view where no convex occluder is
-    /// listed: then testing the target finds that pixel.
-    pub(crate) fn shows(&self, point: DVec3) -> bool {
-        self.faces().any(|b| b.shows(b.face().local(point)))
+    /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
+    /// its owner.
+    pub(crate) fn shows(&self, point: DVec3, owner: u32) -> bool {
+        self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
     /// Whether a box reaches so close to the eye that directions to it are not told apart.

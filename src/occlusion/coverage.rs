@@ -78,12 +78,13 @@ impl Coverage {
         self.shades.resize(count, Shades::NONE);
     }
 
-    /// Appends an open tile. Returns its place.
-    pub(crate) fn append(&mut self) -> usize {
-        self.tiles.push(Tile::EMPTY);
-        self.closed.push(f32::NEG_INFINITY);
-        self.shades.push(Shades::NONE);
-        self.tiles.len() - 1
+    /// Appends open tiles. Returns the place of the first.
+    pub(crate) fn append(&mut self, count: usize) -> usize {
+        let first = self.tiles.len();
+        self.tiles.resize(first + count, Tile::EMPTY);
+        self.closed.resize(first + count, f32::NEG_INFINITY);
+        self.shades.resize(first + count, Shades::NONE);
+        first
     }
 
     /// Makes a tile equal to one of another window.

@@ -1,8 +1,11 @@
-//! The second test of a target: its open pixels are magnified, and those that stay open are refined.
+//! The second test of a target, when all occluders are drawn.
 //!
-//! Magnified pixels serve all later targets, so that the order of targets decides about some of them that pixels leave
-//! undecided: scenes with the same objects in another order may keep a few others. Objects that can be seen are
-//! among them in any order.
+//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are few and alone there.
+//! All other open pixels are magnified, and their finer pixels that stay open are compared.
+//!
+//! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile, and magnified
+//! pixels do not depend on the targets that asked for them. So the order of targets does not matter, until a budget of
+//! the whole query is used up.
 
 use smallvec::SmallVec;
 
@@ -12,7 +15,6 @@ use crate::occlusion::magnify::{Magnifier, Patches};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
-use crate::occlusion::tiles::TILE;
 
 /// The limits of refinement for one target.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +25,7 @@ pub(crate) struct Effort {
     pub(crate) depth: u32,
 }
 
-/// The work that a query may still do.
+/// The work that a query may still do. Targets that come after it is used up are less well examined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Budget {
     /// Directions and squares.
@@ -46,8 +48,8 @@ const PATCHED: usize = 12;
 /// which would cost more.
 const FEW: u32 = 4;
 
-/// How often a magnified pixel is halved: eight finer pixels along each side.
-const HALVINGS: u32 = TILE.trailing_zeros();
+/// Squares examined for such a comparison in one pixel, at most.
+const COMPARED: u32 = 128;
 
 /// An open pixel and its square.
 type OpenPixel = (i64, i64, Rect);
@@ -68,73 +70,62 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             return false;
         }
         let buffers = self.buffers;
-        let mut left = self.effort.squares.min(self.budget.squares.min(u64::from(u32::MAX)) as u32);
+        let mut left = self.effort.squares;
         buffers.faces().enumerate().all(|(face, buffer)| {
             let Some(on_face) = target.on_face(buffer.face()) else { return true };
-            let mut search =
-                Search { buffer, target: &on_face, owner, squares: left, depth: self.effort.depth };
+            let rest = self.budget.squares.min(u64::from(u32::MAX)) as u32;
+            let mut search = Search::new(buffer, &on_face, owner, left.min(rest), self.effort.depth);
+            let before = search.squares;
             let hidden = self.hides_on_face(&mut search, target, face);
-            self.budget.squares -= u64::from(left - search.squares);
-            left = search.squares;
+            left -= before - search.squares;
+            self.budget.squares = self.budget.squares.saturating_sub(search.spent);
             hidden
         })
     }
 
     fn hides_on_face(&mut self, search: &mut Search, target: &Target, face: usize) -> bool {
-        let Some(open) = self.find_open(search, target, face) else { return false };
-        let mut rest = &open[..];
-        while let Some(&(x, y, _)) = rest.first() {
-            let tile = (x / TILE, y / TILE);
-            let count = rest.iter().take_while(|o| (o.0 / TILE, o.1 / TILE) == tile).count();
-            let (own, others) = rest.split_at(count);
-            rest = others;
-            if !self.hides_in_tile(search, target, face, own) {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Whether the target is hidden in the open pixels of one tile.
-    fn hides_in_tile(
-        &mut self,
-        search: &mut Search,
-        target: &Target,
-        face: usize,
-        open: &[OpenPixel],
-    ) -> bool {
-        let (buffer, near) = (search.buffer, search.target.near);
-        let mut wanted = 0u64;
-        for &(x, y, ref rect) in open {
-            if self.magnifier.has(face, buffer, (x, y)) {
+        let Some(open) = self.find_open(search, target) else { return false };
+        let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
+        for pixel in open {
+            // A magnified pixel that is closed hides the target whatever a comparison says, at no cost.
+            if self.magnifier.closes((face, search.buffer), (pixel.0, pixel.1), search.target) {
                 continue;
             }
-            let listed = buffer.occluders().list(buffer.occluders().index(x, y));
-            if !buffer.patch_may_hide((x, y), near)
-                && let Some(few) = search.contest((self.buffers, target), listed, rect, FEW)
-            {
-                if !search.is_covered(rect, &few, 0) {
-                    return false;
-                }
-            } else {
-                wanted |= 1 << (y % TILE * TILE + x % TILE);
+            match self.compare(search, target, face, &pixel) {
+                Some(true) => {}
+                Some(false) => return false,
+                None => rest.push(pixel),
             }
         }
-        if wanted != 0 {
-            let tile = (open[0].0 / TILE, open[0].1 / TILE);
-            let budget = &mut self.budget.patches;
-            self.magnifier.magnify(self.buffers, (face, buffer), tile, wanted, self.patches, budget);
-        }
-        open.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
+        rest.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
-    /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
-    fn find_open(
+    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not few, or not alone, or
+    /// if squares do not tell. Magnifying the pixel would give the same answer, at a higher cost.
+    ///
+    /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
+    /// magnified before.
+    fn compare(
         &self,
         search: &mut Search,
         target: &Target,
         face: usize,
-    ) -> Option<SmallVec<[OpenPixel; PATCHED]>> {
+        &(x, y, ref rect): &OpenPixel,
+    ) -> Option<bool> {
+        let buffer = search.buffer;
+        if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
+            return None;
+        }
+        let own = std::mem::replace(&mut search.squares, COMPARED);
+        let listed = buffer.occluders().list(buffer.occluders().index(x, y));
+        let few = search.contest((self.buffers, target), listed, rect, FEW);
+        let hidden = few.map(|few| search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few));
+        search.squares = own;
+        hidden.filter(|&hidden| hidden || !search.is_cut_short())
+    }
+
+    /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
+    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenPixel; PATCHED]>> {
         if search.middle_is_seen(target) {
             return None;
         }
@@ -142,10 +133,6 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
         buffer.uncovered(on_face, |x, y, rect| {
-            let known = self.magnifier.search(face, buffer, (x, y), on_face, |_| true);
-            if known.is_some_and(|(open, _)| !open) {
-                return false;
-            }
             let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
             if tries < DIRECTIONS && on_face.silhouette.holds(u, v) {
                 tries += 1;
@@ -160,31 +147,26 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         (!seen).then_some(open)
     }
 
-    /// Whether the target is hidden in a pixel, if that is magnified.
+    /// Whether the target is hidden in a pixel, which is magnified.
     fn hides_in_pixel(
-        &self,
+        &mut self,
         search: &mut Search,
         target: &Target,
         face: usize,
         &(x, y, ref rect): &OpenPixel,
     ) -> bool {
-        let mut open: SmallVec<[Rect; 64]> = SmallVec::new();
         let (buffer, on_face) = (search.buffer, search.target);
-        let found = self.magnifier.search(face, buffer, (x, y), on_face, |fine| {
-            open.push(*fine);
-            false
-        });
-        let Some((_, solids)) = found else { return true };
-        if open.is_empty() {
+        let budget = &mut self.budget.patches;
+        self.magnifier.magnify(self.buffers, (face, buffer), (x, y), self.patches, budget);
+        let (pixel, solids) = self.magnifier.search((face, buffer), (x, y), rect, on_face);
+        if pixel.open == 0 {
             return true;
         }
-        if self.effort.depth <= HALVINGS || search.squares == 0 {
+        if search.squares == 0 {
             return false;
         }
-        let outside = |fine: &Rect| buffer.halves().iter().any(|h| h.most(fine) < 0.0);
         let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
-        contest
-            .is_some_and(|c| open.iter().all(|fine| outside(fine) || search.is_covered(fine, &c, HALVINGS)))
+        contest.is_some_and(|contest| search.is_covered(&pixel, &contest))
     }
 }
 
@@ -256,7 +238,6 @@ mod tests {
                     budget: &mut budget,
                 };
                 let proven = examination.hides(&target, u32::MAX);
-                magnifier.close(&mut buffers);
                 assert!(proven || !coarse, "{block:?}");
                 if !proven {
                     continue;

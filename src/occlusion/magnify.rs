@@ -2,10 +2,11 @@
 //!
 //! A pixel that leaves a target undecided is divided into a tile of its own. All convex occluders and patches of
 //! triangles that reach into it are drawn there together: edges then touch pixels an eighth as wide, occluders of both
-//! kinds join, and patches of different batches leave no seams. The tiles are kept for the rest of the query, so that
-//! each pixel is magnified once, for all targets.
-
-use smallvec::SmallVec;
+//! kinds join, and patches of different batches leave no seams.
+//!
+//! Patches are drawn into groups of 4x4 pixels, and convex occluders into single pixels, when the first target asks
+//! for them. The tiles are kept for the rest of the query, for all targets. They follow from the occluders drawn
+//! alone: which target asks first decides about none of them, unless the budget ends.
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -14,11 +15,12 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::refine::Pixel;
 use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::scratch::SurfaceScratch;
 use crate::occlusion::target::FaceTarget;
-use crate::occlusion::tiles::{TILE, bits, block};
+use crate::occlusion::tiles::{TILE, block};
 
 /// How many times finer.
 const FINER: i64 = TILE;
@@ -26,36 +28,44 @@ const FINER: i64 = TILE;
 /// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
 
+/// Pixels along each side of a group, into which patches are drawn together. Larger groups need fewer of those
+/// drawings, and fill more pixels that no target asks for.
+const GROUP: i64 = 4;
+
 /// No entry.
 const NONE: u32 = u32::MAX;
 
-/// A pixel that is covered after all, down to a nearness.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Closed {
-    face: usize,
-    tile: usize,
-    bit: i64,
-    near: f32,
+/// The pixels of a group that lie in the window.
+fn pixels_of_group(coarse: &Window, (x, y): (i64, i64)) -> PixelRect {
+    let (x, y) = (x / GROUP * GROUP, y / GROUP * GROUP);
+    PixelRect { x: (x, x + GROUP), y: (y, y + GROUP) }.intersect(coarse.pixels())
 }
 
-/// A magnified pixel.
+/// The place of a pixel in its group.
+fn place_in_group(x: i64, y: i64) -> usize {
+    (y % GROUP * GROUP + x % GROUP) as usize
+}
+
+/// Magnified pixels that lie side by side.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FinePixel {
-    /// Its tile of finer pixels.
-    tile: usize,
-    /// The range of the list of convex occluders that reach into it or pixels near it.
+struct Group {
+    /// The first of their tiles of finer pixels.
+    tiles: usize,
+    /// The range of the list of convex occluders that may reach into them.
     solids: (usize, usize),
+    /// The pixels into which these were drawn, by place in the group.
+    drawn: u16,
 }
 
 /// The magnified pixels of one face.
 #[derive(Debug, Clone)]
 struct FineFace {
     window: Window,
-    /// For each tile of the face, the place of its list of pixels.
+    /// For each group of the face, its place in `groups`.
     places: Vec<u32>,
-    /// For each pixel of a tile, its place in `pixels`.
-    lists: Vec<[u32; (TILE * TILE) as usize]>,
-    pixels: Vec<FinePixel>,
+    /// Groups in a row.
+    across: i64,
+    groups: Vec<Group>,
     tiles: Coverage,
     solids: Vec<Listed>,
 }
@@ -65,8 +75,8 @@ impl FineFace {
         Self {
             window: Window::empty(1),
             places: Vec::new(),
-            lists: Vec::new(),
-            pixels: Vec::new(),
+            across: 0,
+            groups: Vec::new(),
             tiles: Coverage::default(),
             solids: Vec::new(),
         }
@@ -75,57 +85,74 @@ impl FineFace {
     /// Forgets all pixels, for another window of the face.
     fn clear(&mut self, coarse: &Window) {
         let (nx, ny) = coarse.tile_count();
+        self.across = nx * (TILE / GROUP);
         self.places.clear();
-        self.places.resize((nx * ny) as usize, NONE);
+        self.places.resize((self.across * ny * (TILE / GROUP)) as usize, NONE);
         self.window = Window::around(&Rect::FACE, coarse.face_pixels() * FINER);
-        self.lists.clear();
-        self.pixels.clear();
+        self.groups.clear();
         self.tiles.clear(0);
         self.solids.clear();
     }
 
-    /// A pixel of the coarse window, if it was magnified.
-    fn find(&self, coarse: &Window, x: i64, y: i64) -> Option<&FinePixel> {
-        let list = self.lists.get(self.places[coarse.tile_index(x / TILE, y / TILE)] as usize)?;
-        self.pixels.get(list[(y % TILE * TILE + x % TILE) as usize] as usize)
+    /// The place of the group of a pixel of the coarse window.
+    fn place(&self, coarse: &Window, (x, y): (i64, i64)) -> usize {
+        let (tx, ty) = coarse.first_tile();
+        let (gx, gy) = (x / GROUP - tx * (TILE / GROUP), y / GROUP - ty * (TILE / GROUP));
+        (gy * self.across + gx) as usize
     }
 
-    /// Calls `found` with the open finer pixels of a magnified pixel that a target may touch, until that returns true.
-    /// Returns whether it did.
-    fn search(
-        &self,
-        pixel: &FinePixel,
-        (x, y): (i64, i64),
-        target: &FaceTarget,
-        mut found: impl FnMut(&Rect) -> bool,
-    ) -> bool {
-        let (x, y) = (x * FINER, y * FINER);
+    /// The group of a pixel of the coarse window, if it was magnified.
+    fn find(&self, coarse: &Window, at: (i64, i64)) -> Option<&Group> {
+        self.groups.get(self.places[self.place(coarse, at)] as usize)
+    }
+
+    /// The open finer pixels of a tile that a target may touch.
+    fn open(&self, tile: usize, (x, y): (i64, i64), target: &FaceTarget) -> u64 {
         let PixelRect { x: (x0, x1), y: (y0, y1) } = self.window.touched_by(&target.rect);
         let touched = block(x0 - x, x1 - x, y0 - y, y1 - y);
-        let mut found = |_, _, rect: &Rect| found(rect);
-        search_tile(&self.tiles, pixel.tile, &self.window, (x, y), target, touched, &mut found)
+        let mut open = 0;
+        search_tile(&self.tiles, tile, &self.window, (x, y), target, touched, &mut |fx, fy, _| {
+            open |= 1 << ((fy - y) * TILE + (fx - x));
+            false
+        });
+        open
     }
 
-    /// Adds a pixel of the coarse window, with the convex occluders of the list drawn.
-    fn add(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), solids: (usize, usize)) -> Added {
-        let place = &mut self.places[buffer.window().tile_index(x / TILE, y / TILE)];
-        if *place == NONE {
-            *place = self.lists.len() as u32;
-            self.lists.push([NONE; (TILE * TILE) as usize]);
+    /// Adds the group of a pixel, each pixel of which is as covered as before.
+    fn add(&mut self, buffer: &FaceBuffer, at: (i64, i64)) -> Group {
+        let pixels = pixels_of_group(buffer.window(), at);
+        let tiles = self.tiles.append((GROUP * GROUP) as usize);
+        for y in pixels.y.0..pixels.y.1 {
+            for x in pixels.x.0..pixels.x.1 {
+                let before = buffer.nearness(x, y);
+                if before > f32::NEG_INFINITY {
+                    self.tiles.cover(tiles + place_in_group(x, y), u64::MAX, before);
+                }
+            }
         }
-        let tile = self.tiles.append();
-        self.lists[*place as usize][(y % TILE * TILE + x % TILE) as usize] = self.pixels.len() as u32;
-        self.pixels.push(FinePixel { tile, solids });
-        let before = buffer.nearness(x, y);
-        if before > f32::NEG_INFINITY {
-            self.tiles.cover(tile, u64::MAX, before);
+        let solids = (self.solids.len(), list_solids(buffer, &pixels, &mut self.solids));
+        let group = Group { tiles, solids, drawn: 0 };
+        let place = self.place(buffer.window(), at);
+        self.places[place] = self.groups.len() as u32;
+        self.groups.push(group);
+        group
+    }
+
+    /// Draws the convex occluders into a pixel of a group, unless that is done.
+    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64)) {
+        let place = self.places[self.place(buffer.window(), (x, y))];
+        let Some(group) = self.groups.get_mut(place as usize) else { return };
+        let bit = 1 << place_in_group(x, y);
+        if group.drawn & bit != 0 {
+            return;
         }
+        group.drawn |= bit;
+        let tile = group.tiles + place_in_group(x, y);
         let rect = buffer.window().square(x, y, 1);
         let border = |c: i64| std::array::from_fn(|i| self.window.border(c * FINER + i as i64));
         let (us, vs) = (border(x), border(y));
-        for listed in &self.solids[solids.0..solids.1] {
-            let closed = self.tiles.closed(tile);
-            if closed >= listed.near {
+        for listed in &self.solids[group.solids.0..group.solids.1] {
+            if self.tiles.closed(tile) >= listed.near {
                 break;
             }
             let drawn = buffer.drawn(listed);
@@ -136,16 +163,7 @@ impl FineFace {
                 self.tiles.cover(tile, mask, below(near));
             }
         }
-        Added { pixel: (x, y), tile, before }
     }
-}
-
-/// A pixel added, and the nearness down to which it was covered before.
-#[derive(Debug, Clone, Copy)]
-struct Added {
-    pixel: (i64, i64),
-    tile: usize,
-    before: f32,
 }
 
 /// The magnified pixels of one query.
@@ -155,7 +173,6 @@ pub(crate) struct Magnifier {
     buffer: Option<FaceBuffer>,
     scratch: SurfaceScratch,
     found: Vec<u32>,
-    closed: Vec<Closed>,
 }
 
 /// The patches that can be drawn again.
@@ -169,7 +186,6 @@ pub(crate) struct Patches<F> {
 impl Magnifier {
     /// Forgets all pixels, for another query.
     pub(crate) fn begin(&mut self, buffers: &OcclusionBuffers) {
-        self.closed.clear();
         let count = buffers.faces().count();
         self.faces.resize_with(count.max(self.faces.len()), FineFace::new);
         for (fine, buffer) in self.faces.iter_mut().zip(buffers.faces()) {
@@ -177,96 +193,85 @@ impl Magnifier {
         }
     }
 
-    /// Covers the pixels of the buffers that were closed since the last call.
-    pub(crate) fn close(&mut self, buffers: &mut OcclusionBuffers) {
-        for c in self.closed.drain(..) {
-            buffers.cover(c.face, c.tile, 1 << c.bit, c.near);
-        }
+    /// A pixel that may not be magnified yet: all of it is open.
+    pub(crate) fn pixel(&self, face: usize, (x, y): (i64, i64), rect: &Rect) -> Pixel<'_> {
+        let fine = &self.faces[face].window;
+        Pixel { fine, first: (x * FINER, y * FINER), rect: *rect, open: u64::MAX }
     }
 
-    /// Calls `found` with the open finer pixels of a pixel that a target may touch, until that returns true.
-    /// Returns whether it did, and the convex occluders around; `None` if the pixel is not magnified.
+    /// Whether a pixel is magnified, and none of its finer pixels that a target may touch is open.
+    pub(crate) fn closes(
+        &self,
+        (face, buffer): (usize, &FaceBuffer),
+        (x, y): (i64, i64),
+        target: &FaceTarget,
+    ) -> bool {
+        let (fine, place) = (&self.faces[face], place_in_group(x, y));
+        let drawn = fine.find(buffer.window(), (x, y)).filter(|group| group.drawn >> place & 1 == 1);
+        drawn.is_some_and(|group| fine.open(group.tiles + place, (x * FINER, y * FINER), target) == 0)
+    }
+
+    /// A magnified pixel, with those of its finer pixels open that a target may touch, and the convex occluders around.
     pub(crate) fn search(
         &self,
-        face: usize,
-        buffer: &FaceBuffer,
-        at: (i64, i64),
+        (face, buffer): (usize, &FaceBuffer),
+        (x, y): (i64, i64),
+        rect: &Rect,
         target: &FaceTarget,
-        found: impl FnMut(&Rect) -> bool,
-    ) -> Option<(bool, &[Listed])> {
+    ) -> (Pixel<'_>, &[Listed]) {
         let fine = &self.faces[face];
-        let pixel = fine.find(buffer.window(), at.0, at.1)?;
-        let solids = &fine.solids[pixel.solids.0..pixel.solids.1];
-        Some((fine.search(pixel, at, target, found), solids))
+        let whole = self.pixel(face, (x, y), rect);
+        let Some(group) = fine.find(buffer.window(), (x, y)) else { return (whole, &[]) };
+        let open = fine.open(group.tiles + place_in_group(x, y), whole.first, target);
+        (Pixel { open, ..whole }, &fine.solids[group.solids.0..group.solids.1])
     }
 
-    /// Whether a pixel is magnified.
-    pub(crate) fn has(&self, face: usize, buffer: &FaceBuffer, (x, y): (i64, i64)) -> bool {
-        self.faces[face].find(buffer.window(), x, y).is_some()
-    }
-
-    /// Magnifies the pixels `wanted` of a tile. Patches that reach into them are drawn unless the budget is less.
+    /// Magnifies a pixel. Patches that reach into its group are drawn unless the budget is less.
     pub(crate) fn magnify<'a, F: Fn(u32) -> Option<Drawable<'a>>>(
         &mut self,
         buffers: &OcclusionBuffers,
         (face, buffer): (usize, &FaceBuffer),
-        (tx, ty): (i64, i64),
-        wanted: u64,
+        at: (i64, i64),
         patches: &Patches<F>,
         budget: &mut u32,
     ) {
-        let at = |bit: i64| (tx * TILE + (bit & 7), ty * TILE + (bit >> 3));
-        let around = bits(wanted).fold(PixelRect::EMPTY, |all, bit| {
-            let (x, y) = at(bit);
-            all.join(&PixelRect { x: (x, x + 1), y: (y, y + 1) })
-        });
-        let own = &mut self.faces[face];
-        let solids = (own.solids.len(), list_solids(buffer, &around, &mut own.solids));
-        let added: SmallVec<[Added; 16]> = bits(wanted).map(|bit| own.add(buffer, at(bit), solids)).collect();
-        let limit = added.iter().map(|a| own.tiles.closed(a.tile)).fold(f32::INFINITY, f32::min);
-        find_patches(buffer, &around, limit, &mut self.found);
+        if self.faces[face].find(buffer.window(), at).is_none() {
+            let group = self.faces[face].add(buffer, at);
+            self.draw_patches(buffers, (face, buffer), (at, group), patches, budget);
+        }
+        self.faces[face].draw_solids(buffer, at);
+    }
+
+    /// Draws the patches that reach into a group of pixels.
+    fn draw_patches<'a, F: Fn(u32) -> Option<Drawable<'a>>>(
+        &mut self,
+        buffers: &OcclusionBuffers,
+        (face, buffer): (usize, &FaceBuffer),
+        (at, group): ((i64, i64), Group),
+        patches: &Patches<F>,
+        budget: &mut u32,
+    ) {
+        let pixels = pixels_of_group(buffer.window(), at);
+        find_patches(buffer, &pixels, &mut self.found);
         let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(|&id| (patches.drawable)(id)).collect();
         let cost = batch.iter().map(|d| 1 + d.outline().len() as u64 / SIDES).sum::<u64>();
-        if cost > 0 && cost <= u64::from(*budget) {
-            *budget -= cost as u32;
-            let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(*buffer.face()));
-            prepare(fine, buffer, &around, &own.tiles, &added);
-            let scratch = &mut self.scratch;
-            draw_surfaces(fine, &batch, buffers.origin(), buffers.near_limit(), patches.count, scratch);
-            for a in &added {
-                let from = fine.window().tile_index(a.pixel.0, a.pixel.1);
-                own.tiles.copy_tile(a.tile, fine.coverage(), from);
-            }
+        if cost == 0 || cost > u64::from(*budget) {
+            return;
         }
-        let tile = buffer.window().tile_index(tx, ty);
-        for (a, bit) in added.iter().zip(bits(wanted)) {
-            let near = own.tiles.closed(a.tile);
-            if near > a.before {
-                self.closed.push(Closed { face, tile, bit, near });
-            }
-        }
-    }
-}
-
-/// Clears a finer buffer for a rectangle of pixels: those added are as covered as their tiles, and the others are
-/// closed.
-fn prepare(
-    fine: &mut FaceBuffer,
-    coarse: &FaceBuffer,
-    around: &PixelRect,
-    tiles: &Coverage,
-    added: &[Added],
-) {
-    fine.clear_finer(coarse, around, FINER);
-    for y in around.y.0..around.y.1 {
-        for x in around.x.0..around.x.1 {
+        *budget -= cost as u32;
+        let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(*buffer.face()));
+        fine.clear_finer(buffer, &pixels, FINER);
+        let tiles = &mut self.faces[face].tiles;
+        let each = || (pixels.y.0..pixels.y.1).flat_map(|y| (pixels.x.0..pixels.x.1).map(move |x| (x, y)));
+        for (x, y) in each() {
             let tile = fine.window().tile_index(x, y);
-            match added.iter().find(|a| a.pixel == (x, y)) {
-                Some(a) => fine.coverage_mut().copy_tile(tile, tiles, a.tile),
-                None => {
-                    fine.coverage_mut().cover(tile, u64::MAX, f32::INFINITY);
-                }
-            }
+            fine.coverage_mut().copy_tile(tile, tiles, group.tiles + place_in_group(x, y));
+        }
+        let scratch = &mut self.scratch;
+        draw_surfaces(fine, &batch, buffers.origin(), buffers.near_limit(), patches.count, scratch);
+        for (x, y) in each() {
+            let tile = fine.window().tile_index(x, y);
+            tiles.copy_tile(group.tiles + place_in_group(x, y), fine.coverage(), tile);
         }
     }
 }
@@ -285,13 +290,11 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
     found.len()
 }
 
-/// Finds the drawn patches that may reach into a rectangle of pixels, and may hide anything farther than `limit` there.
-fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, limit: f32, found: &mut Vec<u32>) {
+/// Finds the drawn patches that may reach into a rectangle of pixels and hide anything there.
+fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<u32>) {
     found.clear();
     buffer.patches().for_around(pixels, |patch| {
-        if patch.pixels.overlaps(pixels)
-            && patch.near > limit
-            && !buffer.hides_pixels(&patch.pixels.intersect(pixels), patch.near)
+        if patch.pixels.overlaps(pixels) && !buffer.hides_pixels(&patch.pixels.intersect(pixels), patch.near)
         {
             found.push(patch.id);
         }

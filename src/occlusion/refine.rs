@@ -11,8 +11,10 @@ use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
+use crate::occlusion::pixels::Window;
 use crate::occlusion::silhouette::Silhouette;
 use crate::occlusion::target::{FaceTarget, Target};
+use crate::occlusion::tiles::{TILE, block};
 
 /// Going through this many listed occluders costs as much as a square, so that the budget bounds the time also
 /// where thousands are listed in one place.
@@ -41,6 +43,74 @@ pub(crate) struct Contest<'a> {
     target: Silhouette,
 }
 
+/// A pixel, and its finer pixels that are open.
+pub(crate) struct Pixel<'a> {
+    /// The window of finer pixels.
+    pub(crate) fine: &'a Window,
+    /// The first of its finer pixels.
+    pub(crate) first: (i64, i64),
+    pub(crate) rect: Rect,
+    pub(crate) open: u64,
+}
+
+/// How often a pixel is halved until its parts are finer pixels.
+const HALVINGS: u32 = TILE.trailing_zeros();
+
+/// A square of directions in a pixel.
+struct Square<'a> {
+    rect: Rect,
+    pixel: &'a Pixel<'a>,
+    /// Its first finer pixel, counted from that of the pixel, where it is larger than one.
+    corner: (i64, i64),
+    /// How often the pixel was halved.
+    level: u32,
+}
+
+impl<'a> Square<'a> {
+    /// Half its width in finer pixels; 0 if it is one, or a part of one.
+    fn half(&self) -> i64 {
+        (TILE / 2) >> self.level.min(HALVINGS)
+    }
+
+    /// Where it is cut into four: on borders of finer pixels, while it is larger.
+    fn middle(&self) -> (f64, f64) {
+        let (half, r) = (self.half(), &self.rect);
+        if half == 0 {
+            return ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
+        }
+        let (fine, first) = (self.pixel.fine, self.pixel.first);
+        (fine.border(first.0 + self.corner.0 + half), fine.border(first.1 + self.corner.1 + half))
+    }
+
+    /// Whether the middle belongs to an open finer pixel.
+    fn middle_is_open(&self) -> bool {
+        let half = self.half();
+        let (x, y) = (self.corner.0 + half, self.corner.1 + half);
+        half == 0 || self.pixel.open & block(x - 1, x + 1, y - 1, y + 1) != 0
+    }
+
+    /// Whether one of its finer pixels is open.
+    fn is_open(&self) -> bool {
+        let (size, (x, y)) = (2 * self.half(), self.corner);
+        self.level > HALVINGS || self.pixel.open & block(x, x + size.max(1), y, y + size.max(1)) != 0
+    }
+
+    /// The four squares around its middle.
+    fn quarters(&self, u: f64, v: f64) -> [Self; 4] {
+        let r = &self.rect;
+        let part = |rect: Rect, x: i64, y: i64| {
+            let corner = (self.corner.0 + x * self.half(), self.corner.1 + y * self.half());
+            Square { rect, pixel: self.pixel, corner, level: self.level + 1 }
+        };
+        [
+            part(Rect { u1: u, v1: v, ..*r }, 0, 0),
+            part(Rect { u0: u, v1: v, ..*r }, 1, 0),
+            part(Rect { u1: u, v0: v, ..*r }, 0, 1),
+            part(Rect { u0: u, v0: v, ..*r }, 1, 1),
+        ]
+    }
+}
+
 /// The search for a visible part of one target on one face.
 pub(crate) struct Search<'a> {
     pub(crate) buffer: &'a FaceBuffer,
@@ -50,13 +120,38 @@ pub(crate) struct Search<'a> {
     /// Directions and squares that may still be examined.
     pub(crate) squares: u32,
     /// How often a square may be halved.
-    pub(crate) depth: u32,
+    depth: u32,
+    /// Directions and squares examined so far.
+    pub(crate) spent: u64,
+    /// Whether the last squares were not examined to the end.
+    cut_short: bool,
 }
 
 impl<'a> Search<'a> {
+    pub(crate) fn new(
+        buffer: &'a FaceBuffer,
+        target: &'a FaceTarget,
+        owner: u32,
+        squares: u32,
+        depth: u32,
+    ) -> Self {
+        Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false }
+    }
+
+    /// Whether the last squares were not examined to the end: with more squares or halvings, they might be covered.
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.cut_short
+    }
+
+    /// Takes squares from the budget.
+    fn spend(&mut self, squares: u32) {
+        self.squares = self.squares.saturating_sub(squares);
+        self.spent += u64::from(squares);
+    }
+
     /// Takes the cost of going through a list of occluders from the budget.
     fn pay(&mut self, listed: usize) {
-        self.squares = self.squares.saturating_sub(1 + (listed / LISTED) as u32);
+        self.spend(1 + (listed / LISTED) as u32);
     }
 
     /// Whether the direction to the target's middle shows it.
@@ -124,16 +219,19 @@ impl<'a> Search<'a> {
         Some(Contest { candidates, target })
     }
 
-    /// Whether the candidates surely hide the target in a square of their pixel.
-    pub(crate) fn is_covered(&mut self, rect: &Rect, contest: &Contest, level: u32) -> bool {
-        self.is_covered_by(rect, contest, u64::MAX, level)
+    /// Whether the candidates surely hide the target in a pixel, or in some of its finer pixels.
+    pub(crate) fn is_covered(&mut self, pixel: &Pixel, contest: &Contest) -> bool {
+        self.cut_short = false;
+        self.is_covered_by(&Square { rect: pixel.rect, pixel, corner: (0, 0), level: 0 }, contest, u64::MAX)
     }
 
-    fn is_covered_by(&mut self, rect: &Rect, contest: &Contest, among: u64, level: u32) -> bool {
+    fn is_covered_by(&mut self, square: &Square, contest: &Contest, among: u64) -> bool {
         if self.squares == 0 {
+            self.cut_short = true;
             return false;
         }
-        self.squares -= 1;
+        self.spend(1);
+        let rect = &square.rect;
         let mut rest = 0u64;
         let mut near = None;
         for (i, c) in contest.candidates.iter().enumerate() {
@@ -151,23 +249,19 @@ impl<'a> Search<'a> {
             }
             rest |= 1 << i;
         }
-        if rest == 0 || level >= self.depth {
+        if rest == 0 || square.level >= self.depth {
+            self.cut_short |= rest != 0;
             return false;
         }
-        let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
-        if contest.target.holds(u, v) && self.is_open(u, v, contest, rest) {
+        let (u, v) = square.middle();
+        if square.middle_is_open() && contest.target.holds(u, v) && self.is_open(u, v, contest, rest) {
             return false;
         }
-        let quarters = [
-            Rect { u1: u, v1: v, ..*rect },
-            Rect { u0: u, v1: v, ..*rect },
-            Rect { u1: u, v0: v, ..*rect },
-            Rect { u0: u, v0: v, ..*rect },
-        ];
-        quarters.iter().all(|q| {
-            !contest.target.touches(q)
-                || self.buffer.halves().iter().any(|h| h.most(q) < 0.0)
-                || self.is_covered_by(q, contest, rest, level + 1)
+        square.quarters(u, v).iter().all(|q| {
+            !q.is_open()
+                || !contest.target.touches(&q.rect)
+                || self.buffer.halves().iter().any(|h| h.most(&q.rect) < 0.0)
+                || self.is_covered_by(q, contest, rest)
         })
     }
 
@@ -187,14 +281,7 @@ impl<'a> Search<'a> {
     /// occluders. This is not rounded: a wrong yes makes a hidden target visible, which is safe, and a no decides
     /// nothing.
     fn is_seen(&self, u: f64, v: f64, occluders: &[Listed]) -> bool {
-        let near = self.target.at(u, v);
         self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
-            && occluders.iter().all(|listed| {
-                if f64::from(listed.near) <= near {
-                    return true;
-                }
-                let d = self.buffer.drawn(listed);
-                d.owner == self.owner || !d.silhouette.may_hold(u, v) || d.front.at(u, v) <= near
-            })
+            && self.buffer.is_before((u, v), self.target.at(u, v), occluders, self.owner)
     }
 }

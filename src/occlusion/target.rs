@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Outline, Polytope};
+use crate::geometry::polytope::{Outline, Polytope, outline_of_block};
 use crate::numeric::occlusion::{BEHIND, above};
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
@@ -17,6 +17,7 @@ use crate::occlusion::solid::Shadow;
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
     outline: Outline,
+    /// Its corners; none for spheres and for boxes along the axes.
     vertices: SmallVec<[DVec3; 8]>,
     fronts: SmallVec<[HalfSpace; 3]>,
     block: Block,
@@ -71,7 +72,11 @@ impl Target {
     }
 
     pub(crate) fn block(block: Block, direction: Option<DVec3>) -> Self {
-        Self::polytope(Polytope::block(&block), block, direction)
+        if direction.is_some() {
+            return Self::polytope(Polytope::block(&block), block, direction);
+        }
+        let (outline, fronts) = outline_of_block(&block);
+        Self { outline, fronts, vertices: SmallVec::new(), block }
     }
 
     /// A box of half-axes `axes`.
@@ -109,6 +114,8 @@ impl Target {
                 depth = depth.max(center.dot(face.forward) - radius);
                 silhouette.conic_rect()
             }
+            // The rectangle around a box is exact if the box lies in front of the eye.
+            _ if self.vertices.is_empty() => None,
             _ => face.points(&self.vertices).map(|(r, near)| {
                 depth = depth.max(near);
                 r

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::numeric::occlusion::below;
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::Rect;
-use crate::occlusion::face_buffer::FaceBuffer;
+use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, bits, block};
@@ -53,16 +53,33 @@ impl FaceBuffer {
         listed.iter().any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
     }
 
-    /// Whether a point, in coordinates of the face, lies in an open pixel for which no convex occluder is listed.
-    pub(crate) fn shows(&self, p: DVec3) -> bool {
+    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
+    /// its owner.
+    pub(crate) fn shows(&self, p: DVec3, owner: u32) -> bool {
         if !self.face.parallel && p.z <= 0.0 {
             return false;
         }
         let (u, v) = if self.face.parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
         let Some((x, y)) = self.window.pixel_at(u, v) else { return false };
         let near = self.face.nearness_of(p.z);
-        self.occluders.list(self.occluders.index(x, y)).is_empty()
-            && !self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near)
+        if self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near) {
+            return false;
+        }
+        let listed = self.occluders.list(self.occluders.index(x, y));
+        // Patches alone leave open few pixels that they hide, magnified.
+        listed.is_empty()
+            || !self.patch_may_hide((x, y), below(near)) && self.is_before((u, v), near, listed, owner)
+    }
+
+    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
+    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: u32) -> bool {
+        solids.iter().all(|listed| {
+            if f64::from(listed.near) <= near {
+                return true;
+            }
+            let d = self.drawn(listed);
+            d.owner == owner || !d.silhouette.may_hold(u, v) || d.front.at(u, v) <= near
+        })
     }
 }
 
@@ -136,8 +153,9 @@ mod tests {
             count == 3
         });
         assert_eq!(count, 3, "the search stops when told");
-        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0)));
-        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0)), "behind the wall");
-        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0)), "behind the eye");
+        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0), 1));
+        assert!(buffer.shows(DVec3::new(-1.0, 0.0, 3.9), 1), "before the wall");
+        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0), 1), "behind the wall");
+        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0), 1), "behind the eye");
     }
 }

@@ -24,7 +24,6 @@ impl Walk<'_> {
                 let before = left;
                 let bounds = self.scene.object(id.slot).bounds();
                 let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, &mut left);
-                magnifier.close(&mut self.scratch.buffers);
                 self.stats.refined += u32::from(left != before);
                 if hidden {
                     self.stats.refined_hidden += u32::from(left != before);
@@ -62,7 +61,7 @@ impl Walk<'_> {
                 return true;
             }
             // A quick way to find objects that are plainly in sight.
-            if buffers.shows(middle - origin) {
+            if buffers.shows(middle - origin, slot) {
                 return false;
             }
         }
