@@ -14,6 +14,7 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::surface::batch::Sight;
 use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::scratch::SurfaceScratch;
@@ -232,7 +233,13 @@ impl Magnifier {
             let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(*buffer.face()));
             prepare(fine, buffer, &around, &own.tiles, &added);
             let scratch = &mut self.scratch;
-            draw_surfaces(fine, &batch, buffers.origin(), buffers.near_limit(), patches.count, scratch);
+            let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
+                let (near, pixels) = fine.sight(&d.block)?;
+                Some(Sight { face: 0, patch, near, pixels })
+            });
+            let sights: Vec<Sight> = sights.collect();
+            let (origin, limit) = (buffers.origin(), buffers.near_limit());
+            draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
             for a in &added {
                 let from = fine.window().tile_index(a.pixel.0, a.pixel.1);
                 own.tiles.copy_tile(a.tile, fine.coverage(), from);

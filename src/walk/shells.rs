@@ -2,6 +2,7 @@
 
 use glam::IVec3;
 
+use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::numeric::query::FAR_VIEWER;
 use crate::view::{Origin, View};
@@ -34,11 +35,40 @@ impl Shells {
         })
     }
 
+    /// Tells in which of these shells a box begins.
+    pub(crate) fn begins(&self, grid: &Grid) -> ShellBegins {
+        ShellBegins {
+            middle: Block::new(grid.cell_bounds(self.cell)),
+            per_unit: 1.0 / grid.cell_size(),
+            farthest: self.farthest.max(1),
+        }
+    }
+
     /// The shells around the middle of the grid, for walks that do not start at the eye.
     pub(crate) fn around_middle(grid: &Grid, view: &View) -> Self {
         let cell = grid.dims() / 2;
         let (nearest, farthest) = shell_range(grid, cell);
         Self { cell, nearest, farthest, frustum: CellFrustum::new(grid, view, cell, Start::None) }
+    }
+}
+
+/// Tells in which shell around a cell a box begins.
+#[derive(Debug, Clone)]
+pub(crate) struct ShellBegins {
+    /// The cell in the middle.
+    middle: Block,
+    /// Cells for one unit of length.
+    per_unit: f64,
+    farthest: i32,
+}
+
+impl ShellBegins {
+    /// The least shell that a box in world units reaches into, in the grid. Rounding may choose a neighbour where the
+    /// box ends on the border of a cell.
+    #[inline]
+    pub(crate) fn shell(&self, block: &Block) -> usize {
+        let away = (block.min - self.middle.max).max(self.middle.min - block.max).max_element();
+        if away >= 0.0 { ((away * self.per_unit) as i32).min(self.farthest - 1) as usize + 1 } else { 0 }
     }
 }
 

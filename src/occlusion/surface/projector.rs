@@ -53,6 +53,13 @@ impl Ends {
         }
         self.slack[lane] = slack;
     }
+
+    #[inline(always)]
+    fn copy(&mut self, from: usize, to: usize) {
+        for lanes in self.from.iter_mut().chain(&mut self.to).chain([&mut self.slack]) {
+            lanes[to] = lanes[from];
+        }
+    }
 }
 
 /// Sides in coordinates of the face.
@@ -169,31 +176,21 @@ impl<'a> Projector<'a> {
     ) -> Option<PixelRect> {
         let frame = self.frame(d, origin);
         let mut extent = Extent::EMPTY;
-        let mut sides = d.sides();
         let (mut ends, mut finite) = (Ends::default(), true);
-        let mut next = sides.next();
-        while next.is_some() {
-            let (mut twins, mut opposite) = ([NO_TWIN; LANES], 0);
-            let mut count = 0;
-            while let Some((side, twin)) = next.take() {
+        let mut outline = d.outline();
+        while outline.len() > 0 {
+            let (mut twins, mut opposite, mut count) = ([NO_TWIN; LANES], 0, 0);
+            for (number, side) in outline.by_ref().take(LANES) {
                 ends.set(count, side.from, side.to, side.slack);
-                let (twin, turned) = twin.unwrap_or((NO_TWIN, false));
-                twins[count] = twin;
-                opposite |= u8::from(turned) << count;
-                count += 1;
-                if count == LANES {
-                    break;
+                if let Some((twin, turned)) = d.beyond(number, side) {
+                    twins[count] = twin;
+                    opposite |= u8::from(turned) << count;
                 }
-                next = sides.next();
-            }
-            if count == LANES {
-                next = sides.next();
+                count += 1;
             }
             // The rest repeats the first.
             for lane in count..LANES {
-                let first = |of: &[Lanes; 3]| Vec3::new(of[0][0], of[1][0], of[2][0]);
-                let (from, to, slack) = (first(&ends.from), first(&ends.to), ends.slack[0]);
-                ends.set(lane, from, to, slack);
+                ends.copy(0, lane);
             }
             let placed = self.place(&frame, &ends);
             let mut edges = self.edges(&placed, &mut extent);
@@ -388,6 +385,7 @@ mod tests {
                     normal: DVec3::X,
                     slab: (0.0, 0.0),
                     again: false,
+                    alone: false,
                     turned: false,
                     error: 0.0,
                 };
@@ -398,7 +396,7 @@ mod tests {
                     placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye
                 };
                 deep += out.deep.len();
-                for (i, (side, _)) in drawable.sides().enumerate() {
+                for (i, (_, side)) in drawable.outline().enumerate() {
                     let Edges { x0, y0, x1, y1, wide, unsure, plain, .. } = out.groups[i / LANES].edges;
                     let i = i % LANES;
                     if plain >> i & 1 == 0 {

@@ -27,10 +27,10 @@ impl Walk<'_> {
             self.stats.occluders_skipped += 1;
             return;
         }
-        if let Some(surface) = occluder.surface() {
+        if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
             if !self.draw_convex_mesh(slot, occluder) {
-                self.list_surface(slot, surface, occluder.placement());
+                self.list_surface(slot);
             }
             return;
         }
