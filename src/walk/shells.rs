@@ -101,4 +101,25 @@ mod tests {
         let middle = Shells::around_middle(&grid, &View::omnidirectional(Vec3::splat(2.5)).unwrap());
         assert_eq!((middle.cell, middle.nearest, middle.farthest), (IVec3::new(5, 10, 15), 0, 15));
     }
+
+    #[test]
+    fn boxes_begin_in_the_shell_of_their_nearest_cell() {
+        let spec = GridSpec { min: Vec3::new(-3.0, 1.0, 0.0), cell: 0.5, dims: UVec3::new(40, 20, 10) };
+        let grid = Grid::new(&spec).unwrap();
+        let view = View::omnidirectional(Vec3::new(2.3, 4.1, 1.2)).unwrap();
+        let shells = Shells::around_eye(&grid, &view, Start::Eye).unwrap();
+        let begins = shells.begins(&grid);
+        let mut found = [false; 40];
+        for i in 0..4000 {
+            let share = |by: i32| f64::from(i * by % 1009) / 1009.0;
+            let min =
+                grid.min() + (grid.max() - grid.min()) * glam::DVec3::new(share(7), share(13), share(31));
+            let block = Block { min, max: min + 0.3 + share(17) };
+            let (lo, hi) = grid.cover(block.min, block.max);
+            let expected = (lo - shells.cell).max(shells.cell - hi).max_element().clamp(0, shells.farthest);
+            assert_eq!(begins.shell(&block), expected as usize, "{block:?}");
+            found[expected as usize] = true;
+        }
+        assert!(found[..20].iter().all(|&found| found), "{found:?}");
+    }
 }
