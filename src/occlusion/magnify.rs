@@ -16,6 +16,7 @@ use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::refine::Pixel;
+use crate::occlusion::surface::batch::Sight;
 use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::scratch::SurfaceScratch;
@@ -268,7 +269,13 @@ impl Magnifier {
             fine.coverage_mut().copy_tile(tile, tiles, group.tiles + place_in_group(x, y));
         }
         let scratch = &mut self.scratch;
-        draw_surfaces(fine, &batch, buffers.origin(), buffers.near_limit(), patches.count, scratch);
+        let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
+            let (near, pixels) = fine.sight(&d.block)?;
+            Some(Sight { face: 0, patch, near, pixels })
+        });
+        let sights: Vec<Sight> = sights.collect();
+        let (origin, limit) = (buffers.origin(), buffers.near_limit());
+        draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
         for (x, y) in each() {
             let tile = fine.window().tile_index(x, y);
             tiles.copy_tile(group.tiles + place_in_group(x, y), fine.coverage(), tile);

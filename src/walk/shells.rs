@@ -2,6 +2,7 @@
 
 use glam::IVec3;
 
+use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::numeric::query::FAR_VIEWER;
 use crate::view::{Origin, View};
@@ -34,11 +35,40 @@ impl Shells {
         })
     }
 
+    /// Tells in which of these shells a box begins.
+    pub(crate) fn begins(&self, grid: &Grid) -> ShellBegins {
+        ShellBegins {
+            middle: Block::new(grid.cell_bounds(self.cell)),
+            per_unit: 1.0 / grid.cell_size(),
+            farthest: self.farthest.max(1),
+        }
+    }
+
     /// The shells around the middle of the grid, for walks that do not start at the eye.
     pub(crate) fn around_middle(grid: &Grid, view: &View) -> Self {
         let cell = grid.dims() / 2;
         let (nearest, farthest) = shell_range(grid, cell);
         Self { cell, nearest, farthest, frustum: CellFrustum::new(grid, view, cell, Start::None) }
+    }
+}
+
+/// Tells in which shell around a cell a box begins.
+#[derive(Debug, Clone)]
+pub(crate) struct ShellBegins {
+    /// The cell in the middle.
+    middle: Block,
+    /// Cells for one unit of length.
+    per_unit: f64,
+    farthest: i32,
+}
+
+impl ShellBegins {
+    /// The least shell that a box in world units reaches into, in the grid. Rounding may choose a neighbour where the
+    /// box ends on the border of a cell.
+    #[inline]
+    pub(crate) fn shell(&self, block: &Block) -> usize {
+        let away = (block.min - self.middle.max).max(self.middle.min - block.max).max_element();
+        if away >= 0.0 { ((away * self.per_unit) as i32).min(self.farthest - 1) as usize + 1 } else { 0 }
     }
 }
 
@@ -70,5 +100,26 @@ mod tests {
         assert_eq!(range(Vec3::new(4e6, 5.5, 5.5)), None);
         let middle = Shells::around_middle(&grid, &View::omnidirectional(Vec3::splat(2.5)).unwrap());
         assert_eq!((middle.cell, middle.nearest, middle.farthest), (IVec3::new(5, 10, 15), 0, 15));
+    }
+
+    #[test]
+    fn boxes_begin_in_the_shell_of_their_nearest_cell() {
+        let spec = GridSpec { min: Vec3::new(-3.0, 1.0, 0.0), cell: 0.5, dims: UVec3::new(40, 20, 10) };
+        let grid = Grid::new(&spec).unwrap();
+        let view = View::omnidirectional(Vec3::new(2.3, 4.1, 1.2)).unwrap();
+        let shells = Shells::around_eye(&grid, &view, Start::Eye).unwrap();
+        let begins = shells.begins(&grid);
+        let mut found = [false; 40];
+        for i in 0..4000 {
+            let share = |by: i32| f64::from(i * by % 1009) / 1009.0;
+            let min =
+                grid.min() + (grid.max() - grid.min()) * glam::DVec3::new(share(7), share(13), share(31));
+            let block = Block { min, max: min + 0.3 + share(17) };
+            let (lo, hi) = grid.cover(block.min, block.max);
+            let expected = (lo - shells.cell).max(shells.cell - hi).max_element().clamp(0, shells.farthest);
+            assert_eq!(begins.shell(&block), expected as usize, "{block:?}");
+            found[expected as usize] = true;
+        }
+        assert!(found[..20].iter().all(|&found| found), "{found:?}");
     }
 }

@@ -98,6 +98,7 @@ impl Surface {
     }
 
     /// The numbers of the parts of a patch.
+    #[cfg(test)]
     pub(crate) fn parts(&self, patch: u32) -> impl Iterator<Item = u32> {
         let end = self.patches[patch as usize].next;
         let mut part = patch + 1;

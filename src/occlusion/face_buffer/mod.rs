@@ -183,6 +183,19 @@ impl FaceBuffer {
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
     }
 
+    /// The nearness of the nearest point of a box, and the pixels of the rectangle around it; `None` if the face does not
+    /// see it, or hides it.
+    #[inline]
+    pub(crate) fn sight(&self, block: &Block) -> Option<(f32, PixelRect)> {
+        let (rect, (depth, _)) = self.face.block(block)?;
+        let pixels = self.window.touched_by(&rect);
+        if pixels.is_empty() {
+            return None;
+        }
+        let near = above(self.face.nearness_of(depth));
+        (!self.hides_pixels(&pixels, near)).then_some((near, pixels))
+    }
+
     /// Whether every pixel of a rectangle is covered for targets nowhere nearer than `near`.
     #[inline]
     pub(crate) fn hides(&self, rect: &Rect, near: f32) -> bool {

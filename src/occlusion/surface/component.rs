@@ -44,8 +44,7 @@ pub(super) fn draw_component(
         let is_seam = |side: &DeepSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
         deep.draw(raster, own, d.turned, is_seam);
         raster.finish();
-        let back = Back::new(buffer.face(), d);
-        changed |= cover_patch(buffer, raster, s, &back, joint.as_deref_mut());
+        changed |= cover_patch(buffer, raster, s, d, joint.as_deref_mut());
     }
     if let Some(joint) = joint {
         changed |= cover_seams(buffer, joint);
@@ -59,11 +58,12 @@ fn cover_patch(
     buffer: &mut FaceBuffer,
     raster: &Raster,
     seen: &Seen,
-    back: &Back,
+    drawable: &Drawable,
     mut joint: Option<&mut Joint>,
 ) -> bool {
     let area = raster.area();
     let mut changed = false;
+    let mut back = None;
     for ty in 0..area.ny {
         let row = buffer.window().tile_index(area.x / TILE, area.y / TILE + ty);
         let joint_row = joint.as_ref().map_or(0, |joint| {
@@ -84,6 +84,10 @@ fn cover_patch(
                 continue;
             }
             let mask = marks.covered();
+            if mask == 0 && joint.is_none() {
+                continue;
+            }
+            let back = back.get_or_insert_with(|| Back::new(buffer.face(), drawable));
             let rect = buffer.window().square(area.x + tx as i64 * TILE, area.y + ty * TILE, TILE);
             let (near, plane) = back.behind(&rect);
             let near = below(near);

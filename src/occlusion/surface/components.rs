@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::numeric::occlusion::above;
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::batch::Sight;
 use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
@@ -15,18 +15,19 @@ use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
 /// so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
 
-/// Draws patches together on one face. `patches` is greater than all their numbers; surfaces are cut at the
+/// Draws patches together on one face, those that it sees. `patches` is greater than all their numbers; surfaces are cut at the
 /// depth `limit`. Returns whether they hide more than before.
 pub(crate) fn draw_surfaces(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
+    sights: impl Iterator<Item = Sight>,
     origin: DVec3,
     limit: f64,
     patches: usize,
     scratch: &mut SurfaceScratch,
 ) -> bool {
     scratch.begin(patches);
-    see(buffer, batch, origin, limit, scratch);
+    see(buffer, batch, sights, origin, limit, scratch);
     join(batch, scratch);
     order(scratch);
     let mut changed = false;
@@ -56,22 +57,33 @@ pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &Surfac
     }
 }
 
-/// Collects the patches that the face sees and that are not hidden.
-fn see(buffer: &FaceBuffer, batch: &[Drawable], origin: DVec3, limit: f64, scratch: &mut SurfaceScratch) {
+/// Whether a patch touches so few columns or rows of pixels that it is not drawn.
+fn is_narrow(pixels: &PixelRect) -> bool {
+    pixels.x.1 - pixels.x.0 < NARROW || pixels.y.1 - pixels.y.0 < NARROW
+}
+
+/// Collects the patches that the face sees.
+fn see(
+    buffer: &FaceBuffer,
+    batch: &[Drawable],
+    sights: impl Iterator<Item = Sight>,
+    origin: DVec3,
+    limit: f64,
+    scratch: &mut SurfaceScratch,
+) {
     let projector = Projector::new(buffer, limit);
-    for (d, drawable) in batch.iter().zip(0..) {
-        let Some((rect, (depth, _))) = buffer.face().block(&d.block) else { continue };
-        let near = above(buffer.face().nearness_of(depth));
-        let pixels = buffer.window().touched_by(&rect);
-        if pixels.is_empty() || buffer.hides_pixels(&pixels, near) {
+    for Sight { patch: drawable, near, pixels, .. } in sights {
+        if is_narrow(&pixels) {
+            scratch.narrow.push((drawable, near, pixels));
             continue;
         }
+        let d = &batch[drawable as usize];
         let first = scratch.sides.reached();
         let Some(pixels) = projector.project(d, origin, pixels, &mut scratch.sides) else {
             scratch.sides.truncate(first);
             continue;
         };
-        if pixels.x.1 - pixels.x.0 < NARROW || pixels.y.1 - pixels.y.0 < NARROW {
+        if is_narrow(&pixels) {
             scratch.sides.truncate(first);
             scratch.narrow.push((drawable, near, pixels));
             continue;
@@ -108,7 +120,9 @@ fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
                 if (opposite >> lane & 1 == 1) != (d.turned == other.turned) || (d.again && other.again) {
                     continue;
                 }
-                scratch.unite(i, place);
+                if scratch.seen[i as usize].parent != scratch.seen[place as usize].parent {
+                    scratch.unite(i, place);
+                }
                 seams |= 1 << lane;
                 if !d.again && other.again {
                     let pixels = scratch.seen[i as usize].pixels;

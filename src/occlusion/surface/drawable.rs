@@ -27,6 +27,8 @@ pub(crate) struct Drawable<'a> {
     pub(crate) slab: (f64, f64),
     /// Whether it was drawn before, and only its seams with patches that were not are new.
     pub(crate) again: bool,
+    /// Whether no neighbour of it is drawn in another batch.
+    pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
     /// Its points may be this far from where the surface says.
@@ -34,20 +36,17 @@ pub(crate) struct Drawable<'a> {
 }
 
 impl<'a> Drawable<'a> {
-    /// The sides of its outline, and of the patch beyond each: its number, and whether the two run along the side
-    /// in opposite directions.
-    pub(crate) fn sides(&self) -> impl Iterator<Item = (&'a Side, Option<(u32, bool)>)> {
-        let base = self.number - self.patch;
-        let outline = self.outline();
-        let first = outline.clone().next().map_or(0, |(index, _)| index);
-        let mut links = self.links[self.links.partition_point(|l| l.0 < first)..].iter().peekable();
-        outline.map(move |(index, side)| {
-            if side.twin != NONE {
-                return (side, Some((base + side.twin, side.opposite)));
-            }
-            while links.next_if(|l| l.0 < index).is_some() {}
-            (side, links.next_if(|l| l.0 == index).map(|l| (l.1, l.2)))
-        })
+    /// The patch beyond a side of its outline, which is given with its number: the number of the patch, and whether the
+    /// two run along the side in opposite directions.
+    #[inline]
+    pub(crate) fn beyond(&self, number: u32, side: &Side) -> Option<(u32, bool)> {
+        beyond(self.number - self.patch, self.links, number, side)
+    }
+
+    /// The numbers of the patches beyond its sides.
+    pub(crate) fn twins(&self) -> impl Iterator<Item = u32> + use<'a> {
+        let (base, links) = (self.number - self.patch, self.links);
+        self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, side)?.0))
     }
 
     /// The sides of its outline, with their numbers.
@@ -61,4 +60,17 @@ impl<'a> Drawable<'a> {
         let next = self.surface.patches[self.patch as usize].next;
         self.number..self.number + (next - self.patch)
     }
+}
+
+/// As [`Drawable::beyond`], for a surface whose first patch has the number `base`.
+#[inline]
+fn beyond(base: u32, links: &[(u32, u32, bool)], number: u32, side: &Side) -> Option<(u32, bool)> {
+    if side.twin != NONE {
+        return Some((base + side.twin, side.opposite));
+    }
+    if links.is_empty() {
+        return None;
+    }
+    let link = links.get(links.partition_point(|l| l.0 < number))?;
+    (link.0 == number).then_some((link.1, link.2))
 }

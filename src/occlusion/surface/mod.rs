@@ -14,6 +14,7 @@
 //! the outline.
 
 pub(crate) mod back;
+pub(crate) mod batch;
 pub(crate) mod by_patch;
 pub(crate) mod component;
 pub(crate) mod components;
@@ -24,19 +25,22 @@ pub(crate) mod raster;
 pub(crate) mod scratch;
 
 use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
-use crate::occlusion::surface::drawable::Drawable;
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
-    /// their numbers. Returns whether they hide more than before.
-    pub(crate) fn draw_surfaces(&mut self, batch: &[Drawable], patches: usize) -> bool {
+    /// their numbers; `listed` tells whether they are listed by place. Returns whether they hide more than before.
+    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) -> bool {
         let (origin, limit) = (self.origin(), self.near_limit());
         let (faces, scratch) = self.surfaces_mut();
         let mut changed = false;
-        for buffer in faces {
-            changed |= draw_surfaces(buffer, batch, origin, limit, patches, scratch);
-            list(buffer, batch, scratch);
+        for (buffer, face) in faces.zip(0..) {
+            let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
+            changed |= draw_surfaces(buffer, &batch.drawables, sights, origin, limit, patches, scratch);
+            if listed {
+                list(buffer, &batch.drawables, scratch);
+            }
         }
         changed
     }

@@ -8,7 +8,7 @@ use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::raster::{Edges, LANES, Lanes};
+use crate::occlusion::surface::raster::{Edges, LANES, Lanes, each};
 use crate::occlusion::surface::scratch::{DeepSide, NO_TWIN, SeenSides, Sides};
 use crate::occlusion::tiles::TILE;
 
@@ -53,10 +53,16 @@ impl Ends {
         }
         self.slack[lane] = slack;
     }
+
+    #[inline(always)]
+    fn copy(&mut self, from: usize, to: usize) {
+        for lanes in self.from.iter_mut().chain(&mut self.to).chain([&mut self.slack]) {
+            lanes[to] = lanes[from];
+        }
+    }
 }
 
 /// Sides in coordinates of the face.
-#[derive(Default)]
 struct Placed {
     from: [Lanes; 3],
     to: [Lanes; 3],
@@ -83,6 +89,21 @@ impl Extent {
         wide: [0.0; LANES],
         known: [true; LANES],
     };
+}
+
+impl Frame {
+    /// Moves points to the face, given by their coordinates.
+    #[inline(always)]
+    fn turn(&self, points: &[Lanes; 3]) -> [Lanes; 3] {
+        let (eye, rest, at) = (self.eye.0.to_array(), self.eye.1.to_array(), self.at.to_array());
+        let off = |axis: usize| -> Lanes { each(|i| points[axis][i] - eye[axis] - rest[axis]) };
+        let (x, y, z) = (off(0), off(1), off(2));
+        let turned = |axis: usize| {
+            let (row, at) = (self.rows[axis], at[axis]);
+            each(|i| row.x * x[i] + row.y * y[i] + row.z * z[i] + at)
+        };
+        [turned(0), turned(1), turned(2)]
+    }
 }
 
 /// The smaller number. Quicker than `f32::min`, which treats NaN in another way.
@@ -169,31 +190,21 @@ impl<'a> Projector<'a> {
     ) -> Option<PixelRect> {
         let frame = self.frame(d, origin);
         let mut extent = Extent::EMPTY;
-        let mut sides = d.sides();
         let (mut ends, mut finite) = (Ends::default(), true);
-        let mut next = sides.next();
-        while next.is_some() {
-            let (mut twins, mut opposite) = ([NO_TWIN; LANES], 0);
-            let mut count = 0;
-            while let Some((side, twin)) = next.take() {
+        let mut outline = d.outline();
+        while outline.len() > 0 {
+            let (mut twins, mut opposite, mut count) = ([NO_TWIN; LANES], 0, 0);
+            for (number, side) in outline.by_ref().take(LANES) {
                 ends.set(count, side.from, side.to, side.slack);
-                let (twin, turned) = twin.unwrap_or((NO_TWIN, false));
-                twins[count] = twin;
-                opposite |= u8::from(turned) << count;
-                count += 1;
-                if count == LANES {
-                    break;
+                if let Some((twin, turned)) = d.beyond(number, side) {
+                    twins[count] = twin;
+                    opposite |= u8::from(turned) << count;
                 }
-                next = sides.next();
-            }
-            if count == LANES {
-                next = sides.next();
+                count += 1;
             }
             // The rest repeats the first.
             for lane in count..LANES {
-                let first = |of: &[Lanes; 3]| Vec3::new(of[0][0], of[1][0], of[2][0]);
-                let (from, to, slack) = (first(&ends.from), first(&ends.to), ends.slack[0]);
-                ends.set(lane, from, to, slack);
+                ends.copy(0, lane);
             }
             let placed = self.place(&frame, &ends);
             let mut edges = self.edges(&placed, &mut extent);
@@ -232,69 +243,50 @@ impl<'a> Projector<'a> {
     /// Moves points to the face.
     #[inline(always)]
     fn place(&self, f: &Frame, ends: &Ends) -> Placed {
-        let mut out = Placed::default();
-        for i in 0..LANES {
-            let slack = ends.slack[i] * f.growth + f.error;
-            let mut zero = slack * 0.0;
-            for (given, placed) in [(&ends.from, &mut out.from), (&ends.to, &mut out.to)] {
-                let (x, y, z) = (
-                    given[0][i] - f.eye.0.x - f.eye.1.x,
-                    given[1][i] - f.eye.0.y - f.eye.1.y,
-                    given[2][i] - f.eye.0.z - f.eye.1.z,
-                );
-                for axis in 0..3 {
-                    let (row, at) = (f.rows[axis], [f.at.x, f.at.y, f.at.z][axis]);
-                    let c = row.x * x + row.y * y + row.z * z + at;
-                    placed[axis][i] = c;
-                    zero += c * 0.0;
-                }
-            }
-            out.slack[i] = slack;
-            out.zero[i] = zero;
-            let (a, b) = (out.from[2][i], out.to[2][i]);
-            let (near, far) = (smaller(a, b), larger(a, b));
+        let (from, to) = (f.turn(&ends.from), f.turn(&ends.to));
+        let slack: Lanes = each(|i| ends.slack[i] * f.growth + f.error);
+        let zeros = |p: &[Lanes; 3], i: usize| (p[0][i] * 0.0 + p[1][i] * 0.0) + p[2][i] * 0.0;
+        let zero = each(|i| slack[i] * 0.0 + (zeros(&from, i) + zeros(&to, i)));
+        let plain = each(|i| {
+            let (near, far) = (smaller(from[2][i], to[2][i]), larger(from[2][i], to[2][i]));
             // One width serves all of the edge, or there is no slack.
-            let even = (slack == 0.0) | ((far <= 2.0 * near) & (far > 2.0 * slack));
-            out.plain[i] = (near >= self.limit) & even;
-        }
-        out
+            let even = (slack[i] == 0.0) | ((far <= 2.0 * near) & (far > 2.0 * slack[i]));
+            (near >= self.limit) & even
+        });
+        Placed { from, to, slack, zero, plain }
     }
 
     /// The edges in pixels. Those that leave the range of pixels are no longer plain.
     #[inline(always)]
     fn edges(&self, p: &Placed, extent: &mut Extent) -> Edges {
-        let mut e = Edges::default();
-        let mut plain = [false; LANES];
         let shift = self.middle.0.abs() + self.middle.1.abs();
-        for (i, plain) in plain.iter_mut().enumerate() {
-            let (a, b) = (1.0 / p.from[2][i], 1.0 / p.to[2][i]);
-            let (x0, y0) = (
-                p.from[0][i] * a * self.per_unit + self.middle.0,
-                p.from[1][i] * a * self.per_unit + self.middle.1,
-            );
-            let (x1, y1) = (
-                p.to[0][i] * b * self.per_unit + self.middle.0,
-                p.to[1][i] * b * self.per_unit + self.middle.1,
-            );
-            (e.x0[i], e.y0[i], e.x1[i], e.y1[i]) = (x0, y0, x1, y1);
-            let sum = (x0.abs() + y0.abs()) + (x1.abs() + y1.abs());
-            let unsure = EDGE as f32 + PROJECTED * (sum + shift);
-            // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
+        let (a, b): (Lanes, Lanes) = (each(|i| 1.0 / p.from[2][i]), each(|i| 1.0 / p.to[2][i]));
+        let column = |p: &[Lanes; 3], inverse: &Lanes| -> Lanes {
+            each(|i| p[0][i] * inverse[i] * self.per_unit + self.middle.0)
+        };
+        let row = |p: &[Lanes; 3], inverse: &Lanes| -> Lanes {
+            each(|i| p[1][i] * inverse[i] * self.per_unit + self.middle.1)
+        };
+        let (x0, y0, x1, y1) = (column(&p.from, &a), row(&p.from, &a), column(&p.to, &b), row(&p.to, &b));
+        let sum: Lanes = each(|i| (x0[i].abs() + y0[i].abs()) + (x1[i].abs() + y1[i].abs()));
+        let unsure: Lanes = each(|i| EDGE as f32 + PROJECTED * (sum[i] + shift));
+        // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
+        let grow = SLACK_ROOM * self.per_unit;
+        let wide: Lanes = each(|i| 2.0 * unsure[i] + p.slack[i] * larger(a[i], b[i]) * grow);
+        // Also if it is not a number.
+        let small: [bool; LANES] = each(|i| sum[i] < FAR_PIXEL);
+        let plain: [bool; LANES] = each(|i| p.plain[i] & small[i] & (wide[i] < FAR_PIXEL));
+        extent.least[0] = each(|i| smaller(smaller(x0[i], x1[i]), extent.least[0][i]));
+        extent.least[1] = each(|i| smaller(smaller(y0[i], y1[i]), extent.least[1][i]));
+        extent.most[0] = each(|i| larger(larger(x0[i], x1[i]), extent.most[0][i]));
+        extent.most[1] = each(|i| larger(larger(y0[i], y1[i]), extent.most[1][i]));
+        extent.wide = each(|i| larger(wide[i], extent.wide[i]));
+        extent.known = each(|i| {
             let near = smaller(p.from[2][i], p.to[2][i]);
-            let wide = 2.0 * unsure + p.slack[i] * larger(a, b) * (SLACK_ROOM * self.per_unit);
-            (e.unsure[i], e.wide[i]) = (unsure, wide);
-            // Also if it is not a number.
-            let small = sum < FAR_PIXEL;
-            *plain = p.plain[i] & small & (wide < FAR_PIXEL);
-            extent.least[0][i] = smaller(smaller(x0, x1), extent.least[0][i]);
-            extent.least[1][i] = smaller(smaller(y0, y1), extent.least[1][i]);
-            extent.most[0][i] = larger(larger(x0, x1), extent.most[0][i]);
-            extent.most[1][i] = larger(larger(y0, y1), extent.most[1][i]);
-            extent.wide[i] = larger(wide, extent.wide[i]);
-            extent.known[i] &= (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small;
-        }
-        e.plain = (0..LANES).fold(0, |bits, i| bits | u8::from(plain[i]) << i);
-        e
+            extent.known[i] & (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small[i]
+        });
+        let plain = (0..LANES).fold(0, |bits, i| bits | u8::from(plain[i]) << i);
+        Edges { x0, y0, x1, y1, wide, unsure, plain, seams: 0 }
     }
 }
 
@@ -388,6 +380,7 @@ mod tests {
                     normal: DVec3::X,
                     slab: (0.0, 0.0),
                     again: false,
+                    alone: false,
                     turned: false,
                     error: 0.0,
                 };
@@ -398,7 +391,7 @@ mod tests {
                     placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye
                 };
                 deep += out.deep.len();
-                for (i, (side, _)) in drawable.sides().enumerate() {
+                for (i, (_, side)) in drawable.outline().enumerate() {
                     let Edges { x0, y0, x1, y1, wide, unsure, plain, .. } = out.groups[i / LANES].edges;
                     let i = i % LANES;
                     if plain >> i & 1 == 0 {

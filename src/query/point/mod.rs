@@ -8,6 +8,7 @@
 
 mod bricks;
 mod decide;
+mod drawables;
 mod objects;
 mod occluders;
 pub(crate) mod scratch;
@@ -25,7 +26,7 @@ use crate::query::marks::Marks;
 use crate::query::point::scratch::PointScratch;
 use crate::scene::Scene;
 use crate::view::{Origin, View};
-use crate::walk::{Shells, Start};
+use crate::walk::{ShellBegins, Shells, Start};
 
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
@@ -54,6 +55,8 @@ pub(crate) struct Walk<'a> {
     fuses: Option<bool>,
     /// The shells of bricks around the eye's brick, if the walk goes in shells.
     around: Option<Shells>,
+    /// The shell that a box begins in, if the walk goes in shells.
+    begins: Option<ShellBegins>,
     /// Only the objects before these boxes are asked for.
     receivers: Option<&'a [Block]>,
     stats: Stats,
@@ -94,6 +97,7 @@ impl<'a> Walk<'a> {
         let grid = scene.grid().bricks();
         let cut: Vec<(View, Block)> = view.cut_regions(min, max).collect();
         let unsure = view.eye_region();
+        let around = Shells::around_eye(&grid, view, Start::Eye);
         Self {
             scene,
             view,
@@ -106,7 +110,8 @@ impl<'a> Walk<'a> {
             unsure,
             grid,
             fuses: None,
-            around: Shells::around_eye(&grid, view, Start::Eye),
+            begins: around.as_ref().map(|shells| shells.begins(&grid)),
+            around,
             receivers: None,
             stats: Stats::default(),
         }

@@ -26,17 +26,17 @@ impl Walk<'_> {
         }
         let Some(occluder) = self.scene.object(slot).occluder() else { return };
         let least = f64::from(self.options.min_solid_angle);
-        let small = self.is_small(&occluder.block(), SMALLEST_OCCLUDER)
+        let small = self.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER)
             || least > 0.0 && self.solid_angle(slot) < least;
         if small || self.stats.occluders_drawn >= self.options.max_occluders {
             self.stats.occluders_skipped += 1;
             return;
         }
-        if let Some(surface) = occluder.surface() {
+        if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
             // Outlines are not yet widened by the distance that the eye may go.
             if !self.draw_convex_mesh(slot, occluder) && self.scratch.buffers.reach() == 0.0 {
-                self.list_surface(slot, surface, occluder.placement());
+                self.list_surface(slot);
             }
             return;
         }

@@ -20,7 +20,7 @@ mod tiles;
 
 use crate::occlusion::surface::raster::tiles::TileMarks;
 
-pub(crate) use crate::occlusion::surface::raster::lanes::{Edges, LANES, Lanes};
+pub(crate) use crate::occlusion::surface::raster::lanes::{Edges, LANES, Lanes, each};
 pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
 
 /// The pixels around one patch.

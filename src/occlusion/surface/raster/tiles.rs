@@ -151,6 +151,25 @@ impl TileMarks {
         }
     }
 
+    /// Marks pixels of a tile and of the next one, and lets an outline pass rows left of the middles of some of their
+    /// pixels.
+    #[inline(always)]
+    pub(super) fn mark_two(
+        &mut self,
+        (ty, tx): (i32, i32),
+        touched: [u64; 2],
+        layer: usize,
+        passed: [u64; 2],
+        falls: bool,
+    ) {
+        let at = (ty * self.across + tx) as usize;
+        let Some(tiles) = self.marks.get_mut(at..at + 2) else { return };
+        for ((tile, touched), passed) in tiles.iter_mut().zip(touched).zip(passed) {
+            tile.0[layer & 1] |= touched;
+            tile.wind(passed, if falls { passed } else { 0 });
+        }
+    }
+
     /// Marks a run of pixels that may reach over more than two tiles; the first is given.
     fn mark_long(&mut self, at: usize, shift: i32, (first, last): (i32, i32), layer: usize) {
         let tiles = &mut self.marks[at..=at + ((last >> 3) - (first >> 3)) as usize];
@@ -180,8 +199,14 @@ impl TileMarks {
         for row in self.marks[..tiles].chunks_exact_mut(across) {
             let mut before = (0, 0);
             for tile in row {
-                tile.sum_rows(before);
-                before = tile.last();
+                let [_, _, ones, twos] = &mut tile.0;
+                if *ones | *twos == 0 {
+                    // No outline passes.
+                    (*ones, *twos) = before;
+                } else {
+                    tile.sum_rows(before);
+                    before = tile.last();
+                }
             }
         }
     }

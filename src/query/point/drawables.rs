@@ -1,0 +1,170 @@
+//! Patches made ready to be drawn: placed, and turned to the eye.
+
+use glam::DVec3;
+
+use crate::geometry::Block;
+use crate::geometry::placement::Placement;
+use crate::mesh::surface::seams::Place;
+use crate::mesh::surface::{Patch, Surface};
+use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
+use crate::occlusion::surface::drawable::Drawable;
+use crate::query::point::Walk;
+
+/// The surface of an object.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) slot: u32,
+    pub(super) surface: &'a Surface,
+    /// Where the surface stands, if it is an instance.
+    pub(super) placement: Option<&'a Placement>,
+    pub(super) place: &'a Place,
+}
+
+/// The slab of a patch in world units.
+struct Slab {
+    normal: DVec3,
+    lo: f64,
+    hi: f64,
+    /// Points may be off by this much, for the eye and for the placement.
+    error: f64,
+    /// How far the triangles may be from the outline.
+    slack: f64,
+}
+
+impl Source<'_> {
+    /// A box around a patch as it is placed, in world units.
+    pub(super) fn block(&self, patch: u32) -> Block {
+        placed_block(&self.surface.patches[patch as usize].block(), self.placement)
+    }
+}
+
+impl<'a> Walk<'a> {
+    /// The surface of an object, if it has one.
+    pub(super) fn source(&self, slot: u32) -> Option<Source<'a>> {
+        let scene = self.scene;
+        let occluder = scene.object(slot).occluder()?;
+        let (surface, placement) = (occluder.surface()?, occluder.placement());
+        Some(Source { slot, surface, placement, place: scene.seams().place(slot) })
+    }
+
+    /// A patch of an object's surface ready to be drawn, if it can be.
+    pub(super) fn drawable(&self, slot: u32, patch: u32) -> Option<Drawable<'a>> {
+        let source = self.source(slot)?;
+        self.drawable_in(&source, patch, &source.block(patch))
+    }
+
+    /// As [`Walk::drawable`], for a patch in a box in world units.
+    pub(super) fn drawable_in(&self, source: &Source<'a>, patch: u32, world: &Block) -> Option<Drawable<'a>> {
+        let &Source { surface, placement, place, .. } = source;
+        let buffers = &self.scratch.buffers;
+        let eye = buffers.origin();
+        let own = &surface.patches[patch as usize];
+        let block = buffers.relative(world);
+        let Slab { normal, lo, hi, error, slack } = placed_slab(own, placement, buffers.uncertainty())?;
+        let base = normal.dot(eye);
+        let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
+        let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
+        if buffers.direction().is_none() {
+            let clear = buffers.clearance(error + slack);
+            let outside = slab.0 > clear || slab.1 < -clear;
+            if !outside && block.min.max(-block.max).max_element() <= clear {
+                return None;
+            }
+        }
+        // Unequal scales change the angles in a patch.
+        let keeps_angles = placement.is_none_or(|p| p.keeps_angles);
+        if surface.front && !(keeps_angles && self.is_front(normal, &block, f64::from(own.sine))) {
+            return None;
+        }
+        // The far side of a closed surface lies behind its near side.
+        if surface.outward != 0.0
+            && keeps_angles
+            && self.is_front(-surface.outward * normal, &block, f64::from(own.sine))
+        {
+            return None;
+        }
+        if self.near_plane_cuts_slab(world, normal, slab, room)
+            || buffers.direction().is_some_and(|d| self.view.cuts_front(d, world))
+        {
+            return None;
+        }
+        // How far above the middle of its slab rays start.
+        let height = match buffers.direction() {
+            Some(d) => -normal.dot(d),
+            None => -(slab.0 + slab.1) * 0.5,
+        };
+        Some(Drawable {
+            surface,
+            placement,
+            patch,
+            id: 0,
+            number: place.base + patch,
+            links: &place.links,
+            block,
+            normal,
+            slab,
+            again: false,
+            alone: false,
+            turned: height < 0.0,
+            error,
+        })
+    }
+
+    /// Whether every triangle of a patch is turned to every ray: the directions from its points to the eye differ from
+    /// its normal by less than a right angle less the greatest angle of its triangles, whose sine is given.
+    fn is_front(&self, normal: DVec3, block: &Block, sine: f64) -> bool {
+        let sine = sine + FRONT_SINE;
+        match self.scratch.buffers.direction() {
+            Some(d) => -normal.dot(d) > sine,
+            None => {
+                let d = -(block.min + block.max) * 0.5;
+                let radius = (block.max - block.min).length() * 0.5;
+                normal.dot(d) - radius > sine * (d.length() + radius)
+            }
+        }
+    }
+
+    /// Whether the near plane may cut into a patch: then one sees through it.
+    fn near_plane_cuts_slab(&self, world: &Block, normal: DVec3, slab: (f64, f64), room: f64) -> bool {
+        let eye = self.scratch.buffers.origin();
+        self.cut.iter().any(|(region, around)| {
+            let middle = normal.dot((around.min + around.max) * 0.5 - eye);
+            let reach = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
+            around.min.cmple(world.max).all()
+                && world.min.cmple(around.max).all()
+                && middle + reach >= slab.0
+                && middle - reach <= slab.1
+                && region.may_see_block(world)
+        })
+    }
+}
+
+/// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range of numbers.
+fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
+    let (mut error, mut slack) = (unsure, f64::from(patch.slack));
+    let Some(p) = placement else {
+        return Some(Slab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });
+    };
+    let turned = p.normals? * patch.normal;
+    let length = turned.length();
+    // The two planes of the slab, by a point of each.
+    let at = |h: f64| turned.dot(p.affine.transform_point3(patch.normal * h)) / length;
+    let (lo, hi) = (at(patch.lo), at(patch.hi));
+    let normal = turned / length;
+    if !(normal.is_finite() && lo.is_finite() && hi.is_finite()) {
+        return None;
+    }
+    error += p.error;
+    slack *= p.growth;
+    Some(Slab { normal, lo, hi, error, slack })
+}
+
+/// A box around a box as it is placed.
+fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
+    let Some(p) = placement else { return *block };
+    let (center, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
+    let m = p.affine.matrix3;
+    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
+    let center = p.affine.transform_point3(center);
+    Block { min: center - reach, max: center + reach }
+}
