@@ -14,6 +14,10 @@ use crate::view::{Origin, View};
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
 
+/// A mesh is drawn in patches if its radius exceeds that of the solid inside it by more pixels than this. Narrower rims
+/// hide less than the pixels that the outlines of patches touch.
+const MOST_RIM: f64 = 3.0;
+
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: u32) {
@@ -29,7 +33,7 @@ impl Walk<'_> {
         }
         if let Some(surface) = occluder.surface() {
             self.stats.occluders_drawn += 1;
-            if !self.draw_convex_mesh(slot, occluder) {
+            if !self.draw_convex_mesh(slot, occluder) && !self.draw_inner_solid(slot, occluder) {
                 self.list_surface(slot, surface, occluder.placement());
             }
             return;
@@ -79,6 +83,24 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
+        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+        true
+    }
+
+    /// Draws the solid inside a closed mesh in place of its triangles, if it covers nearly the same pixels, the eye is
+    /// known and rays start outside of the box around the mesh. Returns whether it did.
+    fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
+        let Some(inner) = occluder.inner() else { return false };
+        let block = occluder.block();
+        let sure = self.scratch.buffers.uncertainty() == 0.0;
+        if !sure || !self.is_small(&block, MOST_RIM / inner.rim) || self.starts_near(&block) {
+            return false;
+        }
+        let buffers = &mut self.scratch.buffers;
+        let polytope = occluder.inner_from(buffers.origin());
+        let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction())) else {
+            return false;
+        };
         self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         true
     }

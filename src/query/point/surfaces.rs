@@ -67,7 +67,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Whether a box is smaller than some pixels.
-    fn is_small(&self, b: &Block, pixels: f64) -> bool {
+    pub(super) fn is_small(&self, b: &Block, pixels: f64) -> bool {
         let buffers = &self.scratch.buffers;
         let (eye, pixel) = (buffers.origin(), f64::from(self.options.pixel_degrees).to_radians());
         let distance = (b.min - eye).max(eye - b.max).max(DVec3::ZERO).length();
