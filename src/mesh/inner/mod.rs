@@ -37,8 +37,7 @@ const ROUNDS: usize = 3;
 /// A solid with less than this share of the mesh's volume hides too little to replace it.
 const LEAST_SHARE: f64 = 0.4;
 
-/// Larger meshes get no solid: to look for one costs about a tenth of their preparation, and they are rarely small in
-/// the picture.
+/// Larger meshes get no solid, so that the preparation of the largest ones takes no longer.
 const MOST_TRIANGLES: usize = 1 << 18;
 
 /// A convex solid inside a closed mesh.
