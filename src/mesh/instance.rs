@@ -117,8 +117,20 @@ impl Instance {
     /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex; with a distance by
     /// which the mesh reaches beyond its faces at most.
     pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
+        self.solid_from(self.inner.mesh.convex()?, origin)
+    }
+
+    /// A solid inside the mesh that may be much smaller, relative to an origin.
+    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
+        self.solid_from(&self.inner.mesh.inner()?.solid, origin).map(|(solid, _)| solid)
+    }
+
+    /// A convex solid inside the mesh as placed, relative to an origin.
+    fn solid_from(&self, convex: &Convex, origin: DVec3) -> Option<(Polytope, f64)> {
         let (mesh, placement) = (&self.inner.mesh, &self.inner.placement);
-        let convex = mesh.convex().filter(|_| placement.keeps_angles || !mesh.surface().front)?;
+        if mesh.surface().front && !placement.keeps_angles {
+            return None;
+        }
         let placed = self.placed(convex, origin, f64::min)?;
         // A ball of the pull times the depth around each point as pulled lies in the solid as placed.
         let room = LENGTH_OF_ERROR * placement.error;
@@ -142,12 +154,19 @@ impl Instance {
             *v = affine.transform_point3(*v) - origin;
         }
         let center = polytope.vertices.iter().sum::<DVec3>() / polytope.vertices.len().max(1) as f64;
+        for face in &mut polytope.faces {
+            *face = HalfSpace { normal: (normals * face.normal).normalize_or_zero(), offset: f64::NAN };
+        }
+        for &[a, b, f, g] in &polytope.edges {
+            for (face, v) in [(f, a), (f, b), (g, a), (g, b)] {
+                let face = &mut polytope.faces[usize::from(face)];
+                let own = -face.normal.dot(polytope.vertices[usize::from(v)]);
+                // The first corner takes the place of no number.
+                face.offset = if face.offset.is_nan() { own } else { choose(face.offset, own) };
+            }
+        }
         let mut depth = f64::INFINITY;
-        for (face, at) in polytope.faces.iter_mut().zip(0u16..) {
-            let normal = (normals * face.normal).normalize_or_zero();
-            let own = polytope.edges.iter().filter(|e| e[2] == at || e[3] == at);
-            let ends = own.flat_map(|e| [e[0], e[1]]).map(|v| -normal.dot(polytope.vertices[usize::from(v)]));
-            *face = HalfSpace { normal, offset: ends.reduce(choose)? };
+        for face in &polytope.faces {
             let distance = face.distance(center);
             // Also if it is no number, which `min` would pass over.
             if distance.is_nan() || distance <= 0.0 {

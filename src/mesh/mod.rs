@@ -4,6 +4,7 @@ pub(crate) mod cells;
 mod convex;
 mod file;
 mod index;
+pub(crate) mod inner;
 mod instance;
 mod lists;
 mod parallel;

@@ -11,6 +11,7 @@ use crate::grid::Grid;
 use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
+use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{MeshOptions, Progress};
@@ -43,6 +44,8 @@ pub struct TriMesh {
     pub(crate) parts: Vec<Convex>,
     /// A solid hardly smaller than the mesh, if that is convex and can be seen from outside.
     convex: Option<Convex>,
+    /// A solid inside the mesh, if that is closed but has no hardly smaller one.
+    inner: Option<Inner>,
     pub(crate) middle: DVec3,
     /// Made when it is first asked.
     pub(crate) index: OnceLock<Index>,
@@ -157,6 +160,12 @@ impl TriMesh {
         surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
         let from_outside = !surface.front || surface.outward > 0.0;
         let convex = from_outside.then(|| convex_solid(&positions, &triangles, surface.outward)).flatten();
+        let inner = match convex {
+            None if from_outside => {
+                inner_solid(&positions, &triangles, bounds, surface.outward, surface.front)
+            }
+            _ => None,
+        };
         let middle = middle_of(&parts);
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self {
@@ -169,6 +178,7 @@ impl TriMesh {
             surface,
             parts,
             convex,
+            inner,
             middle,
             index,
             cells,
@@ -209,6 +219,7 @@ impl TriMesh {
             + self.surface.bytes()
             + self.parts.capacity() * size_of::<Convex>()
             + self.convex.as_ref().map_or(0, Convex::memory_bytes)
+            + self.inner.as_ref().map_or(0, |inner| inner.solid.memory_bytes())
             + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
             + self.index.get().map_or(0, Index::bytes)
     }
@@ -237,6 +248,11 @@ impl TriMesh {
     /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes outside.
     pub(crate) fn convex(&self) -> Option<&Convex> {
         self.convex.as_ref()
+    }
+
+    /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from afar.
+    pub(crate) fn inner(&self) -> Option<&Inner> {
+        self.inner.as_ref()
     }
 
     pub(crate) fn surface(&self) -> &Surface {

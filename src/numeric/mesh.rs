@@ -60,3 +60,15 @@ pub(crate) const DENT: f64 = 1e-4;
 /// The solid of a convex mesh is smaller by this share of its greatest coordinate, above the roundings of the distances
 /// of vertices from planes (16 units in the last place, 4e-15).
 pub(crate) const HULL_ROOM: f64 = 1e-12;
+
+/// The solid inside a mesh is smaller by this share of its greatest coordinate, above the roundings of the distances of
+/// vertices from planes (16 units in the last place, 4e-15).
+pub(crate) const INNER_ROOM: f64 = 1e-12;
+
+/// The middle of the solid inside a mesh is deeper behind all its planes than this share of its size. No triangle comes
+/// nearer to the middle then, so that the solid angles that it sees them at are known to 1e-8.
+pub(crate) const INNER_DEPTH: f64 = 1e-3;
+
+/// A sum of solid angles in units of the whole sphere that is no farther than this from a whole number is that number:
+/// far above the rounding of ten million angles, far below a half.
+pub(crate) const WINDING: f64 = 0.125;

@@ -11,6 +11,7 @@ use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
 use crate::mesh::cells::CachedCells;
+use crate::mesh::inner::Inner;
 use crate::mesh::surface::Surface;
 use crate::mesh::{Instance, TriMesh};
 use crate::object::kinds::kinds;
@@ -88,6 +89,25 @@ impl Occluder {
         match self {
             Self::Mesh(m) => m.convex().map(|convex| (convex.seen_from(origin), convex.lost)),
             Self::Instance(i) => i.convex_from(origin),
+            _ => None,
+        }
+    }
+
+    /// The convex solid inside a closed mesh.
+    pub(crate) fn inner(&self) -> Option<&Inner> {
+        match self {
+            Self::Mesh(m) => m.inner(),
+            Self::Instance(i) => i.mesh().inner(),
+            _ => None,
+        }
+    }
+
+    /// That solid relative to an origin that is known exactly. It may be drawn in place of the triangles if rays start
+    /// outside of the box around the mesh.
+    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
+        match self {
+            Self::Mesh(m) => m.inner().map(|inner| inner.solid.seen_from(origin)),
+            Self::Instance(i) => i.inner_from(origin),
             _ => None,
         }
     }

@@ -18,6 +18,10 @@ const SMALLEST_OCCLUDER: f64 = 0.35;
 /// The owner of boxes of cells, which belong to no object.
 const NOBODY: u32 = u32::MAX;
 
+/// A mesh is drawn in patches if its radius exceeds that of the solid inside it by more pixels than this. Narrower rims
+/// hide less than the pixels that the outlines of patches touch.
+const MOST_RIM: f64 = 3.0;
+
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: u32) {
@@ -34,8 +38,9 @@ impl Walk<'_> {
         }
         if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
+            let solid = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
             // Outlines are not yet widened by the distance that the eye may go.
-            if !self.draw_convex_mesh(slot, occluder) && self.scratch.buffers.reach() == 0.0 {
+            if !solid && self.scratch.buffers.reach() == 0.0 {
                 self.list_surface(slot);
             }
             return;
@@ -81,6 +86,25 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
+        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+        true
+    }
+
+    /// Draws the solid inside a closed mesh in place of its triangles, if it covers nearly the same pixels, the eye is
+    /// known and rays start outside of the box around the mesh. Returns whether it did.
+    fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
+        let Some(inner) = occluder.inner() else { return false };
+        let block = occluder.block();
+        let buffers = &self.scratch.buffers;
+        let (sure, radius) = (buffers.shrinking() == 0.0, MOST_RIM / inner.rim);
+        if !sure || !self.is_small(&buffers.relative(&block), radius) || self.starts_near(&block) {
+            return false;
+        }
+        let buffers = &mut self.scratch.buffers;
+        let polytope = occluder.inner_from(buffers.origin());
+        let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction())) else {
+            return false;
+        };
         self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
         true
     }

@@ -189,6 +189,32 @@ impl Convex {
         Some(solid)
     }
 
+    /// The intersection of half-spaces that are given relative to a point inside all of them, smaller by `room` at least
+    /// on all sides; `None` if hardly anything of it is left.
+    pub(crate) fn inside_planes(center: DVec3, planes: &[HalfSpace], room: f64) -> Option<Self> {
+        let corners = planes::corners_around(planes)?;
+        // How far rounding put corners beyond planes: no point of their hull lies farther beyond.
+        let off = |p: &DVec3| planes.iter().map(|plane| plane.beyond(*p)).fold(0.0, f64::max);
+        let off = corners.iter().map(off).fold(0.0, f64::max);
+        let points: Vec<DVec3> = corners.iter().map(|p| center + *p).collect();
+        Self::inside_hull(&points, room + off)
+    }
+
+    /// Its volume, but for rounding.
+    pub(crate) fn volume(&self) -> f64 {
+        let middle = self.middle();
+        let face = |(face, f): (&HalfSpace, u16)| {
+            let own = self.edges.iter().filter(|e| e[2] == f || e[3] == f);
+            let ends: Vec<[DVec3; 2]> =
+                own.map(|e| [e[0], e[1]].map(|v| self.vertices[usize::from(v)])).collect();
+            // A point of the face, so that the triangles to its edges do not overlap.
+            let inside = ends.iter().flatten().sum::<DVec3>() / (2 * ends.len()).max(1) as f64;
+            let area: f64 = ends.iter().map(|[a, b]| (*a - inside).cross(*b - inside).length() * 0.5).sum();
+            area * face.distance(middle) / 3.0
+        };
+        self.faces.iter().zip(0..).map(face).sum()
+    }
+
     /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it is left.
     pub(crate) fn placed(&self, placement: &Placement) -> Option<Self> {
         let points: Vec<DVec3> =

@@ -106,6 +106,16 @@ fn first_guess(planes: &[Plane]) -> DVec3 {
     if guess.is_finite() { guess } else { DVec3::ZERO }
 }
 
+/// The corners of the intersection of half-spaces that the origin lies inside of, but for rounding.
+pub(crate) fn corners_around(near: &[HalfSpace]) -> Option<Vec<DVec3>> {
+    let depth = near.iter().map(|p| p.offset).fold(f64::INFINITY, f64::min);
+    // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
+    let dual: Vec<DVec3> = near.iter().map(|p| -p.normal * (depth / p.offset)).collect();
+    let triangles = hull::triangles(&dual, 0.0)?;
+    hull::surrounds(&dual, &triangles, DVec3::ZERO)
+        .then(|| triangles.iter().filter_map(|t| meet(t.map(|i| near[i]), 0.0)).collect())
+}
+
 /// The corners of the intersection of half-spaces, each of which has a direction.
 pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
     let mut center = first_guess(planes);
@@ -117,13 +127,7 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
     if depth.is_nan() || depth <= 0.0 || !center.is_finite() {
         return Err(NO_SOLID);
     }
-    // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
-    let dual: Vec<DVec3> = near.iter().map(|p| -p.normal * (depth / p.offset)).collect();
-    let triangles = hull::triangles(&dual, 0.0).ok_or(NO_SOLID)?;
-    if !hull::surrounds(&dual, &triangles, DVec3::ZERO) {
-        return Err(NO_SOLID);
-    }
-    let found: Vec<DVec3> = triangles.iter().filter_map(|t| meet(t.map(|i| near[i]), 0.0)).collect();
+    let found = corners_around(&near).ok_or(NO_SOLID)?;
     // Whatever rounding made of a corner, on its way to the middle it enters the solid.
     let entered = |&x: &DVec3| {
         let share = |p: &HalfSpace| {
