@@ -198,6 +198,7 @@ impl TriMesh {
             + self.convex.as_ref().map_or(0, Convex::memory_bytes)
             + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
             + self.index.get().map_or(0, Index::bytes)
+            + self.cells.bytes()
     }
 
     /// How many patches of triangles are kept for hiding, without the groups that they are drawn in from afar.
