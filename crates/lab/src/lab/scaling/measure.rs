@@ -1,0 +1,122 @@
+//! The cost of one size of a world.
+
+use casca::{Aabb, GridSpec, Method, Query};
+
+use super::super::{ASPECT, Contender, FrameInput, LabError, median, p99};
+use crate::drive::{Driver, view_of};
+use crate::measure::timed;
+use crate::world::{Camera, World};
+
+/// Pixels of the buffer: those that engines use.
+const BUFFER: (usize, usize) = (320, 180);
+
+/// How much is measured.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Walks {
+    /// Views of the walk, evenly spread.
+    pub(super) views: usize,
+    /// Runs from each view; the least counts.
+    pub(super) repeats: usize,
+}
+
+/// Milliseconds over all views.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Times {
+    pub(super) median: f64,
+    pub(super) p99: f64,
+}
+
+impl Times {
+    pub(super) fn of(values: &mut [f64]) -> Self {
+        Self { median: median(values), p99: p99(values) }
+    }
+}
+
+/// What one size costs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Row {
+    /// The quantity that grows.
+    pub(super) size: f64,
+    pub(super) objects: usize,
+    /// Seconds to make the scene, meshes included.
+    pub(super) setup: f64,
+    /// Bytes of the scene.
+    pub(super) memory: f64,
+    /// Objects in the frustum and in the set of `point`: means.
+    pub(super) in_frustum: f64,
+    pub(super) found: f64,
+    pub(super) point: Times,
+    pub(super) hzb: Times,
+}
+
+/// The cameras of a walk, evenly spread.
+pub(super) fn cameras(world: &World, count: usize) -> Vec<Camera> {
+    let count = count.clamp(1, world.frames.max(1));
+    (0..count).map(|i| world.camera(i * world.frames / count, ASPECT)).collect()
+}
+
+/// Makes the scene of a world, in the grid that fits.
+pub(super) fn set_up(world: &World) -> Result<(Driver, f64), LabError> {
+    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let (driver, time) = timed(|| Driver::new(world, &grid, |_| ()));
+    Ok((driver?, time.as_secs_f64()))
+}
+
+/// Runs a contender from each camera; `None` for objects in the frustum if it does not ask.
+pub(super) fn run(
+    contender: &mut Contender,
+    (driver, world): (&Driver, &World),
+    cameras: &[(Camera, Vec<usize>)],
+    repeats: usize,
+) -> Result<(Times, f64), LabError> {
+    let (mut times, mut found) = (Vec::new(), 0);
+    for (i, (camera, in_frustum)) in cameras.iter().enumerate() {
+        let input = FrameInput { driver, objects: &world.objects, in_frustum, camera };
+        if i == 0 {
+            // The first run takes memory.
+            contender.run(&input)?;
+        }
+        let mut least = f64::INFINITY;
+        for _ in 0..repeats.max(1) {
+            least = least.min(contender.run(&input)?.as_secs_f64() * 1e3);
+        }
+        times.push(least);
+        found += contender.found().len();
+    }
+    Ok((Times::of(&mut times), found as f64 / cameras.len().max(1) as f64))
+}
+
+/// The cameras of a walk with the objects in their frustums.
+pub(super) fn frustums(
+    driver: &Driver,
+    world: &World,
+    count: usize,
+) -> Result<Vec<(Camera, Vec<usize>)>, LabError> {
+    let mut query = Query::with_method(Method::Frustum)?;
+    let mut all = Vec::new();
+    for camera in cameras(world, count) {
+        let pvs = query.run(&driver.scene, &view_of(&camera)?);
+        all.push((camera, (0..world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect()));
+    }
+    Ok(all)
+}
+
+/// Measures a world whose quantity of interest is `size`.
+pub(super) fn measure(world: &World, size: f64, method: Method, walks: Walks) -> Result<Row, LabError> {
+    let (driver, setup) = set_up(world)?;
+    let cameras = frustums(&driver, world, walks.views)?;
+    let scene = (&driver, world);
+    let (hzb, _) = run(&mut Contender::hzb(BUFFER.0, BUFFER.1), scene, &cameras, walks.repeats)?;
+    let (point, found) = run(&mut Contender::casca("", method)?, scene, &cameras, walks.repeats)?;
+    let in_frustum: usize = cameras.iter().map(|(_, inside)| inside.len()).sum();
+    Ok(Row {
+        size,
+        objects: world.objects.len(),
+        setup,
+        memory: driver.scene.memory().total() as f64,
+        in_frustum: in_frustum as f64 / cameras.len().max(1) as f64,
+        found,
+        point,
+        hzb,
+    })
+}
