@@ -83,6 +83,9 @@ pub(super) fn table(series: &[(&str, &Vec<Row>)]) -> Table {
         "hzb p99, ms",
         "setup, s",
         "memory, MB",
+        "of the grid",
+        "of objects",
+        "of shapes",
     ];
     let mut table = Table::new("scaling", &columns);
     for (name, rows) in series {
@@ -94,7 +97,8 @@ pub(super) fn table(series: &[(&str, &Vec<Row>)]) -> Table {
                     .into_iter()
                     .chain(counts)
                     .chain(times)
-                    .chain([format!("{:.4}", r.setup), format!("{:.3}", r.memory / 1e6)]),
+                    .chain([format!("{:.4}", r.setup), format!("{:.3}", r.memory / 1e6)])
+                    .chain(r.parts.map(|bytes| format!("{:.3}", bytes as f64 / 1e6))),
             );
         }
     }

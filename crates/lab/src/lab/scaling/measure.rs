@@ -40,8 +40,9 @@ pub(super) struct Row {
     pub(super) objects: usize,
     /// Seconds to make the scene, meshes included.
     pub(super) setup: f64,
-    /// Bytes of the scene.
+    /// Bytes of the scene, and those of its parts: the grid, objects and shapes.
     pub(super) memory: f64,
+    pub(super) parts: [usize; 3],
     /// Objects in the frustum and in the set of `point`: means.
     pub(super) in_frustum: f64,
     pub(super) found: f64,
@@ -108,12 +109,14 @@ pub(super) fn measure(world: &World, size: f64, method: Method, walks: Walks) ->
     let scene = (&driver, world);
     let (hzb, _) = run(&mut Contender::hzb(BUFFER.0, BUFFER.1), scene, &cameras, walks.repeats)?;
     let (point, found) = run(&mut Contender::casca("", method)?, scene, &cameras, walks.repeats)?;
+    let memory = driver.scene.memory();
     let in_frustum: usize = cameras.iter().map(|(_, inside)| inside.len()).sum();
     Ok(Row {
         size,
         objects: world.objects.len(),
         setup,
-        memory: driver.scene.memory().total() as f64,
+        memory: memory.total() as f64,
+        parts: [memory.grid(), memory.objects, memory.shapes],
         in_frustum: in_frustum as f64 / cameras.len().max(1) as f64,
         found,
         point,

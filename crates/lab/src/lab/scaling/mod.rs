@@ -131,7 +131,7 @@ fn hidden(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
     let rows = bench.series("hidden objects", &sizes, |n| build(SceneKind::Spheres, &options(n)))?;
     let (point, hzb) = (growth(&rows, |r| r.point.median), growth(&rows, |r| r.hzb.median));
     let title = format!(
-        "{} times as many hidden objects make a query of point {point:.2} times as long, one of hzb {hzb:.2} times",
+        "With {} times as many hidden objects, a query of point takes {point:.2} times as long, one of hzb {hzb:.2} times",
         grouped(growth(&rows, |r| r.size).round() as usize)
     );
     let chart = Chart { file: "scaling-hidden.svg", title, of: "hidden objects" };
@@ -155,7 +155,7 @@ fn for_each_visible(rows: &[Row], of: &str) -> String {
 fn movers(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
     section.text(
         "### Visible objects\n\nSmall spheres that move and hide nothing, in an open hall: nearly all that lie in the view are \
-         visible. Then static spheres that hide others, side by side on a shell around the eye, so that all are visible.",
+         visible. Then static spheres that hide others, side by side on a shell around the eye, so that all are visible; `hzb` does not draw those that are smaller than a pixel.",
     );
     let sizes = bench.reach.sizes([100, 500], [100, 1000, 10_000], [30_000, 100_000]);
     let seed = bench.lab.seed;

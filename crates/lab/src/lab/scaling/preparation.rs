@@ -29,6 +29,9 @@ pub(super) fn prepare(meshes: &[Mesh]) -> Result<(f64, usize, usize), LabError> 
     Ok((seconds, triangles, bytes))
 }
 
+/// Makes meshes of about so many triangles together, from a seed.
+type Build = fn(usize, u64) -> Vec<Mesh>;
+
 /// The meshes of the ground with about so many triangles.
 fn ground(triangles: usize, seed: u64) -> Vec<Mesh> {
     let objects = worlds::ground(triangles, seed).objects;
@@ -45,19 +48,19 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
     let mut table =
         Table::new("scaling-preparation", &["meshes", "triangles", "seconds", "triangles a second", "MB"]);
     let mut all = Vec::new();
-    let kinds: [(&str, &dyn Fn(usize) -> Vec<Mesh>); 3] = [
-        ("ground, 100 meshes", &|n| ground(n, seed)),
-        ("balls of 320 triangles", &|n| vec![Mesh::ball(2); n.div_ceil(320)]),
-        ("soup, one mesh", &|n| vec![worlds::soup(n, seed)]),
+    let kinds: [(&str, Build); 3] = [
+        ("ground, 100 meshes", ground),
+        ("balls of 320 triangles", |n, _| vec![Mesh::ball(2); n.div_ceil(320)]),
+        ("soup, one mesh", |n, seed| vec![worlds::soup(n, seed)]),
     ];
     for (i, (name, build)) in kinds.into_iter().enumerate() {
         let mut points = Vec::new();
         // Ten millions in one mesh would take gigabytes.
         for &size in sizes.iter().filter(|&&n| i == 0 || n <= 1_000_000) {
             (bench.lab.progress)(&format!("preparation of {name}: {} triangles", grouped(size)));
-            let (seconds, triangles, bytes) = prepare(&build(size))?;
+            let (seconds, triangles, bytes) = prepare(&build(size, seed))?;
             let rate = triangles as f64 / seconds.max(f64::MIN_POSITIVE);
-            points.push((triangles as f64, rate));
+            points.push((triangles as f64, rate / 1e6));
             table.row([
                 name.to_owned(),
                 triangles.to_string(),
@@ -68,14 +71,14 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
         }
         all.push(Line::new(name, other(i), points));
     }
-    let last = |line: &Line| line.points.last().map_or(0.0, |p| p.1 / 1e6);
+    let last = |line: &Line| line.points.last().map_or(0.0, |p| p.1);
     let title = format!(
         "One core prepares {:.1} to {:.1} million triangles a second at the largest sizes",
         all.iter().map(last).fold(f64::INFINITY, f64::min),
         all.iter().map(last).fold(0.0, f64::max)
     );
     let file = "scaling-preparation.svg";
-    let axes = (&Axis::log("triangles"), &Axis::log("triangles a second"));
+    let axes = (&Axis::log("triangles"), &Axis::linear("million triangles a second"));
     lines(
         &bench.lab.folder.join(file),
         &title,

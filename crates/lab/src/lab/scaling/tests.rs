@@ -44,6 +44,18 @@ fn the_ground_has_the_same_hills_at_every_number_of_triangles() {
 }
 
 #[test]
+fn scattered_spheres_stay_in_their_cube() {
+    let world = worlds::scatter(500, 2);
+    let inside = |o: &crate::world::Object| match o.shape {
+        Shape::Sphere { center, radius } => {
+            (center - radius).cmpge(world.grid.min).all() && (center + radius).cmple(world.grid.max).all()
+        }
+        _ => false,
+    };
+    assert!(world.objects.len() == 500 && world.objects.iter().all(inside));
+}
+
+#[test]
 fn soups_share_no_vertices() {
     let soup = worlds::soup(50, 1);
     assert_eq!((soup.triangles.len(), soup.positions.len()), (50, 150));

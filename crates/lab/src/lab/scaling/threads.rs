@@ -51,7 +51,7 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
             }
             alone = if threads == 1 { least } else { alone };
             let gain = alone / least.max(f64::MIN_POSITIVE);
-            points.push((threads as f64, views.len() as f64 / least.max(f64::MIN_POSITIVE)));
+            points.push((threads as f64, gain));
             table.row([
                 kind.name().to_owned(),
                 threads.to_string(),
@@ -63,26 +63,18 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
                 gains.push(gain);
             }
         }
-        if let Some(&(one, rate)) = points.first() {
-            let ideal = vec![(one, rate), (cores as f64, rate * cores as f64)];
-            all.push(Line::new(format!("{}, if threads cost nothing", kind.name()), EXACT.dashed(), ideal));
-        }
         all.push(Line::new(kind.name(), other(i), points));
     }
+    let ideal = [1.0, cores as f64].map(|n| (n, n)).to_vec();
+    all.push(Line::new("if threads cost nothing", EXACT.dashed(), ideal));
     let title = format!(
         "{cores} threads answer {:.2} to {:.2} times as many views a second as one",
         gains.iter().copied().fold(f64::INFINITY, f64::min),
         gains.iter().copied().fold(0.0, f64::max)
     );
     let file = "scaling-threads.svg";
-    let axes = (&Axis::linear("threads"), &Axis::log("views a second"));
-    lines(
-        &bench.lab.folder.join(file),
-        &title,
-        "The best of several calls on a logarithmic axis.",
-        axes,
-        &all,
-    )?;
+    let axes = (&Axis::linear("threads"), &Axis::linear("views a second, over those of one thread"));
+    lines(&bench.lab.folder.join(file), &title, "The best of several calls.", axes, &all)?;
     section.picture(file, &title);
     section.rows("All calls as CSV", table);
     Ok(())

@@ -59,6 +59,31 @@ pub(super) fn shell(count: usize, seed: u64) -> World {
     }
 }
 
+/// Small static spheres that hide others, one in 8 cubic metres.
+pub(super) fn scatter(count: usize, seed: u64) -> World {
+    let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x5ca7);
+    let side = (8.0 * count as f32).cbrt().max(2.0);
+    let mut number = |lo: f32, hi: f32| lo + (hi - lo) * dice.random::<f32>();
+    let ball = |_| {
+        let radius = number(0.2, 0.5);
+        let center = Vec3::new(
+            number(radius, side - radius),
+            number(radius, side - radius),
+            number(radius, side - radius),
+        );
+        fixed(Shape::Sphere { center, radius }, true)
+    };
+    World {
+        name: "scatter".to_owned(),
+        objects: (0..count).map(ball).collect(),
+        grid: GridHint { min: Vec3::ZERO, max: Vec3::splat(side), cell: 1.0 },
+        frames: 1,
+        animation: Box::new(Still(move |_, aspect| {
+            Camera::look_at(Vec3::splat(-1.0), Vec3::splat(side), FOV, aspect, 0.1, 2.0 * side)
+        })),
+    }
+}
+
 /// The ground: its size, and the number of meshes along each side.
 const GROUND: f32 = 320.0;
 const TILES: usize = 10;
