@@ -63,28 +63,49 @@ pub(super) fn set_up(world: &World) -> Result<(Driver, f64), LabError> {
     Ok((driver?, time.as_secs_f64()))
 }
 
-/// Runs a contender from each camera; `None` for objects in the frustum if it does not ask.
-pub(super) fn run(
-    contender: &mut Contender,
-    (driver, world): (&Driver, &World),
+/// A contender on a scene, and its results from all cameras.
+pub(super) struct Turn<'a> {
+    contender: Contender,
+    driver: &'a Driver,
+    ms: Vec<f64>,
+    found: usize,
+}
+
+impl<'a> Turn<'a> {
+    pub(super) fn new(contender: Contender, driver: &'a Driver) -> Self {
+        Self { contender, driver, ms: Vec::new(), found: 0 }
+    }
+
+    /// The times, and the mean number of objects found.
+    pub(super) fn results(mut self) -> (Times, f64) {
+        (Times::of(&mut self.ms), self.found as f64 / self.ms.len().max(1) as f64)
+    }
+}
+
+/// Runs contenders on the same world in turns: from each camera so many times, of which the least counts.
+pub(super) fn take_turns(
+    turns: &mut [Turn],
+    world: &World,
     cameras: &[(Camera, Vec<usize>)],
     repeats: usize,
-) -> Result<(Times, f64), LabError> {
-    let (mut times, mut found) = (Vec::new(), 0);
+) -> Result<(), LabError> {
     for (i, (camera, in_frustum)) in cameras.iter().enumerate() {
-        let input = FrameInput { driver, objects: &world.objects, in_frustum, camera };
-        if i == 0 {
-            // The first run takes memory.
-            contender.run(&input)?;
+        let mut least = vec![f64::INFINITY; turns.len()];
+        // The first run of all takes memory, and does not count.
+        for round in 0..repeats.max(1) + usize::from(i == 0) {
+            for (turn, least) in turns.iter_mut().zip(&mut least) {
+                let input = FrameInput { driver: turn.driver, objects: &world.objects, in_frustum, camera };
+                let time = turn.contender.run(&input)?.as_secs_f64() * 1e3;
+                let counts = i > 0 || round > 0;
+                *least = if counts { least.min(time) } else { *least };
+            }
         }
-        let mut least = f64::INFINITY;
-        for _ in 0..repeats.max(1) {
-            least = least.min(contender.run(&input)?.as_secs_f64() * 1e3);
+        for (turn, least) in turns.iter_mut().zip(least) {
+            turn.ms.push(least);
+            turn.found += turn.contender.found().len();
         }
-        times.push(least);
-        found += contender.found().len();
     }
-    Ok((Times::of(&mut times), found as f64 / cameras.len().max(1) as f64))
+    Ok(())
 }
 
 /// The cameras of a walk with the objects in their frustums.
@@ -106,9 +127,10 @@ pub(super) fn frustums(
 pub(super) fn measure(world: &World, size: f64, method: Method, walks: Walks) -> Result<Row, LabError> {
     let (driver, setup) = set_up(world)?;
     let cameras = frustums(&driver, world, walks.views)?;
-    let scene = (&driver, world);
-    let (hzb, _) = run(&mut Contender::hzb(BUFFER.0, BUFFER.1), scene, &cameras, walks.repeats)?;
-    let (point, found) = run(&mut Contender::casca("", method)?, scene, &cameras, walks.repeats)?;
+    let contenders = [Contender::hzb(BUFFER.0, BUFFER.1), Contender::casca("", method)?];
+    let mut turns = contenders.map(|c| Turn::new(c, &driver));
+    take_turns(&mut turns, world, &cameras, walks.repeats)?;
+    let [(hzb, _), (point, found)] = turns.map(Turn::results);
     let memory = driver.scene.memory();
     let in_frustum: usize = cameras.iter().map(|(_, inside)| inside.len()).sum();
     Ok(Row {

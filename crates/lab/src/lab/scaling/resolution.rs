@@ -4,7 +4,7 @@ use casca::{Method, PointOptions};
 
 use super::super::{ASPECT, Contender, LabError, Section, Table};
 use super::Bench;
-use super::measure::{Times, frustums, run as run_contender, set_up};
+use super::measure::{Times, Turn, frustums, set_up, take_turns};
 use crate::pictures::palette::{HZB, POINT, Style};
 use crate::pictures::{Axis, Line, lines};
 use crate::scenes::{SceneKind, SceneOptions, build};
@@ -47,12 +47,11 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
             let width = (across / degrees).round().max(16.0);
             let method = Method::Point(PointOptions::default().pixel_degrees(degrees).min_pixels(0));
             let size = (width as usize, (width / ASPECT).round() as usize);
-            for (mut contender, points) in [
-                (Contender::casca("", method)?, &mut scene.point),
-                (Contender::hzb(size.0, size.1), &mut scene.hzb),
-            ] {
-                let (times, found) =
-                    run_contender(&mut contender, (&driver, &world), &cameras, walks.repeats)?;
+            let contenders = [Contender::casca("", method)?, Contender::hzb(size.0, size.1)];
+            let mut turns = contenders.map(|c| Turn::new(c, &driver));
+            take_turns(&mut turns, &world, &cameras, walks.repeats)?;
+            for (turn, points) in turns.into_iter().zip([&mut scene.point, &mut scene.hzb]) {
+                let (times, found) = turn.results();
                 points.push(Point { pixels: f64::from(width), times, found });
             }
         }

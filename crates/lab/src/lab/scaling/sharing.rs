@@ -4,13 +4,14 @@ use casca::{Aabb, GridSpec, Method};
 
 use super::super::{Contender, LabError, Section, Table};
 use super::Bench;
-use super::measure::{frustums, run as run_contender};
+use super::measure::{Turn, frustums, take_turns};
 use crate::drive::{Driver, Sharing};
 use crate::measure::timed;
 use crate::scenes::{SceneKind, SceneOptions, build};
 
 const SCENES: [SceneKind; 5] =
     [SceneKind::SpheresMeshes, SceneKind::CityMeshes, SceneKind::Terrain, SceneKind::Rocks, SceneKind::Town];
+const METHODS: [Method; 2] = [Method::point(), Method::cell()];
 const WAYS: [(&str, Sharing); 2] = [("instances", Sharing::Instances), ("own meshes", Sharing::Own)];
 
 pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> {
@@ -23,20 +24,32 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
         (bench.lab.progress)(&format!("shared meshes of {}", kind.name()));
         let world = build(kind, &SceneOptions { seed: bench.lab.seed, ..SceneOptions::default() });
         let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
-        for (name, sharing) in WAYS {
+        let mut drivers = Vec::new();
+        for (_, sharing) in WAYS {
             let (driver, setup) = timed(|| Driver::sharing(&world, &grid, sharing));
-            let driver = driver?;
-            let memory = driver.scene.memory().total() as f64;
-            let cameras = frustums(&driver, &world, walks.views)?;
-            let mut cells = vec![kind.name().to_owned(), name.to_owned()];
-            cells.extend([format!("{:.3}", setup.as_secs_f64()), format!("{:.1}", memory / 1e6)]);
-            for method in [Method::point(), Method::cell()] {
-                let mut contender = Contender::casca("", method)?;
-                let (times, found) =
-                    run_contender(&mut contender, (&driver, &world), &cameras, walks.repeats)?;
-                cells.extend([format!("{:.3}", times.median), format!("{found:.1}")]);
+            drivers.push((driver?, setup.as_secs_f64()));
+        }
+        let cameras = match drivers.first() {
+            Some((driver, _)) => frustums(driver, &world, walks.views)?,
+            None => Vec::new(),
+        };
+        let mut turns = Vec::new();
+        for (driver, _) in &drivers {
+            for method in METHODS {
+                turns.push(Turn::new(Contender::casca("", method)?, driver));
             }
-            table.row(cells);
+        }
+        take_turns(&mut turns, &world, &cameras, walks.repeats)?;
+        let mut results = turns.into_iter().map(Turn::results);
+        for ((name, _), (driver, setup)) in WAYS.iter().zip(&drivers) {
+            let memory = driver.scene.memory().total() as f64;
+            let first = [kind.name().to_owned(), (*name).to_owned()];
+            let second = [format!("{setup:.3}"), format!("{:.1}", memory / 1e6)];
+            let queries = results.by_ref().take(METHODS.len());
+            let queries: Vec<String> = queries
+                .flat_map(|(times, found)| [format!("{:.3}", times.median), format!("{found:.1}")])
+                .collect();
+            table.row(first.into_iter().chain(second).chain(queries));
         }
     }
     section.text(
