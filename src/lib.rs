@@ -101,6 +101,7 @@ mod derived;
 mod error;
 mod geometry;
 mod grid;
+mod heap;
 mod id;
 #[cfg(feature = "internals")]
 pub mod internals;

@@ -11,6 +11,7 @@ use smallvec::SmallVec;
 
 use crate::grid::bricks::{BRICK, Bricks, Pages};
 use crate::grid::cell_box::CellBox;
+use crate::heap::in_tree;
 use crate::matrix::bits::{
     BitMatrix, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, either, without,
 };
@@ -150,7 +151,12 @@ impl Fused {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.cells.bytes() + self.rims.bytes() + self.boxes.bytes() + self.stale.len() * 24
+        let boxes = self.boxes.iter().map(|(_, boxes)| boxes).filter(|boxes| boxes.spilled());
+        self.cells.bytes()
+            + self.rims.bytes()
+            + self.boxes.bytes()
+            + in_tree::<[i32; 3]>(self.stale.len())
+            + boxes.map(|b| b.capacity() * size_of::<CellBox>()).sum::<usize>()
     }
 }
 

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use smallvec::SmallVec;
 
+use crate::heap::in_table;
+
 /// Longer lists are looked up by a table instead of one by one; they go back at half of this.
 const LONG: usize = 32;
 
@@ -79,7 +81,7 @@ impl SlotList {
 
     /// Bytes on the heap.
     pub(crate) fn bytes(&self) -> usize {
-        let table = |p: &Places| size_of_val(p) + p.0.capacity() * (size_of::<(u32, u32)>() + 1);
+        let table = |p: &Places| size_of_val(p) + in_table::<(u32, u32)>(p.0.capacity());
         let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<u32>() } else { 0 };
         spilled + self.places.as_deref().map_or(0, table)
     }

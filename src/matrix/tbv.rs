@@ -204,8 +204,9 @@ impl TbvMatrix {
     /// Bytes of memory that the matrix uses.
     pub fn bytes(&self) -> usize {
         let lists = self.bricks.iter().map(|(_, b)| b.held.capacity() * size_of::<Held>());
-        let places = self.places.iter().map(|p| p.capacity() * 4 + size_of::<Vec<u32>>());
-        self.bricks.bytes() + lists.sum::<usize>() + places.sum::<usize>()
+        let places = self.places.iter().map(|p| p.capacity() * 4);
+        let own = self.places.capacity() * size_of::<Vec<u32>>();
+        self.bricks.bytes() + lists.sum::<usize>() + own + places.sum::<usize>()
     }
 }
 

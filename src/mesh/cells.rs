@@ -11,6 +11,7 @@ use glam::{DVec3, IVec3};
 use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks};
 use crate::grid::run::CellRun;
+use crate::heap::in_arc;
 use crate::mesh::raster::{Raster, box_of, margin};
 
 /// The cells of a block that the surface of a mesh touches.
@@ -40,6 +41,13 @@ impl CellCache {
         let held = Arc::new(CachedCells { grid: *grid, cells: OnceLock::new() });
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::downgrade(&held);
         held
+    }
+
+    /// Bytes on the heap: those of the last cells that were cached, without the rows.
+    pub(crate) fn bytes(&self) -> usize {
+        // A `Weak` keeps the memory of a value that is gone.
+        let last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.ptr_eq(&Weak::new()) { 0 } else { in_arc::<CachedCells>() }
     }
 
     /// The cells in a grid, found by `find` unless they are cached.

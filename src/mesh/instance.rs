@@ -7,6 +7,7 @@ use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
+use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
 use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
@@ -265,8 +266,9 @@ impl Kind for Instance {
         self.translated(offset).map(Some)
     }
 
-    fn shared(&self) -> Option<(*const u8, usize)> {
-        self.mesh().shared()
+    fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
+        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>());
+        self.mesh().shared(out);
     }
 
     fn rows(&self) -> Option<&dyn Rows> {

@@ -20,6 +20,7 @@ use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
+use crate::heap::in_arc;
 use crate::mesh::cells::SurfaceCells;
 use crate::mesh::raster::margin;
 use crate::mesh::tri_mesh::TriMesh;
@@ -125,8 +126,8 @@ impl Kind for TriMesh {
         Ok(None)
     }
 
-    fn shared(&self) -> Option<(*const u8, usize)> {
-        Some((std::ptr::from_ref(self).cast(), self.memory_bytes()))
+    fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
+        out(std::ptr::from_ref(self).cast(), in_arc::<Self>() + self.memory_bytes());
     }
 
     fn is_solid(&self) -> bool {

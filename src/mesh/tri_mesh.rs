@@ -222,6 +222,7 @@ impl TriMesh {
             + self.inner.as_ref().map_or(0, |inner| inner.solid.memory_bytes())
             + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
             + self.index.get().map_or(0, Index::bytes)
+            + self.cells.bytes()
     }
 
     /// How many patches of triangles are kept for hiding, without the groups that they are drawn in from afar.

@@ -27,9 +27,9 @@ macro_rules! kinds {
                 }
             }
 
-            /// The part of it that several objects may share: its place in memory, and its bytes.
-            pub(crate) fn shared(&self) -> Option<(*const u8, usize)> {
-                self.kind().shared()
+            /// Tells the parts of it that several objects may share: the place of each in memory, and its bytes.
+            pub(crate) fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
+                self.kind().shared(out);
             }
 
             /// A box around the shape.

@@ -5,13 +5,17 @@ use std::collections::HashMap;
 use glam::IVec3;
 
 use crate::grid::cell_box::CellBox;
+use crate::heap::in_table;
+
+/// The volumes of one level by the place of their centre.
+type Level = HashMap<[i32; 3], Vec<u32>>;
 
 /// Finds the volumes that contain a cell, to keep the rule that a hollow volume
 /// must not contain the viewer: a volume of up to 2^level cells is filed by its
 /// centre in a hash grid of that pitch, so that 8 places a level are looked up.
 #[derive(Clone, Default)]
 pub(super) struct Containing {
-    levels: Vec<HashMap<[i32; 3], Vec<u32>>>,
+    levels: Vec<Level>,
     /// By slot: its place in its list, so that it leaves it at once.
     places: Vec<u32>,
 }
@@ -26,7 +30,7 @@ impl Containing {
     pub(super) fn insert(&mut self, volume: &CellBox, slot: u32) {
         let (level, key) = level_and_key(volume);
         if self.levels.len() <= level {
-            self.levels.resize_with(level + 1, HashMap::new);
+            self.levels.resize_with(level + 1, Level::new);
         }
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, 0);
@@ -72,11 +76,11 @@ impl Containing {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let entry = size_of::<([i32; 3], Vec<u32>)>() + 1;
-        self.levels
-            .iter()
-            .map(|m| m.capacity() * entry + m.values().map(|l| l.capacity() * 4).sum::<usize>())
-            .sum::<usize>()
+        let table = |m: &Level| in_table::<([i32; 3], Vec<u32>)>(m.capacity());
+        let lists = self.levels.iter().flat_map(Level::values).map(|list| list.capacity() * 4);
+        self.levels.capacity() * size_of::<Level>()
+            + self.levels.iter().map(table).sum::<usize>()
+            + lists.sum::<usize>()
             + self.places.capacity() * 4
     }
 }

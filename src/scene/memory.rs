@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-use crate::object::Occluder;
 use crate::scene::Scene;
 
 /// Memory taken by a scene, in bytes.
@@ -17,7 +16,7 @@ pub struct MemoryUse {
     pub tbvs: usize,
     /// Objects and lists of them.
     pub objects: usize,
-    /// Meshes and convex solids. One that several objects share counts once; other scenes and the
+    /// Meshes, instances of meshes and convex solids. One that several objects share counts once; other scenes and the
     /// application may share it too.
     pub shapes: usize,
 }
@@ -54,16 +53,16 @@ impl Scene {
 
     /// Bytes of the shapes that objects share.
     fn shape_bytes(&self) -> usize {
-        let mut counted = HashSet::new();
-        let mut once = |at: *const u8, bytes: usize| if counted.insert(at) { bytes } else { 0 };
-        let shared = self.living().flat_map(|(_, object)| {
-            let occluder = object.given_occluder().and_then(Occluder::shared);
-            let own = object.placed.iter().flat_map(|placed| {
-                let occluder = placed.occluder.as_ref().and_then(Occluder::shared);
-                placed.bounds.shared().into_iter().chain(occluder)
-            });
-            object.bounds().shared().into_iter().chain(occluder).chain(own)
-        });
-        shared.map(|(at, bytes)| once(at, bytes)).sum()
+        let (mut counted, mut sum) = (HashSet::new(), 0);
+        let mut once = |at: *const u8, bytes: usize| sum += if counted.insert(at) { bytes } else { 0 };
+        for (_, object) in self.living() {
+            object.bounds().shared(&mut once);
+            let local = object.placed.as_deref();
+            local.inspect(|placed| placed.bounds.shared(&mut once));
+            let occluders =
+                object.given_occluder().into_iter().chain(local.and_then(|p| p.occluder.as_ref()));
+            occluders.for_each(|occluder| occluder.shared(&mut once));
+        }
+        sum
     }
 }

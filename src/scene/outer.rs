@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::CellBox;
+use crate::heap::in_tree;
 
 /// Volumes whose middles lie in one brick, of the grid or beyond it.
 #[derive(Debug, Clone)]
@@ -80,8 +81,9 @@ impl Outer {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let bucket = |b: &Bucket| size_of::<([i32; 3], Bucket)>() + b.slots.capacity() * 4;
-        self.buckets.values().map(bucket).sum::<usize>() + self.placed.capacity() * size_of::<(u32, Block)>()
+        in_tree::<([i32; 3], Bucket)>(self.buckets.len())
+            + self.buckets.values().map(|b| b.slots.capacity() * 4).sum::<usize>()
+            + self.placed.capacity() * size_of::<(u32, Block)>()
     }
 }
 

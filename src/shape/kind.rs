@@ -40,10 +40,8 @@ pub(crate) trait Kind: Shape {
     where
         Self: Sized;
 
-    /// The part of it that several objects may share: its place in memory, and its bytes.
-    fn shared(&self) -> Option<(*const u8, usize)> {
-        None
-    }
+    /// Tells the parts of it that several objects may share: the place of each in memory, and its bytes.
+    fn shared(&self, _: &mut dyn FnMut(*const u8, usize)) {}
 
     /// The shape, if it can be asked for single rows of cells.
     fn rows(&self) -> Option<&dyn Rows> {
@@ -206,6 +204,11 @@ mod tests {
         let moved = Kind::moved(&hull, offset).unwrap().unwrap();
         assert!(hull.same(&hull) && !hull.same(&hull.clone()));
         assert!(moved.vertices().eq(hull.vertices().map(|v| v + offset.as_dvec3())));
-        assert!(hull.shared().is_some() && ball.shared().is_none());
+        let shared = |shape: &dyn Kind| {
+            let mut bytes = 0;
+            shape.shared(&mut |_, more| bytes += more);
+            bytes
+        };
+        assert!(shared(&hull) > size_of::<Convex>() && shared(&ball) == 0);
     }
 }

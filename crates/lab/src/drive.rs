@@ -8,7 +8,7 @@ use casca::{
     Aabb, Bounds, Error, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
     TriMesh, View,
 };
-use glam::{UVec3, Vec3};
+use glam::{Affine3A, UVec3, Vec3};
 
 use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
@@ -23,22 +23,83 @@ pub struct Driver {
 /// Outlines of patches may leave those of static triangles by this share of a cell.
 const TOLERANCE: f32 = 1.0 / 60.0;
 
+/// How static objects that share a mesh are put into the library. Objects that move are always instances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sharing {
+    /// As instances of one prepared mesh, as a game does it. Transforms that stretch it a lot make a mesh of its own.
+    #[default]
+    Instances,
+    /// Each as a mesh of its own, in world space.
+    Own,
+}
+
 /// A mesh, and the same as prepared.
 type Prepared = (Arc<Mesh>, Arc<TriMesh>);
 
+/// The objects that share a mesh.
+#[derive(Default)]
+struct Users {
+    count: usize,
+    /// The greatest scale of their transforms.
+    scale: f32,
+}
+
 /// Makes shapes of the library.
 struct Shaper {
-    /// Meshes that move are prepared once, with and without what hides; they are kept so that none takes the place
+    /// Meshes of instances are prepared once, with and without what hides; they are kept so that none takes the place
     /// of another.
-    moving: HashMap<(*const Mesh, bool), Prepared>,
+    prepared: HashMap<(*const Mesh, bool), Prepared>,
+    users: HashMap<*const Mesh, Users>,
+    sharing: Sharing,
     how: MeshOptions,
 }
 
+/// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a game are, but not
+/// walls made of a unit cube.
+const STRETCH: f32 = 4.0;
+
+/// The lengths of the axes of a transform, from the least to the greatest.
+fn scales(transform: &Affine3A) -> (f32, f32) {
+    let m = transform.matrix3;
+    let lengths = Vec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
+    (lengths.min_element(), lengths.max_element())
+}
+
 impl Shaper {
-    fn new(grid: &GridSpec) -> Self {
-        let mut how = MeshOptions::default();
-        how.tolerance = Some(grid.cell * TOLERANCE);
-        Self { moving: HashMap::new(), how }
+    fn new(grid: &GridSpec, objects: &[Object], sharing: Sharing) -> Self {
+        let mut users: HashMap<*const Mesh, Users> = HashMap::new();
+        for object in objects {
+            if let Shape::Mesh { mesh, transform } = &object.shape {
+                let users = users.entry(Arc::as_ptr(mesh)).or_default();
+                users.count += 1;
+                users.scale = users.scale.max(scales(transform).1);
+            }
+        }
+        let how = MeshOptions::default().tolerance(grid.cell * TOLERANCE);
+        Self { prepared: HashMap::new(), users, sharing, how }
+    }
+
+    /// Whether an object is an instance of its mesh.
+    fn is_instance(&self, object: &Object, mesh: &Arc<Mesh>, transform: &Affine3A) -> bool {
+        let shared = self.users.get(&Arc::as_ptr(mesh)).is_some_and(|users| users.count > 1);
+        let (least, most) = scales(transform);
+        let alike = most <= least * STRETCH;
+        object.motion != Motion::Static || self.sharing == Sharing::Instances && shared && alike
+    }
+
+    /// The mesh of instances, prepared when it is first asked for.
+    fn prepared(&mut self, mesh: &Arc<Mesh>, occludes: bool) -> Result<Arc<TriMesh>, Error> {
+        let key = (Arc::as_ptr(mesh), occludes);
+        if let Some((_, prepared)) = self.prepared.get(&key) {
+            return Ok(prepared.clone());
+        }
+        let mut how = self.how;
+        // The tolerance is meant in world space.
+        let scale = self.users.get(&key.0).map_or(0.0, |users| users.scale);
+        how.tolerance = how.tolerance.map(|t| t / scale).filter(|t| t.is_finite());
+        let new = prepare(mesh.positions.clone(), mesh, how.occludes(occludes))?;
+        self.prepared.insert(key, (mesh.clone(), new.clone()));
+        Ok(new)
     }
 
     /// The shapes of an object as the library takes them.
@@ -52,30 +113,15 @@ impl Shaper {
                 let b = Aabb::new(*min, *max);
                 (b.into(), b.into())
             }
-            Shape::Mesh { mesh, transform } if object.motion == Motion::Static => {
-                let positions: Vec<Vec3> =
-                    mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-                let mut how = self.how;
-                how.occludes = object.occludes;
-                let mesh = TriMesh::prepare(positions, mesh.triangles.clone(), &how, &mut |_| {
-                    ControlFlow::Continue(())
-                })?;
-                let mesh = Arc::new(mesh);
-                (mesh.clone().into(), mesh.into())
+            Shape::Mesh { mesh, transform } if self.is_instance(object, mesh, transform) => {
+                let instance = Instance::new(self.prepared(mesh, object.occludes)?, *transform)?;
+                (instance.clone().into(), instance.into())
             }
             Shape::Mesh { mesh, transform } => {
-                let key = (Arc::as_ptr(mesh), object.occludes);
-                let prepared = match self.moving.get(&key) {
-                    Some((_, prepared)) => prepared.clone(),
-                    None => {
-                        let prepare = if object.occludes { TriMesh::new } else { TriMesh::bounds_only };
-                        let new = Arc::new(prepare(mesh.positions.clone(), mesh.triangles.clone())?);
-                        self.moving.insert(key, (mesh.clone(), new.clone()));
-                        new
-                    }
-                };
-                let instance = Instance::new(prepared, *transform)?;
-                (instance.clone().into(), instance.into())
+                let positions: Vec<Vec3> =
+                    mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
+                let mesh = prepare(positions, mesh, self.how.occludes(object.occludes))?;
+                (mesh.clone().into(), mesh.into())
             }
         };
         Ok((bounds, Some(occluder).filter(|_| object.occludes)))
@@ -116,6 +162,11 @@ pub fn view_of(camera: &Camera) -> Result<View, Error> {
     View::perspective(camera.eye, camera.view_projection())
 }
 
+fn prepare(positions: Vec<Vec3>, mesh: &Mesh, how: MeshOptions) -> Result<Arc<TriMesh>, Error> {
+    let go_on = &mut |_| ControlFlow::Continue(());
+    TriMesh::prepare(positions, mesh.triangles.clone(), &how, go_on).map(Arc::new)
+}
+
 impl Driver {
     /// Inserts every object of the world as it is now; `progress` is told
     /// the number inserted.
@@ -126,6 +177,14 @@ impl Driver {
         Self::with(&world.objects, grid, |_, desc| desc, progress)
     }
 
+    /// As [`Driver::new`], with a choice about shared meshes.
+    ///
+    /// # Errors
+    /// As [`Driver::new`].
+    pub fn sharing(world: &World, grid: &GridSpec, sharing: Sharing) -> Result<Self, Error> {
+        Self::insert(&world.objects, Shaper::new(grid, &world.objects, sharing), grid, |_, desc| desc, |_| ())
+    }
+
     /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
     ///
     /// # Errors
@@ -134,10 +193,20 @@ impl Driver {
         objects: &[Object],
         grid: &GridSpec,
         adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
+        progress: impl FnMut(usize),
+    ) -> Result<Self, Error> {
+        let shaper = Shaper::new(grid, objects, Sharing::default());
+        Self::insert(objects, shaper, grid, adapt, progress)
+    }
+
+    fn insert(
+        objects: &[Object],
+        mut shaper: Shaper,
+        grid: &GridSpec,
+        adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
         let mut scene = Scene::new(grid)?;
-        let mut shaper = Shaper::new(grid);
         let mut ids = Vec::with_capacity(objects.len());
         for object in objects {
             ids.push(scene.insert(adapt(object, shaper.describe(object)?))?);
@@ -171,5 +240,25 @@ impl Driver {
     /// How many objects whose visibility is asked for a result holds.
     pub fn count(&self, pvs: &Pvs, objects: &[Object]) -> usize {
         self.ids.iter().zip(objects).filter(|(id, o)| o.tested && pvs.contains(**id)).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{SceneKind, SceneOptions, build};
+
+    #[test]
+    fn static_objects_share_a_mesh_unless_it_is_stretched() {
+        let shared = |kind, sharing| {
+            let world = build(kind, &SceneOptions { scale: 0.1, ..SceneOptions::default() });
+            let driver = Driver::sharing(&world, &grid_for(&world.grid, None).unwrap(), sharing).unwrap();
+            let objects = driver.scene.iter().filter(|o| matches!(o.1.motion(), casca::Motion::Static));
+            objects.filter(|o| matches!(o.1.bounds(), Bounds::Instance(_))).count()
+        };
+        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Own), 0);
+        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Instances), 480, "balls of any size");
+        let small = shared(SceneKind::CityMeshes, Sharing::Instances);
+        assert!((50..300).contains(&small), "small things are, buildings are not: {small}");
     }
 }

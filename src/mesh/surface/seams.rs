@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use smallvec::SmallVec;
 
+use crate::heap::in_tree;
 use crate::mesh::surface::patch::{NONE, Surface};
 use crate::mesh::surface::weld::key;
 
@@ -176,9 +177,9 @@ impl Seams {
     pub(crate) fn bytes(&self) -> usize {
         self.ranges.capacity() * size_of::<(u32, u32)>()
             + self.places.capacity() * size_of::<Place>()
-            + self.places.iter().map(|p| p.links.capacity() * 12).sum::<usize>()
-            // Nodes of the tree are at least half full.
-            + 2 * self.open.len() * size_of::<((Chain, u32, u32), (u32, bool))>()
+            + self.places.iter().map(|p| p.links.capacity() * size_of::<(u32, u32, bool)>()).sum::<usize>()
+            + self.free.iter().map(|list| list.capacity() * size_of::<u32>()).sum::<usize>()
+            + in_tree::<((Chain, u32, u32), (u32, bool))>(self.open.len())
     }
 }
 

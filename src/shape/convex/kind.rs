@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::body::Body;
+use crate::heap::in_arc;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
@@ -17,8 +18,8 @@ impl Kind for Convex {
         self.translated(offset).map(Some)
     }
 
-    fn shared(&self) -> Option<(*const u8, usize)> {
-        Some((std::ptr::from_ref(self).cast(), self.memory_bytes()))
+    fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
+        out(std::ptr::from_ref(self).cast(), in_arc::<Self>() + self.memory_bytes());
     }
 
     fn rows(&self) -> Option<&dyn Rows> {

@@ -11,6 +11,7 @@ mod contender;
 mod front;
 mod machine;
 mod report;
+mod scaling;
 mod section;
 mod shadows;
 mod stability;
@@ -28,6 +29,7 @@ pub use aggressive::aggressive;
 pub use contender::{Contender, FrameInput};
 pub use front::{Cost, distance, front};
 pub use report::{ReportError, write};
+pub use scaling::{Reach, scaling, scaling_to};
 pub use section::{Block, Section, Table};
 pub use shadows::shadows;
 pub use stability::stability;
@@ -37,6 +39,21 @@ pub use upkeep::upkeep;
 
 /// Why an experiment failed.
 pub type LabError = Box<dyn std::error::Error + Send + Sync>;
+
+/// An experiment: a section of the report.
+pub type Experiment = fn(&Lab) -> Result<Section, LabError>;
+
+/// All experiments by name, in the order of the report.
+pub const EXPERIMENTS: &[(&str, Experiment)] = &[
+    ("tradeoff", tradeoff),
+    ("against", against),
+    ("stability", stability),
+    ("thesis", thesis),
+    ("upkeep", upkeep),
+    ("scaling", scaling),
+    ("shadows", shadows),
+    ("aggressive", aggressive),
+];
 
 /// Pictures are this many times as wide as high.
 const ASPECT: f32 = 16.0 / 9.0;
@@ -81,9 +98,23 @@ pub fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
+/// The value that 99 of 100 of some values do not exceed; sorts them. 0 of none.
+pub fn p99(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let rank = (values.len() * 99).div_ceil(100);
+    rank.checked_sub(1).map_or(0.0, |i| values[i])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hundredth_of_the_values_may_exceed_the_percentile() {
+        let mut values: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        assert_eq!((p99(&mut values), median(&mut values)), (198.0, 101.0));
+        assert_eq!((p99(&mut [3.0, 1.0]), p99(&mut [])), (3.0, 0.0));
+    }
 
     #[test]
     fn thousands_are_grouped() {

@@ -1,9 +1,8 @@
-//! The cost of a sampled occlusion buffer, and the default method beside it, on one thread.
+//! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one thread.
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
 use casca_lab::lab::LabError;
-use casca_lab::lab::buffer::{BufferCost, Score, measure};
-use casca_lab::lab::tradeoff::Sampling;
+use casca_lab::lab::buffer::{BufferCost, Effort, PRESETS, Score, measure};
 use casca_lab::scenes::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
@@ -12,7 +11,7 @@ use crate::progress;
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
-    about = "Times a sampled occlusion buffer, a triangle and a box, beside the default method",
+    about = "Times a sampled occlusion buffer, a triangle and a box, beside the default method and its presets",
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
@@ -23,10 +22,13 @@ pub struct Options {
     #[arg(long, default_value_t = 320, value_parser = value_parser!(u32).range(WIDTHS))]
     pixels: u32,
     /// Frames of each walk that are measured, evenly spread
-    #[arg(long, default_value_t = 30, value_parser = value_parser!(u32).range(FRAMES))]
+    #[arg(long, default_value_t = 150, value_parser = value_parser!(u32).range(FRAMES))]
     frames: u32,
+    /// How many of those are compared with exact visibility
+    #[arg(long, default_value_t = 30, value_parser = value_parser!(u32).range(FRAMES))]
+    judged: u32,
     /// Times each frame is measured; the least counts
-    #[arg(long, default_value_t = 5, value_parser = value_parser!(u32).range(1..=1000))]
+    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
     repeats: u32,
     /// Width of the item buffer that finds the visible objects, 16 to 16384
     #[arg(long, default_value_t = 2560, value_parser = value_parser!(u32).range(WIDTHS))]
@@ -40,21 +42,28 @@ pub struct Options {
 }
 
 fn print(cost: &BufferCost) {
-    let score = |s: &Score| format!("{:>8.3}{:>7.3}{:>7.2}", s.ms, s.ratio, s.lost);
+    let score = |s: &Score| format!("{:>8.3}{:>8.3}{:>7.3}{:>7.2}", s.ms, s.p99, s.ratio, s.lost);
+    let row = |name: &str, rest: String| say(format_args!("  {name:<14}{rest}"));
     say(format_args!(
-        "{:<16}{:>8.0}{:>8.1}{}{}{:>7.1}{:>9.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}",
+        "{}: {:.0} objects in the frustum, {:.1} visible; the buffer draws {:.0} triangles, {:.0} on pixels ({:.1} ns each), \
+         and tests {:.0} boxes ({:.1} ns each)",
         cost.scene,
         cost.in_frustum,
         cost.visible,
-        score(&cost.point),
-        score(&cost.buffer),
-        cost.point.ms / cost.buffer.ms,
         cost.triangles[0],
         cost.triangles[1],
-        cost.tests,
         cost.ns_triangle,
+        cost.tests,
         cost.ns_box
     ));
+    row("hzb", score(&cost.buffer));
+    for ((name, _), s) in PRESETS.iter().zip(&cost.presets) {
+        let buffer = s.ms / cost.buffer.ms.max(f64::MIN_POSITIVE);
+        row(&format!("point, {name}"), format!("{}{buffer:>7.1}{:>7.1}{:>7.1}", score(s), s.tail(), s.swing));
+    }
+    if !cost.keeps_order() {
+        say("  the presets are out of order");
+    }
 }
 
 /// Measures and prints.
@@ -64,39 +73,23 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         given => given.to_vec(),
     };
     names.iter().try_for_each(SceneName::check)?;
-    let sampling = Sampling {
+    let effort = Effort {
         frames: options.frames as usize,
+        judged: options.judged as usize,
         repeats: options.repeats as usize,
         width: options.width as usize,
     };
     let size = (options.pixels as usize, (options.pixels as usize * 9).div_ceil(16));
     say(format_args!(
-        "the buffer has {}x{} pixels; ratios are times of `point` over those of the buffer",
+        "The buffer has {}x{} pixels. Columns: median ms, p99 ms, PVS/visible, visible objects lost in a frame; for `point` also \
+         time over that of the buffer, p99 over median of the time, and of the set.",
         size.0, size.1
-    ));
-    say(format_args!(
-        "{:<16}{:>8}{:>8}{:>8}{:>7}{:>7}{:>8}{:>7}{:>7}{:>7}{:>9}{:>9}{:>8}{:>8}{:>8}",
-        "scene",
-        "frustum",
-        "visible",
-        "point ms",
-        "PVS/",
-        "lost",
-        "hzb ms",
-        "PVS/",
-        "lost",
-        "ratio",
-        "tris",
-        "on pix",
-        "tests",
-        "ns/tri",
-        "ns/box"
     ));
     for name in &names {
         let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
-        let frames = sampling.frames.min(world.frames);
+        let frames = effort.frames.min(world.frames);
         let bar = progress::bar(options.quiet, frames, &world.name, "frame");
-        let cost = measure(world, size, &sampling, |done| bar.set_position(done as u64))?;
+        let cost = measure(world, size, &effort, |done| bar.set_position(done as u64))?;
         bar.finish_and_clear();
         print(&cost);
     }

@@ -2,7 +2,7 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
@@ -11,6 +11,8 @@ mod prepare;
 mod progress;
 #[cfg(feature = "experiments")]
 mod report;
+#[cfg(feature = "experiments")]
+mod scaling;
 #[cfg(feature = "experiments")]
 mod tradeoff;
 mod walk;
@@ -31,7 +33,8 @@ const MORE: &str = if cfg!(feature = "experiments") {
 } else {
     "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
      methods and settings\n  buffer    Times a \
-     sampled occlusion buffer, beside the default method\n  report    Runs the experiments and writes the report\n\n"
+     sampled occlusion buffer, beside the default method\n  scaling   Charts times and memory by objects, \
+     triangles, pixels and threads\n  report    Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -52,6 +55,8 @@ enum Command {
     Tradeoff(tradeoff::Options),
     #[cfg(feature = "experiments")]
     Buffer(buffer::Options),
+    #[cfg(feature = "experiments")]
+    Scaling(scaling::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -75,6 +80,8 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Buffer(options) => buffer::run(options),
             #[cfg(feature = "experiments")]
+            Self::Scaling(options) => scaling::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -97,7 +104,7 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in ["walk", "tradeoff", "buffer", "report", "prepare", "level"] {
+        for name in ["walk", "tradeoff", "buffer", "scaling", "report", "prepare", "level"] {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use casca_lab::import;
-use casca_lab::lab::{
-    Lab, LabError, Section, against, aggressive, shadows, stability, thesis, tradeoff, upkeep, write,
-};
+use casca_lab::lab::{EXPERIMENTS, Lab, LabError, write};
 use clap::Parser;
 
 use crate::progress;
@@ -36,19 +34,6 @@ pub struct Options {
     #[arg(long)]
     quiet: bool,
 }
-
-type Experiment = fn(&Lab) -> Result<Section, LabError>;
-
-/// All experiments by name, in the order of the report.
-const EXPERIMENTS: &[(&str, Experiment)] = &[
-    ("tradeoff", tradeoff),
-    ("against", against),
-    ("stability", stability),
-    ("thesis", thesis),
-    ("upkeep", upkeep),
-    ("shadows", shadows),
-    ("aggressive", aggressive),
-];
 
 fn parse_experiment(name: &str) -> Result<String, String> {
     let mut names = EXPERIMENTS.iter().map(|(name, _)| *name);

@@ -16,14 +16,14 @@ const GATE: f32 = 1.5;
 
 /// What an arena is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Arena {
+pub(in crate::lab) struct Arena {
     /// Moving spheres.
-    pub(super) count: usize,
+    pub(in crate::lab) count: usize,
     /// Whether the wall hides most of them.
-    pub(super) hidden: bool,
+    pub(in crate::lab) hidden: bool,
     /// Whether they move at up to 20 m/s instead of 0.5.
-    pub(super) fast: bool,
-    pub(super) seed: u64,
+    pub(in crate::lab) fast: bool,
+    pub(in crate::lab) seed: u64,
 }
 
 /// A sphere that swings around a place.
@@ -73,11 +73,11 @@ impl Animation for Dance {
 
 impl Arena {
     /// The number of objects before the first ball.
-    pub(super) fn first(&self) -> usize {
+    pub(in crate::lab) fn first(&self) -> usize {
         if self.hidden { 4 } else { 0 }
     }
 
-    pub(super) fn build(&self) -> World {
+    pub(in crate::lab) fn build(&self) -> World {
         let mut dice = Pcg64Mcg::seed_from_u64(self.seed ^ 0x00a2_e4a0_0000);
         let mut range = |lo: f32, hi: f32| lo + (hi - lo) * dice.random::<f32>();
         let (reach, speed) = if self.fast { (5.0, 20.0) } else { (1.0, 0.5) };

@@ -1,7 +1,7 @@
 //! Upkeep of moving objects: the library's grid against the structures that the thesis wished to
 //! compare it with.
 
-mod arena;
+pub(super) mod arena;
 mod frustum;
 mod octree;
 mod structures;
