@@ -698,9 +698,11 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
     let grid = GridSpec { min: Vec3::splat(-8.0), cell: 1.0, dims: UVec3::splat(16) };
     let mut scene = Scene::new(&grid).unwrap();
     for i in 0..3000u32 {
-        let at = Vec3::new((i % 15) as f32, (i / 15 % 15) as f32, (i / 225) as f32) * 0.8 - 5.6;
-        let ball = Sphere::new(at, 0.02);
-        scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap();
+        // Long enough to be drawn, and too thin to hide another.
+        let middle = Vec3::new(0.0, i as f32 / 270.0 - 5.5, (i % 15) as f32 * 0.7 - 5.0);
+        let half = Vec3::new(6.0, 0.001, 0.001);
+        let rod = casca::Aabb::new(middle - half, middle + half);
+        scene.insert(ObjectDesc::fixed(rod).occluder(rod)).unwrap();
     }
     let eye = Vec3::Z * 10_000.0;
     let matrix = directx::perspective(0.01, 1.0, 1.0, 20_000.0) * look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);

@@ -1,5 +1,7 @@
 //! The occlusion buffers of one view.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -39,6 +41,8 @@ pub(crate) struct OcclusionBuffers {
     reach: f64,
     direction: Option<DVec3>,
     nearest: f64,
+    /// Along each face.
+    pixels: i64,
 }
 
 impl OcclusionBuffers {
@@ -63,6 +67,12 @@ impl OcclusionBuffers {
         for (buffer, window) in self.faces.iter_mut().zip(windows) {
             buffer.clear(window, pixels);
         }
+        self.pixels = pixels;
+    }
+
+    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the options ask for.
+    pub(crate) fn pixel_angle(&self) -> f64 {
+        FRAC_PI_2 / self.pixels as f64
     }
 
     /// Puts the origin where the rays of a view start. Returns the faces that they pass.
