@@ -16,7 +16,7 @@ use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::refine::Pixel;
-use crate::occlusion::surface::batch::Sight;
+use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::scratch::SurfaceScratch;
@@ -271,9 +271,9 @@ impl Magnifier {
         let scratch = &mut self.scratch;
         let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
             let (near, pixels) = fine.sight(&d.block)?;
-            Some(Sight { face: 0, patch, near, pixels })
+            Some(Sighting { face: 0, patch, near, pixels })
         });
-        let sights: Vec<Sight> = sights.collect();
+        let sights: Vec<Sighting> = sights.collect();
         let (origin, limit) = (buffers.origin(), buffers.near_limit());
         draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
         for (x, y) in each() {

@@ -40,7 +40,7 @@ impl Shells {
         ShellBegins {
             middle: Block::new(grid.cell_bounds(self.cell)),
             per_unit: 1.0 / grid.cell_size(),
-            farthest: self.farthest.max(1),
+            farthest: self.farthest.max(0),
         }
     }
 
@@ -68,7 +68,11 @@ impl ShellBegins {
     #[inline]
     pub(crate) fn shell(&self, block: &Block) -> usize {
         let away = (block.min - self.middle.max).max(self.middle.min - block.max).max_element();
-        if away >= 0.0 { ((away * self.per_unit) as i32).min(self.farthest - 1) as usize + 1 } else { 0 }
+        if away >= 0.0 {
+            ((away * self.per_unit) as i32).saturating_add(1).min(self.farthest) as usize
+        } else {
+            0
+        }
     }
 }
 
@@ -121,5 +125,13 @@ mod tests {
             found[expected as usize] = true;
         }
         assert!(found[..20].iter().all(|&found| found), "{found:?}");
+        // Boxes outside of the grid begin in its last shell, also where that is the first one.
+        let single = Grid::new(&GridSpec { dims: UVec3::ONE, ..spec }).unwrap();
+        let view = View::omnidirectional(Vec3::new(-2.8, 1.1, 0.1)).unwrap();
+        let begins = Shells::around_eye(&single, &view, Start::Eye).unwrap().begins(&single);
+        for far in [1.0, 1e30, f64::INFINITY] {
+            let block = Block { min: glam::DVec3::splat(far), max: glam::DVec3::splat(far) };
+            assert_eq!(begins.shell(&block), 0, "{far}");
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::occlusion::surface::drawable::Drawable;
 
 /// A box as one face sees it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sight {
+pub(crate) struct Sighting {
     /// The place of the face among those that the view looks through.
     pub(crate) face: u32,
     /// For the box around a patch, its index in the batch.
@@ -23,7 +23,7 @@ pub(crate) struct Sight {
 pub(crate) struct Batch<'a> {
     pub(crate) drawables: Vec<Drawable<'a>>,
     /// For each patch, the faces that see it.
-    pub(crate) sights: Vec<Sight>,
+    pub(crate) sights: Vec<Sighting>,
 }
 
 impl<'a> Batch<'a> {
@@ -37,7 +37,7 @@ impl<'a> Batch<'a> {
         let (patch, before) = (self.drawables.len() as u32, self.sights.len());
         for (buffer, face) in buffers.faces().zip(0..) {
             if let Some((near, pixels)) = buffer.sight(block) {
-                self.sights.push(Sight { face, patch, near, pixels });
+                self.sights.push(Sighting { face, patch, near, pixels });
             }
         }
         self.sights.len() > before

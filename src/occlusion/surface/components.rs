@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
-use crate::occlusion::surface::batch::Sight;
+use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
@@ -20,7 +20,7 @@ const NARROW: i64 = 3;
 pub(crate) fn draw_surfaces(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
-    sights: impl Iterator<Item = Sight>,
+    sights: impl Iterator<Item = Sighting>,
     origin: DVec3,
     limit: f64,
     patches: usize,
@@ -66,13 +66,13 @@ fn is_narrow(pixels: &PixelRect) -> bool {
 fn see(
     buffer: &FaceBuffer,
     batch: &[Drawable],
-    sights: impl Iterator<Item = Sight>,
+    sights: impl Iterator<Item = Sighting>,
     origin: DVec3,
     limit: f64,
     scratch: &mut SurfaceScratch,
 ) {
     let projector = Projector::new(buffer, limit);
-    for Sight { patch: drawable, near, pixels, .. } in sights {
+    for Sighting { patch: drawable, near, pixels, .. } in sights {
         if is_narrow(&pixels) {
             scratch.narrow.push((drawable, near, pixels));
             continue;
