@@ -12,6 +12,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
+use crate::numeric::greater;
 use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
 
 /// A convex shape relative to the origin of the rays. Lives on the stack.
@@ -106,11 +107,6 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
         if known { Outline::Cone(SmallVec::from_buf_and_len(planes, count)) } else { Outline::Everything },
         fronts,
     )
-}
-
-/// The greater of two numbers.
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 impl Polytope {

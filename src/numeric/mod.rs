@@ -10,3 +10,16 @@ pub(crate) mod query;
 pub(crate) mod scene;
 pub(crate) mod shape;
 pub(crate) mod view;
+
+/// The lesser of two numbers; the second one if they are not ordered. Quicker than `min` of floats, which treats NaN in
+/// another way.
+#[inline(always)]
+pub(crate) fn lesser<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers; the second one if they are not ordered.
+#[inline(always)]
+pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}

@@ -67,6 +67,9 @@ pub(crate) const CHORD_ROUNDING: f64 = 1e-14;
 /// place counts ones.
 pub(crate) const NEAREST_INTEGER: f64 = 6_755_399_441_055_744.0;
 
+/// The same for single precision and numbers below 2^22: 1.5 times 2^23.
+pub(crate) const NEAREST_INTEGER_SINGLE: f32 = 12_582_912.0;
+
 /// Directions this close to the rim of a ball (squared sine of half the chord, as a share) get no depth:
 /// the root would keep less than half of its digits.
 pub(crate) const BALL_RIM: f64 = 1e-9;

@@ -182,8 +182,9 @@ impl Window {
     }
 }
 
-/// The integer nearest to a number whose magnitude is below 2^31, by the digits that are left of a sum: unlike a
-/// conversion, this vectorises on all processors.
+/// The integer nearest to a number whose magnitude is below 2^31, halves to even, by the digits that are left of a sum:
+/// unlike a conversion, this vectorises on all processors. That of `v - 0.5` is the floor of `v`, except that odd integers
+/// go down by one.
 #[inline(always)]
 pub(crate) fn nearest_integer(v: f64) -> i32 {
     (v + NEAREST_INTEGER).to_bits() as i32
@@ -236,8 +237,10 @@ mod tests {
         for v in [-2.0, -1.5, -0.1, 0.0, 0.9, 1.0, 1e9 + 0.5] {
             assert_eq!(floor(v), v.floor() as i64);
         }
-        for v in [-1000.4, -0.6, 0.0, 0.4, 7.6, 16_777_216.3] {
-            assert_eq!(nearest_integer(v), v.round() as i32);
+        for v in [-1000.4, -7.6, -0.6, -0.5, 0.0, 0.4, 0.5, 1.5, 2.5, 7.6, 16_777_216.3] {
+            assert_eq!(f64::from(nearest_integer(v)), v.round_ties_even());
         }
+        let floors = [3.999, 4.0, 5.0].map(|v| nearest_integer(v - 0.5));
+        assert_eq!(floors, [3, 4, 4], "odd integers go down by one");
     }
 }

@@ -11,6 +11,7 @@ use crate::numeric::occlusion::{
     CHORD_ROUNDING, CONIC, CONIC_PARABOLA, HALF_PLANE_OUTSIDE, HALF_PLANE_SLOPE, PIXEL,
 };
 use crate::numeric::shape::CONE_MARGIN;
+use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Linear;
 use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
 use crate::occlusion::silhouette::{Kind, Silhouette};
@@ -131,17 +132,6 @@ impl TileRow {
         }
         u64::from_le_bytes(rows.map(|row| row as u8))
     }
-}
-
-/// The greater and the lesser of two numbers, of which none is NaN.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 impl Rows {

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::inner::frames::Frame;
+use crate::numeric::{greater, lesser};
 
 /// The most directions of a frame: planes are numbered by the bits of a word.
 const MOST: usize = u32::BITS as usize;
@@ -133,14 +134,6 @@ impl Extents {
             }
         }
     }
-}
-
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// About the volume and the middle of the solid between planes around the origin.

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, SLACK_ROOM};
+use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
@@ -104,17 +105,6 @@ impl Frame {
         };
         [turned(0), turned(1), turned(2)]
     }
-}
-
-/// The smaller number. Quicker than `f32::min`, which treats NaN in another way.
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 impl<'a> Projector<'a> {
@@ -228,8 +218,8 @@ impl<'a> Projector<'a> {
         if !extent.known.iter().all(|&known| known) {
             return Some(within);
         }
-        let most = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::NEG_INFINITY, larger));
-        let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, smaller));
+        let most = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::NEG_INFINITY, greater));
+        let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, lesser));
         let wide = most(&extent.wide);
         let narrow = |(lo, hi): (i64, i64), axis: usize, first: i64| {
             let at = |v: f64| first + floor(v.clamp(-1e9, 1e9));
@@ -248,7 +238,7 @@ impl<'a> Projector<'a> {
         let zeros = |p: &[Lanes; 3], i: usize| (p[0][i] * 0.0 + p[1][i] * 0.0) + p[2][i] * 0.0;
         let zero = each(|i| slack[i] * 0.0 + (zeros(&from, i) + zeros(&to, i)));
         let plain = each(|i| {
-            let (near, far) = (smaller(from[2][i], to[2][i]), larger(from[2][i], to[2][i]));
+            let (near, far) = (lesser(from[2][i], to[2][i]), greater(from[2][i], to[2][i]));
             // One width serves all of the edge, or there is no slack.
             let even = (slack[i] == 0.0) | ((far <= 2.0 * near) & (far > 2.0 * slack[i]));
             (near >= self.limit) & even
@@ -272,17 +262,17 @@ impl<'a> Projector<'a> {
         let unsure: Lanes = each(|i| EDGE as f32 + PROJECTED * (sum[i] + shift));
         // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
         let grow = SLACK_ROOM * self.per_unit;
-        let wide: Lanes = each(|i| 2.0 * unsure[i] + p.slack[i] * larger(a[i], b[i]) * grow);
+        let wide: Lanes = each(|i| 2.0 * unsure[i] + p.slack[i] * greater(a[i], b[i]) * grow);
         // Also if it is not a number.
         let small: [bool; LANES] = each(|i| sum[i] < FAR_PIXEL);
         let plain: [bool; LANES] = each(|i| p.plain[i] & small[i] & (wide[i] < FAR_PIXEL));
-        extent.least[0] = each(|i| smaller(smaller(x0[i], x1[i]), extent.least[0][i]));
-        extent.least[1] = each(|i| smaller(smaller(y0[i], y1[i]), extent.least[1][i]));
-        extent.most[0] = each(|i| larger(larger(x0[i], x1[i]), extent.most[0][i]));
-        extent.most[1] = each(|i| larger(larger(y0[i], y1[i]), extent.most[1][i]));
-        extent.wide = each(|i| larger(wide[i], extent.wide[i]));
+        extent.least[0] = each(|i| lesser(lesser(x0[i], x1[i]), extent.least[0][i]));
+        extent.least[1] = each(|i| lesser(lesser(y0[i], y1[i]), extent.least[1][i]));
+        extent.most[0] = each(|i| greater(greater(x0[i], x1[i]), extent.most[0][i]));
+        extent.most[1] = each(|i| greater(greater(y0[i], y1[i]), extent.most[1][i]));
+        extent.wide = each(|i| greater(wide[i], extent.wide[i]));
         extent.known = each(|i| {
-            let near = smaller(p.from[2][i], p.to[2][i]);
+            let near = lesser(p.from[2][i], p.to[2][i]);
             extent.known[i] & (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small[i]
         });
         let plain = (0..LANES).fold(0, |bits, i| bits | u8::from(plain[i]) << i);

@@ -1,6 +1,7 @@
 //! Single edges in double precision.
 
 use crate::numeric::occlusion::{EDGE_FLAT, EDGE_ROUNDING};
+use crate::occlusion::pixels::nearest_integer;
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 impl Raster {
@@ -31,10 +32,11 @@ impl Raster {
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
-        let first = nearest(within(a.1 - wide, bottom) - 0.5).max(0);
-        let last = nearest(within(b.1 + wide, bottom) - 0.5).min(height - 1);
+        let first = nearest_integer(within(a.1 - wide, bottom) - 0.5).max(0);
+        let last = nearest_integer(within(b.1 + wide, bottom) - 0.5).min(height - 1);
         // Rows whose middles the edge passes. Neighbours share their ends, and so agree about the rows.
-        let (from, to) = (nearest(within(a.1, bottom)).max(0), nearest(within(b.1, bottom)).min(height));
+        let (from, to) =
+            (nearest_integer(within(a.1, bottom)).max(0), nearest_integer(within(b.1, bottom)).min(height));
         if x1 < 0.0 {
             (from..to).for_each(|row| self.tiles.pass(row, 0, falls));
             return;
@@ -50,8 +52,8 @@ impl Raster {
         for row in first..=last {
             let next = x + slope;
             let (lo, hi) = if x <= next { (x - reach, next + reach) } else { (next - reach, x + reach) };
-            let lo = nearest(within(if lo > left { lo } else { left }, right) - 0.5).max(0);
-            let hi = nearest(within(if hi < x1 { hi } else { x1 }, right) - 0.5).min(width - 1);
+            let lo = nearest_integer(within(if lo > left { lo } else { left }, right) - 0.5).max(0);
+            let hi = nearest_integer(within(if hi < x1 { hi } else { x1 }, right) - 0.5).min(width - 1);
             if lo <= hi {
                 self.tiles.mark(row, lo, hi, layer);
             }
@@ -59,9 +61,9 @@ impl Raster {
                 let at = x + 0.5 * slope;
                 // Where it is not known on which side of a middle a seam passes, its two patches may both count the
                 // pixel, or neither.
-                let lo = nearest(within(at - unsure, right) - 0.5).max(0);
-                let hi = nearest(within(at + unsure, right) - 0.5).min(width - 1);
-                let column = nearest(within(at, right));
+                let lo = nearest_integer(within(at - unsure, right) - 0.5).max(0);
+                let hi = nearest_integer(within(at + unsure, right) - 0.5).min(width - 1);
+                let column = nearest_integer(within(at, right));
                 if seam && lo <= hi && (at - f64::from(column)).abs() > 0.5 - unsure {
                     self.tiles.mark(row, lo, hi, Marks::OPEN);
                 }
@@ -88,8 +90,8 @@ impl Raster {
     ) {
         let width = self.area.width();
         let right = f64::from(width);
-        let lo = nearest(within(left, right) - 0.5).max(0);
-        let hi = nearest(within(x1, right) - 0.5).min(width - 1);
+        let lo = nearest_integer(within(left, right) - 0.5).max(0);
+        let hi = nearest_integer(within(x1, right) - 0.5).min(width - 1);
         for row in first..=last {
             if lo <= hi {
                 self.tiles.mark(row, lo, hi, layer);
@@ -108,26 +110,12 @@ fn within(v: f64, most: f64) -> f64 {
     if v < most { v } else { most }
 }
 
-/// The integer nearest to a number below 2^31, halves to even. `nearest(v - 0.5)` is the floor of `v`, except
-/// that odd integers go down by one.
-///
-/// Adding 1.5 * 2^52 leaves no digits after the point: the integer is in the low bits. That is quicker than a
-/// conversion, which rounds towards zero.
-#[inline]
-fn nearest(v: f64) -> i32 {
-    (v + 6_755_399_441_055_744.0).to_bits() as i32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn nearest_integers() {
-        for v in [-7.6, -0.5, -0.2, 0.0, 0.49, 0.5, 1.5, 2.5, 1e6 + 0.4] {
-            assert_eq!(f64::from(nearest(v)), f64::round_ties_even(v));
-        }
-        assert_eq!((nearest(3.999 - 0.5), nearest(4.0 - 0.5), nearest(5.0 - 0.5)), (3, 4, 4));
+    fn numbers_are_clamped() {
         assert_eq!((within(f64::NAN, 5.0), within(9.0, 5.0), within(2.0, 5.0)), (-1.0, 5.0, 2.0));
     }
 }

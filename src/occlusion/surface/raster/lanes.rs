@@ -1,6 +1,6 @@
 //! Eight edges at a time, in single precision.
 
-use crate::numeric::occlusion::{FAR_PIXEL, FLAT};
+use crate::numeric::occlusion::{FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 /// Edges that are set up together.
@@ -298,20 +298,17 @@ impl Raster {
     }
 }
 
-/// Adding this to a number below 2^22 leaves no digits after the point: 1.5 * 2^23.
-const WHOLE: f32 = 12_582_912.0;
-
 /// The integer nearest to a number below 2^22, halves to even: as its twin in double precision. Other numbers, which
 /// lanes hold that are not drawn, give any integer.
 #[inline(always)]
 fn nearest(v: f32) -> i32 {
-    ((v + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)
+    ((v + NEAREST_INTEGER_SINGLE).to_bits() as i32).wrapping_sub(NEAREST_INTEGER_SINGLE.to_bits() as i32)
 }
 
 /// As [`nearest`], as a number.
 #[inline(always)]
 fn rounded(v: f32) -> f32 {
-    (v + WHOLE) - WHOLE
+    (v + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE
 }
 
 const _: () = assert!(FAR_PIXEL + ACROSS < 4_194_304.0, "all columns and rows fit `nearest`");
