@@ -194,6 +194,11 @@ impl OcclusionBuffers {
         self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
+    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it: then any examination finds it.
+    pub(crate) fn shows_plainly(&self, point: DVec3, owner: u32) -> bool {
+        self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
+    }
+
     /// Whether a box reaches so close to the eye that directions to it are not told apart.
     pub(crate) fn is_close(&self, block: &Block) -> bool {
         let distance = block.min.max(-block.max).max_element();

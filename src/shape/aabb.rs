@@ -51,6 +51,10 @@ impl Rows for Aabb {
 }
 
 impl Kind for Aabb {
+    fn is_centered(&self) -> bool {
+        true
+    }
+
     fn check(&self, what: &'static str) -> Result<(), Error> {
         Aabb::check(self, what)
     }

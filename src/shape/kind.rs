@@ -101,6 +101,11 @@ pub(crate) trait Kind: Shape {
         None
     }
 
+    /// Whether the middle of its box lies in it.
+    fn is_centered(&self) -> bool {
+        false
+    }
+
     /// A point of its largest part, if it has parts (see [`Kind::all_parts`]).
     fn middle_of_parts(&self) -> Option<DVec3> {
         None

@@ -98,6 +98,10 @@ impl Rows for Obb {
 }
 
 impl Kind for Obb {
+    fn is_centered(&self) -> bool {
+        true
+    }
+
     fn check(&self, what: &'static str) -> Result<(), Error> {
         Obb::check(self, what)
     }

@@ -114,6 +114,10 @@ impl Rows for Sphere {
 }
 
 impl Kind for Sphere {
+    fn is_centered(&self) -> bool {
+        true
+    }
+
     fn check(&self, what: &'static str) -> Result<(), Error> {
         Sphere::check(self, what)
     }

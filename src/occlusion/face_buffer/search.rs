@@ -56,19 +56,35 @@ impl FaceBuffer {
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
     /// its owner.
     pub(crate) fn shows(&self, p: DVec3, owner: u32) -> bool {
+        self.open_pixel(p).is_some_and(|(pixel, (u, v), near)| {
+            let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
+            // Patches alone leave open few pixels that they hide, magnified.
+            listed.is_empty()
+                || !self.patch_may_hide(pixel, below(near)) && self.is_before((u, v), near, listed, owner)
+        })
+    }
+
+    /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
+    pub(crate) fn shows_plainly(&self, p: DVec3, owner: u32) -> bool {
+        self.open_pixel(p).is_some_and(|(pixel, (u, v), near)| {
+            let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
+            !self.patch_may_hide(pixel, below(near))
+                && self.halves.iter().all(|half| half.at(u, v) >= 0.0)
+                && self.is_before((u, v), near, listed, owner)
+        })
+    }
+
+    /// The pixel, direction and nearness of a point, in coordinates of the face, if the pixel does not hide it.
+    #[inline]
+    fn open_pixel(&self, p: DVec3) -> Option<((i64, i64), (f64, f64), f64)> {
         if !self.face.parallel && p.z <= 0.0 {
-            return false;
+            return None;
         }
         let (u, v) = if self.face.parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
-        let Some((x, y)) = self.window.pixel_at(u, v) else { return false };
+        let (x, y) = self.window.pixel_at(u, v)?;
         let near = self.face.nearness_of(p.z);
-        if self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near) {
-            return false;
-        }
-        let listed = self.occluders.list(self.occluders.index(x, y));
-        // Patches alone leave open few pixels that they hide, magnified.
-        listed.is_empty()
-            || !self.patch_may_hide((x, y), below(near)) && self.is_before((u, v), near, listed, owner)
+        let hidden = self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near);
+        (!hidden).then_some(((x, y), (u, v), near))
     }
 
     /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.

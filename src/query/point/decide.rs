@@ -18,9 +18,15 @@ impl Walk<'_> {
         let given =
             Budget { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
         let mut left = given;
-        for Candidate { id, block } in candidates.drain(..) {
-            if block.is_some() {
+        for Candidate { id, block, is_centered, .. } in candidates.drain(..) {
+            let middle = block.map(|b| (b.min + b.max) * 0.5 - self.scratch.buffers.origin());
+            if let Some(middle) = middle {
                 self.stats.occlusion_tests += 1;
+                // Most candidates can be seen plainly.
+                if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot) {
+                    self.pvs.push(id);
+                    continue;
+                }
                 let before = left;
                 let bounds = self.scene.object(id.slot).bounds();
                 let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, &mut left);

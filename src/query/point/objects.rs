@@ -25,7 +25,8 @@ impl Walk<'_> {
         let id = self.scene.id(slot);
         if object.is_unlocated() || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
-            scratch.candidates.push(Candidate { id, block: None });
+            let anywhere = Candidate { id, block: None, is_centered: false, occludes: false };
+            scratch.candidates.push(anywhere);
             return;
         }
         self.stats.objects_tested += 1;
@@ -39,7 +40,12 @@ impl Walk<'_> {
                 }
             };
             let place = scratch.objects.len() as u32;
-            scratch.objects.push(Candidate { id, block: Some(block) });
+            scratch.objects.push(Candidate {
+                id,
+                block: Some(block),
+                is_centered: object.bounds().kind().is_centered(),
+                occludes: object.occluder().is_some(),
+            });
             scratch.found.push(sort_key(distance, slot, place));
         }
     }
@@ -57,6 +63,9 @@ impl Walk<'_> {
             if !candidate.block.is_some_and(|block| self.hides(&block)) {
                 let slot = candidate.id.slot;
                 self.scratch.candidates.push(candidate);
+                if !candidate.occludes {
+                    continue;
+                }
                 if limited {
                     seen.push((self.solid_angle(slot), slot));
                 } else {

@@ -25,6 +25,9 @@ pub(super) struct Candidate {
     pub(super) id: ObjectId,
     /// The box of its bounds; `None` if it may be anywhere.
     pub(super) block: Option<Block>,
+    /// Whether the middle of that box lies in the object.
+    pub(super) is_centered: bool,
+    pub(super) occludes: bool,
 }
 
 /// The memory of the point method, reused from query to query.
