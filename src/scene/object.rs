@@ -21,6 +21,10 @@ pub(crate) struct Object {
     pub(super) placed: Option<Box<Placed>>,
     /// Of a dynamic object. Apart, so that static ones stay small.
     mover: Option<Box<Mover>>,
+    /// Whether its place is unknown, by the state of the mover: queries ask it of each object.
+    is_unlocated: bool,
+    /// Whether it is in a volume, by the same state.
+    is_hidden: bool,
     /// Whether its cells are in I; objects with too many cells are not.
     pub(super) in_cells: bool,
     /// The number of the move that last changed it.
@@ -51,6 +55,8 @@ impl Object {
             user_data: desc.user_data,
             placed: placed.map(Box::new),
             mover: (desc.motion != Motion::Static).then(|| Box::new(mover())),
+            is_unlocated: false,
+            is_hidden: false,
             in_cells: false,
             moved,
         }
@@ -121,7 +127,9 @@ impl Object {
     /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not apply.
     pub(super) fn apply(&mut self, event: Event) -> bool {
         let next = self.state().after(event);
-        if let (Some(mover), Some(next)) = (self.mover(), next) {
+        if let (Some(mover), Some(next)) = (self.mover.as_deref_mut(), next) {
+            self.is_unlocated = matches!(next, State::Overdue | State::Unlocated { .. });
+            self.is_hidden = matches!(next, State::Hidden(_));
             mover.state = next;
         }
         next.is_some()
@@ -130,8 +138,7 @@ impl Object {
     /// Whether its place is unknown: it counts as visible and hides nothing.
     #[inline]
     pub(crate) fn is_unlocated(&self) -> bool {
-        let state = self.mover.as_ref().map(|mover| &mover.state);
-        matches!(state, Some(State::Overdue | State::Unlocated { .. }))
+        self.is_unlocated
     }
 
     #[inline]
@@ -142,7 +149,7 @@ impl Object {
     /// Whether it is in a volume.
     #[inline]
     pub(crate) fn is_hidden(&self) -> bool {
-        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Hidden(_)))
+        self.is_hidden
     }
 
     /// Whether it is in a volume and its bounds are old.

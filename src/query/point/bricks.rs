@@ -267,18 +267,29 @@ impl Walk<'_> {
         let scene = self.scene;
         let fused = scene.fused().in_brick(brick);
         let volumes = !scene.tbv_matrix().is_empty(brick);
-        let open = scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)).count();
-        if open == 0 && fused.is_empty() && !volumes {
-            return;
+        let mut open = std::mem::take(&mut self.scratch.open);
+        open.clear();
+        open.extend(scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)));
+        if !open.is_empty() || !fused.is_empty() || volumes {
+            self.open_brick(brick, &mut open, volumes);
         }
-        if open >= WORTH_TESTING || !fused.is_empty() || volumes {
+        self.scratch.open = open;
+    }
+
+    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is hidden.
+    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<u32>, volumes: bool) {
+        let scene = self.scene;
+        let fused = scene.fused().in_brick(brick);
+        if open.len() >= WORTH_TESTING || !fused.is_empty() || volumes {
             let bounds = Block::new(self.grid.cell_bounds(brick));
             if self.hides(&bounds) {
                 self.stats.bricks_hidden += 1;
                 return;
             }
         }
-        for slot in scene.id_matrix().in_brick(brick) {
+        // In a loop that does little else, the processor waits for the memory of many objects at once.
+        open.retain(|&slot| scene.object(slot).is_shown(self.view));
+        for &slot in open.iter() {
             self.find(slot);
         }
         if volumes {

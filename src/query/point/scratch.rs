@@ -37,6 +37,8 @@ pub(crate) struct PointScratch {
     pub(super) bricks: Vec<IVec3>,
     /// Bricks of a shell with temporal bounding volumes that are not hidden.
     pub(super) volumes: Vec<IVec3>,
+    /// Undecided objects of a brick.
+    pub(super) open: Vec<u32>,
     /// Objects of a shell.
     pub(super) objects: Vec<Candidate>,
     /// Numbers that sort them by distance, with the place of each.
