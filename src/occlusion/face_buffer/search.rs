@@ -10,6 +10,14 @@ use crate::occlusion::pixels::Window;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, bits, block};
 
+/// A pixel that does not hide a point in it.
+struct OpenPixel {
+    pixel: (i64, i64),
+    /// The point's direction and nearness.
+    at: (f64, f64),
+    near: f64,
+}
+
 impl FaceBuffer {
     /// Calls `found` with each open pixel that a target may touch, until that returns true.
     pub(crate) fn uncovered(&self, target: &FaceTarget, mut found: impl FnMut(i64, i64, &Rect) -> bool) {
@@ -56,27 +64,27 @@ impl FaceBuffer {
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
     /// its owner.
     pub(crate) fn shows(&self, p: DVec3, owner: u32) -> bool {
-        self.open_pixel(p).is_some_and(|(pixel, (u, v), near)| {
+        self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             // Patches alone leave open few pixels that they hide, magnified.
             listed.is_empty()
-                || !self.patch_may_hide(pixel, below(near)) && self.is_before((u, v), near, listed, owner)
+                || !self.patch_may_hide(pixel, below(near)) && self.is_before(at, near, listed, owner)
         })
     }
 
     /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
     pub(crate) fn shows_plainly(&self, p: DVec3, owner: u32) -> bool {
-        self.open_pixel(p).is_some_and(|(pixel, (u, v), near)| {
+        self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             !self.patch_may_hide(pixel, below(near))
-                && self.halves.iter().all(|half| half.at(u, v) >= 0.0)
-                && self.is_before((u, v), near, listed, owner)
+                && self.halves.iter().all(|half| half.at(at.0, at.1) >= 0.0)
+                && self.is_before(at, near, listed, owner)
         })
     }
 
-    /// The pixel, direction and nearness of a point, in coordinates of the face, if the pixel does not hide it.
+    /// The pixel of a point, in coordinates of the face, if it does not hide the point.
     #[inline]
-    fn open_pixel(&self, p: DVec3) -> Option<((i64, i64), (f64, f64), f64)> {
+    fn open_pixel(&self, p: DVec3) -> Option<OpenPixel> {
         if !self.face.parallel && p.z <= 0.0 {
             return None;
         }
@@ -84,7 +92,7 @@ impl FaceBuffer {
         let (x, y) = self.window.pixel_at(u, v)?;
         let near = self.face.nearness_of(p.z);
         let hidden = self.coverage.hides_point(&self.window, (x, y), (u, v), below(near), near);
-        (!hidden).then_some(((x, y), (u, v), near))
+        (!hidden).then_some(OpenPixel { pixel: (x, y), at: (u, v), near })
     }
 
     /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
