@@ -42,6 +42,10 @@ fn mesh(&(middle, width, slope, seed): &Sheet) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     ((0..side * side).map(corner).collect(), triangles.collect())
 }
 
+/// Rays through an edge that two triangles share count for both: triangles are larger by this share of themselves, far more
+/// than the rounding of double precision.
+const SHARED: f64 = 1e-9;
+
 /// Whether the segment from the origin to a point passes a triangle (Möller & Trumbore 1997).
 fn passes(end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (e, f) = (b - a, c - a);
@@ -50,8 +54,7 @@ fn passes(end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let u = -a.dot(p) * inverse;
     let q = (-a).cross(e);
     let (v, t) = (end.dot(q) * inverse, f.dot(q) * inverse);
-    // Rays through a shared edge count for both triangles.
-    u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9 && (0.0..1.0).contains(&t)
+    u >= -SHARED && v >= -SHARED && u + v <= 1.0 + SHARED && (0.0..1.0).contains(&t)
 }
 
 /// The objects that a query with wide pixels finds, with so many patches drawn again.

@@ -111,7 +111,11 @@ fn doubt_means_visible() {
     for bad in [Vec3::NAN, Vec3::INFINITY, Vec3::new(16.0, f32::NAN, 24.0)] {
         assert!(sight.may_see_point(bad) && sight.may_see_box(&Aabb::new(behind, bad)));
     }
-    assert!(sight.may_see_box(&Aabb { min: behind + 1.0, max: behind }), "it is inverted");
+    let inverted = Aabb { min: behind + 1.0, max: behind };
+    assert!(sight.may_see_box(&inverted) && sight.may_see_bounds(&inverted.into()), "it is inverted");
+    for bad in [Sphere::new(Vec3::NAN, 1.0), Sphere::new(behind, f32::NAN), Sphere::new(behind, -1.0)] {
+        assert!(sight.may_see_bounds(&bad.into()), "{bad:?}");
+    }
     // What moved may have opened the view.
     scene.insert(ObjectDesc::fixed(Sphere::new(eye + 3.0, 1.0))).unwrap();
     let sight = query.sight(&scene).unwrap();

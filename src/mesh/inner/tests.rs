@@ -96,13 +96,17 @@ fn prepare((positions, triangles): Made, facing: Facing) -> TriMesh {
     TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
+/// A ray that passes an edge at less than this, as a product of three lengths of about 1, is not counted: roundings of
+/// double precision are a thousandth of it.
+const NEAR_EDGE: f64 = 1e-12;
+
 /// How often a mesh winds around a point, by the triangles that a ray passes; `None` if it comes close to an edge.
 fn winding_along(mesh: &TriMesh, from: DVec3, way: DVec3) -> Option<i32> {
     let mut sum = 0;
     for corners in mesh.all_corners() {
         let [a, b, c] = corners.map(|p| p - from);
         let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| way.dot(p.cross(q)));
-        if sides.iter().any(|s| s.abs() < 1e-12) {
+        if sides.iter().any(|s| s.abs() < NEAR_EDGE) {
             return None;
         }
         let normal = (b - a).cross(c - a);
