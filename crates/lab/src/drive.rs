@@ -46,8 +46,8 @@ struct Users {
 
 /// Makes shapes of the library.
 struct Shaper {
-    /// Meshes of instances are prepared once, with and without what hides; they are kept so that none takes the place
-    /// of another.
+    /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by address, and kept so that
+    /// no other mesh gets the same address.
     prepared: HashMap<(*const Mesh, bool), Prepared>,
     users: HashMap<*const Mesh, Users>,
     sharing: Sharing,

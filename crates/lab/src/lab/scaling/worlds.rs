@@ -31,7 +31,7 @@ const DISTANCE: f32 = 60.0;
 const OPENING: Vec2 = Vec2::new(0.95, 0.53);
 const FOV: f32 = 60.0;
 
-/// Spheres side by side on a shell around the eye, so that all of them are visible. They hide what is behind.
+/// Spheres side by side on a shell around the eye, so that all of them are visible. They are occluders.
 pub(super) fn shell(count: usize, seed: u64) -> World {
     let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x5e11);
     let rows = (count as f32 * OPENING.y / OPENING.x).sqrt().round().max(1.0) as usize;
