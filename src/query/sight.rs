@@ -85,8 +85,9 @@ impl Sight<'_> {
         self.may_see_box(&Aabb::new(point, point))
     }
 
-    /// Whether a point of some bounds can be seen; in doubt, yes, also of bounds that a scene would refuse. Tighter than their box, and slower: undecided bounds are
-    /// compared with the pixels that their own outline touches. Meshes are tested as one convex shape.
+    /// Whether a point of some bounds can be seen; in doubt, yes, also of bounds that a scene would refuse. Tighter than their
+    /// box, and slower: undecided bounds are compared with the pixels that their own outline touches. Meshes are tested as
+    /// one convex shape.
     pub fn may_see_bounds(&self, bounds: &Bounds) -> bool {
         if bounds.kind().check("bounds").is_err() {
             return true;
