@@ -7,6 +7,7 @@
 mod against;
 mod aggressive;
 pub mod buffer;
+pub mod coherence;
 mod contender;
 mod front;
 mod machine;
@@ -51,6 +52,7 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("thesis", thesis),
     ("upkeep", upkeep),
     ("scaling", scaling),
+    ("coherence", coherence::coherence),
     ("shadows", shadows),
     ("aggressive", aggressive),
 ];
