@@ -11,6 +11,7 @@ pub mod coherence;
 mod contender;
 mod front;
 mod machine;
+pub mod reach;
 mod report;
 mod scaling;
 mod section;
@@ -52,6 +53,7 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("thesis", thesis),
     ("upkeep", upkeep),
     ("scaling", scaling),
+    ("reach", reach::reach),
     ("coherence", coherence::coherence),
     ("shadows", shadows),
     ("aggressive", aggressive),

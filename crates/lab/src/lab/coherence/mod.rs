@@ -40,7 +40,8 @@ pub fn coherence(lab: &Lab) -> Result<Section, LabError> {
     }
     let mut section = Section::new("A walking camera");
     section.text(text(&scores));
-    section.table(table(&scores));
+    section.table(summary(&scores));
+    section.rows("All figures as CSV", table(&scores));
     Ok(section)
 }
 
@@ -52,11 +53,39 @@ fn text(scores: &[WalkScore]) -> String {
         "A person walks through each scene at 1.5 m/s and looks around, turning by at most 90 degrees a second, at 60 frames a second. The \
          scene stands still, but for spheres that float about (*movers*; every second one hides others). `fresh` runs a query of `point` in every \
          frame. `reuse` runs one for all eyes within some metres and for turns of some degrees (`View::with_reach`), and a new one once \
-         `Pvs::is_valid_for` says no; it is left out where something moves, since a visible object that moves ends the validity of every set. Columns are over \
-         those of `fresh` in the same run; *update* is the time of `begin_frame`, `update` and `end_frame`. Sets count in the frustum of the frame. **Of {} sets \
+         `Pvs::is_valid_for` says no; it is left out where something moves, since a visible object that moves ends the validity of every set. Cells give, over \
+         those of `fresh` in the same run: the mean time of a frame, its 99th percentile, and the objects of the set that are in the frustum of the frame. **Of {} sets \
          compared with exact visibility, {lost} visible objects.**",
         grouped(judged)
     )
+}
+
+/// A row for each walk, and a column for each way.
+fn summary(scores: &[WalkScore]) -> Table {
+    let mut names: Vec<&str> = Vec::new();
+    for way in scores.iter().flat_map(|s| s.ways.iter().skip(1)) {
+        if !names.contains(&way.name.as_str()) {
+            names.push(&way.name);
+        }
+    }
+    let first = ["scene", "movers", "visible", "fresh, ms", "fresh, p99, ms", "fresh, PVS/visible"];
+    let columns: Vec<&str> = first.into_iter().chain(names.iter().copied()).collect();
+    let mut table = Table::new("coherence-summary", &columns);
+    for score in scores {
+        let Some(fresh) = score.ways.first() else { continue };
+        let first = [score.scene.clone(), score.movers.to_string(), format!("{:.1}", score.visible)];
+        let times =
+            [fresh.ms.mean, fresh.ms.p99, fresh.found / score.visible.max(1.0)].map(|v| format!("{v:.2}"));
+        let cells = names.iter().map(|&name| match score.ways.iter().find(|w| w.name == name) {
+            Some(way) => {
+                let time = way.ms.over(&fresh.ms);
+                format!("{:.2}, {:.2}, {:.2}", time.mean, time.p99, way.found / fresh.found.max(1.0))
+            }
+            None => "-".to_owned(),
+        });
+        table.row(first.into_iter().chain(times).chain(cells));
+    }
+    table
 }
 
 /// A row for each way of each walk.
@@ -108,8 +137,9 @@ mod tests {
                 assert!(way.found >= score.visible && way.found >= score.ways[0].found, "{way:?}");
                 assert!(way.ms.mean > 0.0 && way.ms.p99 >= way.ms.median);
             }
-            let rows = table(&[score]).rows;
+            let rows = table(std::slice::from_ref(&score)).rows;
             assert!(rows.iter().all(|r| r[9] == "0") && rows[0][4] == "1.000");
+            assert_eq!(summary(&[score]).columns.len(), 6 + rows.len() - 1);
         }
     }
 }
