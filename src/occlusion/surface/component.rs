@@ -49,11 +49,11 @@ pub(super) fn draw_component(
             useful.push(s.drawable);
         }
     }
-    if let Some(joint) = joint {
-        if cover_seams(buffer, joint) {
-            changed = true;
-            useful.extend(members().map(|s| s.drawable));
-        }
+    if let Some(joint) = joint
+        && cover_seams(buffer, joint)
+    {
+        changed = true;
+        useful.extend(members().map(|s| s.drawable));
     }
     changed
 }

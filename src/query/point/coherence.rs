@@ -9,7 +9,7 @@
 //! 3. An object that the last view could have seen, that it did not see, and that is not hidden yet, is suspicious: those
 //!    that wait before such objects are drawn now.
 //! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once: their open
-//!    pixels are examined in every [`TURN`]th run only. All others are examined as ever.
+//!    pixels are examined in every sixteenth run only. All others are examined as ever.
 //!
 //! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an object in the set, and
 //! hides nothing.
@@ -18,34 +18,10 @@ use crate::geometry::Block;
 use crate::occlusion::examine::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
-use crate::occlusion::surface::by_patch::ByPatch;
 use crate::query::point::Walk;
 use crate::query::point::occluders::NOBODY;
+use crate::query::point::recall::{Coherence, Recall, Usage};
 use crate::query::point::scratch::Candidate;
-use crate::view::View;
-
-/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many runs: each in its turn.
-const TURN: u32 = 16;
-
-/// The use of an occluder in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Usage {
-    /// It was not looked at.
-    #[default]
-    Unknown,
-    /// It hid nothing that others did not hide nearer.
-    Idle,
-    Useful,
-    /// A group of patches of which the parts were looked at, one by one.
-    Parts,
-}
-
-/// The use of an occluder in the run of a number.
-#[derive(Debug, Clone, Copy, Default)]
-struct Recall {
-    run: u32,
-    usage: Usage,
-}
 
 /// How a patch takes part in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,97 +32,6 @@ pub(super) enum Role {
     InParts,
     /// Not now: it was drawn, or it waits.
     None,
-}
-
-/// The memory of coherent queries.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Coherence {
-    /// The tag of the scene.
-    scene: u32,
-    /// The number of this run; 0 before the first.
-    run: u32,
-    /// The view of the last run.
-    view: Option<View>,
-    /// By slot: convex occluders, and solids in place of meshes.
-    solids: Vec<Recall>,
-    /// By number in the scene.
-    patches: ByPatch<Recall>,
-    /// By slot: the last run that found the object visible.
-    seen: Vec<u32>,
-    /// Of the last run, slots.
-    useful_solids: Vec<u32>,
-    /// Of the last run, slots and patches.
-    useful_patches: Vec<(u32, u32)>,
-    /// Solids drawn in this run, and whether they hid more than before.
-    drawn_solids: Vec<(u32, bool)>,
-    /// For the patches drawn in this run, in order of first drawing, whether they hid more than before.
-    changed: Vec<bool>,
-    /// Where faces see those patches. The index is that in order of first drawing.
-    sights: Vec<Sighting>,
-    waiting_solids: Vec<u32>,
-    waiting_patches: Vec<(u32, u32)>,
-    /// Slots of objects that came into sight, though the last view could have seen them.
-    suspicious: Vec<u32>,
-}
-
-impl Coherence {
-    /// Forgets all runs.
-    pub(crate) fn reset(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Begins a run for a scene with so many slots and patches.
-    pub(super) fn begin(&mut self, scene: u32, slots: usize, patches: usize) {
-        if self.scene != scene || self.run == u32::MAX {
-            self.reset();
-            self.scene = scene;
-        }
-        self.run += 1;
-        self.solids.resize(slots.max(self.solids.len()), Recall::default());
-        self.seen.resize(slots.max(self.seen.len()), 0);
-        self.patches.grow(patches);
-        self.drawn_solids.clear();
-        self.changed.clear();
-        self.sights.clear();
-        self.waiting_solids.clear();
-        self.waiting_patches.clear();
-    }
-
-    /// Whether the turn of a slot or patch comes in this run.
-    fn is_turn(&self, number: u32) -> bool {
-        number.wrapping_add(self.run) % TURN == 0
-    }
-
-    /// Whether a solid need not be drawn now: it was, or it waits.
-    fn waits(&mut self, slot: u32) -> bool {
-        let Recall { run, usage } = self.solids[slot as usize];
-        if run == self.run {
-            return true;
-        }
-        let waits = run + 1 == self.run && usage == Usage::Idle && !self.is_turn(slot);
-        if waits {
-            self.waiting_solids.push(slot);
-        }
-        waits
-    }
-
-    /// Notes that a solid was drawn, and whether it hid more than before.
-    fn drew_solid(&mut self, slot: u32, changed: bool) {
-        self.solids[slot as usize] = Recall { run: self.run, usage: Usage::Unknown };
-        self.drawn_solids.push((slot, changed));
-    }
-
-    /// Whether the last run took an object that was in its view for hidden.
-    fn hid(&self, candidate: &Candidate) -> bool {
-        let in_view = |block| self.view.as_ref().is_some_and(|view| view.may_see_block(block));
-        !self.saw(candidate.id.slot) && candidate.block.as_ref().is_some_and(in_view)
-    }
-
-    /// Whether the last run found an object visible.
-    fn saw(&self, slot: u32) -> bool {
-        let run = self.seen[slot as usize];
-        run > 0 && run + 1 == self.run
-    }
 }
 
 impl<'a> Walk<'a> {
@@ -265,7 +150,7 @@ impl<'a> Walk<'a> {
                 self.stats.occlusion_tests += 1;
                 return !candidate.block.is_some_and(|block| self.hides(&block));
             }
-            let was_hidden = coherence.hid(candidate);
+            let was_hidden = coherence.hid(slot, candidate.block.as_ref());
             let seen = !self.examine(candidate, left);
             if seen && was_hidden {
                 suspicious.push(slot);

@@ -4,7 +4,7 @@
 //! tested before the objects in it ([`bricks`]), an object before it is drawn as an occluder ([`objects`],
 //! [`occluders`], [`surfaces`]), and the walk ends when every pixel is closed. Objects that were found visible are
 //! tested once more when all occluders are drawn, so that the order matters for speed only; undecided pixels are
-//! refined ([`decide`]).
+//! refined ([`decide`]). Runs may build on the one before ([`coherence`]).
 
 mod bricks;
 mod coherence;
@@ -12,6 +12,7 @@ mod decide;
 mod drawables;
 mod objects;
 mod occluders;
+mod recall;
 pub(crate) mod scratch;
 mod surfaces;
 mod volumes;

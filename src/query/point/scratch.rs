@@ -7,7 +7,7 @@ use crate::id::ObjectId;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
-use crate::query::point::coherence::Coherence;
+use crate::query::point::recall::Coherence;
 
 /// How a patch was drawn.
 #[derive(Debug, Clone, Copy, Default)]
