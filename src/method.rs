@@ -176,6 +176,12 @@ pub struct PointOptions {
     /// objects undecided, in a whole query. 0 turns it off. The order of objects matters as for
     /// [`PointOptions::refine_budget`]. Default: 3,000.
     pub refine_patches: u32,
+    /// Whether a run begins with the occluders that were of use in the last run of the same query, and leaves out others
+    /// until something comes into sight that the last run did not find. For cameras that move little from frame to frame
+    /// this costs a fraction of a run that knows nothing. Sets are a few percent larger, since objects that were visible
+    /// are examined in every eighth run only; they depend on the runs before, down to [`crate::Query::reset`]. Default:
+    /// false.
+    pub coherent: bool,
 }
 
 impl Default for PointOptions {
@@ -218,6 +224,7 @@ impl PointOptions {
             refine_depth: 6,
             refine_budget: 1 << 16,
             refine_patches: 3000,
+            coherent: false,
         }
     }
 
@@ -274,6 +281,13 @@ impl PointOptions {
     #[must_use]
     pub const fn refine_patches(mut self, patches: u32) -> Self {
         self.refine_patches = patches;
+        self
+    }
+
+    /// Sets [`PointOptions::coherent`].
+    #[must_use]
+    pub const fn coherent(mut self, coherent: bool) -> Self {
+        self.coherent = coherent;
         self
     }
 

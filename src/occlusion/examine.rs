@@ -106,7 +106,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
     /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
     /// magnified before.
     fn compare(
-        &self,
+        &mut self,
         search: &mut Search,
         target: &Target,
         face: usize,
@@ -119,7 +119,13 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let own = std::mem::replace(&mut search.squares, COMPARED);
         let listed = buffer.occluders().list(buffer.occluders().index(x, y));
         let few = search.contest((self.buffers, target), listed, rect, FEW);
-        let hidden = few.map(|few| search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few));
+        let hidden = few.map(|few| {
+            let hidden = search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few);
+            if hidden {
+                self.magnifier.used.solids.extend(few.owners());
+            }
+            hidden
+        });
         search.squares = own;
         hidden.filter(|&hidden| hidden || !search.is_cut_short())
     }
@@ -166,7 +172,11 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             return false;
         }
         let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
-        contest.is_some_and(|contest| search.is_covered(&pixel, &contest))
+        let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
+        if let Some(contest) = &contest {
+            self.magnifier.used.solids.extend(contest.owners());
+        }
+        contest.is_some()
     }
 }
 

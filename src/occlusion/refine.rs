@@ -43,6 +43,13 @@ pub(crate) struct Contest<'a> {
     target: Silhouette,
 }
 
+impl Contest<'_> {
+    /// The objects of the occluders.
+    pub(crate) fn owners(&self) -> impl Iterator<Item = u32> {
+        self.candidates.iter().map(|candidate| candidate.drawn.owner)
+    }
+}
+
 /// A pixel, and its finer pixels that are open.
 pub(crate) struct Pixel<'a> {
     /// The window of finer pixels.

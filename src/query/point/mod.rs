@@ -4,13 +4,15 @@
 //! tested before the objects in it ([`bricks`]), an object before it is drawn as an occluder ([`objects`],
 //! [`occluders`], [`surfaces`]), and the walk ends when every pixel is closed. Objects that were found visible are
 //! tested once more when all occluders are drawn, so that the order matters for speed only; undecided pixels are
-//! refined ([`decide`]).
+//! refined ([`decide`]). Runs may build on the one before ([`coherence`]).
 
 mod bricks;
+mod coherence;
 mod decide;
 mod drawables;
 mod objects;
 mod occluders;
+mod recall;
 pub(crate) mod scratch;
 mod surfaces;
 mod volumes;
@@ -59,6 +61,8 @@ pub(crate) struct Walk<'a> {
     begins: Option<ShellBegins>,
     /// Only the objects before these boxes are asked for.
     receivers: Option<&'a [Block]>,
+    /// Whether the run uses the memory of the last one.
+    coherent: bool,
     stats: Stats,
 }
 
@@ -93,6 +97,9 @@ impl<'a> Walk<'a> {
     ) -> Self {
         marks.begin(scene.slot_count());
         scratch.begin(scene.seams().patches(), marks.epoch());
+        if options.coherent {
+            scratch.coherence.begin(scene.tag(), scene.slot_count(), scene.seams().patches());
+        }
         let (min, max) = scene.extent();
         let grid = scene.grid().bricks();
         let cut: Vec<(View, Block)> = view.cut_regions(min, max).collect();
@@ -113,12 +120,14 @@ impl<'a> Walk<'a> {
             begins: around.as_ref().map(|shells| shells.begins(&grid)),
             around,
             receivers: None,
+            coherent: options.coherent,
             stats: Stats::default(),
         }
     }
 
     /// Leaves out objects that lie before none of the receivers.
     pub(crate) fn with_receivers(mut self, receivers: Option<&'a [Block]>) -> Self {
+        self.coherent &= receivers.is_none();
         self.receivers = receivers;
         self
     }
@@ -131,6 +140,9 @@ impl<'a> Walk<'a> {
             self.scratch.buffers.keep_before(receivers, self.view.is_ordered());
         }
         self.stats.pixels = self.scratch.buffers.pixels();
+        if self.coherent {
+            self.draw_useful();
+        }
         for &slot in self.scene.always() {
             self.find(slot);
         }
@@ -148,6 +160,9 @@ impl<'a> Walk<'a> {
         }
         self.test_outer_volumes();
         self.decide();
+        if self.coherent {
+            self.remember();
+        }
         self.pvs.stats = self.stats;
     }
 

@@ -16,7 +16,7 @@ use crate::view::cut::may_start_in;
 const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
-const NOBODY: u32 = u32::MAX;
+pub(super) const NOBODY: u32 = u32::MAX;
 
 /// A mesh is drawn in patches if its radius exceeds that of the solid inside it by more pixels than this. Narrower rims
 /// hide less than the pixels that the outlines of patches touch.
@@ -54,7 +54,8 @@ impl Walk<'_> {
         let buffers = &mut self.scratch.buffers;
         if let Some(solid) = solid(occluder, buffers) {
             self.stats.occluders_drawn += 1;
-            self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+            let changed = buffers.draw(solid, slot);
+            self.drew_solid(slot, changed);
         }
     }
 
@@ -86,7 +87,8 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
-        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+        let changed = buffers.draw(solid, slot);
+        self.drew_solid(slot, changed);
         true
     }
 
@@ -105,7 +107,8 @@ impl Walk<'_> {
         let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction())) else {
             return false;
         };
-        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+        let changed = buffers.draw(solid, slot);
+        self.drew_solid(slot, changed);
         true
     }
 

@@ -7,6 +7,7 @@ use crate::id::ObjectId;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
+use crate::query::point::recall::Coherence;
 
 /// How a patch was drawn.
 #[derive(Debug, Clone, Copy, Default)]
@@ -53,6 +54,7 @@ pub(crate) struct PointScratch {
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
     pub(super) magnifier: Magnifier,
+    pub(crate) coherence: Coherence,
 }
 
 impl PointScratch {
