@@ -177,7 +177,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         if search.squares == 0 {
             return false;
         }
-        let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
+        let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);
         contest.is_some_and(|contest| search.is_covered(&pixel, &contest))
     }
 }
