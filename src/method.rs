@@ -133,7 +133,8 @@ impl CellOptions {
 
 /// Options of [`Method::Point`]. Each trades speed for tightness; none of them can hide an object that can be seen.
 ///
-/// Three sets of them have names: [`PointOptions::fast`], [`PointOptions::balanced`] and [`PointOptions::tight`].
+/// Three sets of them have names, from the fastest to the one with the smallest sets: [`PointOptions::fast`],
+/// [`PointOptions::balanced`] and [`PointOptions::tight`].
 ///
 /// ```
 /// use casca::{Method, PointOptions, Query};
@@ -164,7 +165,8 @@ pub struct PointOptions {
     /// angle first. Default: no limit.
     pub max_occluders: u32,
     /// The most squares of directions that are examined again for one object that only undecided pixels
-    /// show. 0 takes such objects for visible. Default: 256.
+    /// show. 0 takes such objects for visible. More than the default also allow an object more undecided pixels, in
+    /// proportion, before it is taken for visible. Default: 256.
     pub refine_squares: u32,
     /// How often an undecided pixel is halved, up to 16. Default: 6.
     pub refine_depth: u32,
@@ -191,8 +193,9 @@ impl Default for PointOptions {
 }
 
 impl PointOptions {
-    /// The least work: pixels of the default size decide, and nothing is examined again. Saves most, and keeps most hidden
-    /// objects, where those are smaller than a few pixels; the report of the laboratory has figures for each of its scenes.
+    /// The least time, and the largest sets: pixels of the default size decide, and nothing is examined again. Saves most,
+    /// and keeps most hidden objects, where those are smaller than a few pixels; the report of the laboratory has figures
+    /// for each of its scenes.
     pub const fn fast() -> Self {
         Self::new().refine_squares(0).refine_patches(0)
     }
@@ -202,8 +205,9 @@ impl PointOptions {
         Self::new()
     }
 
-    /// The tightest sets: pixels of 0.09 degrees, and larger budgets. Costs more than [`PointOptions::balanced`] nearly
-    /// everywhere. Where thousands of boxes are smaller than a pixel, the finer pixels save more than they cost.
+    /// The smallest sets, and the most time: pixels of 0.09 degrees, and larger budgets. Where thousands of boxes are
+    /// smaller than a pixel, it costs little more than [`PointOptions::balanced`], since finer pixels leave fewer of them
+    /// undecided.
     pub const fn tight() -> Self {
         Self::new()
             .pixel_degrees(0.09)

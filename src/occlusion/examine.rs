@@ -25,6 +25,13 @@ pub(crate) struct Effort {
     pub(crate) depth: u32,
 }
 
+impl Effort {
+    /// The most open pixels of a target on one face, if `most` are for the default squares.
+    fn pixels(&self, most: usize) -> usize {
+        most.max(most.saturating_mul(self.squares as usize) / SQUARES as usize)
+    }
+}
+
 /// The work that a query may still do. Targets that come after it is used up are less well examined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Budget {
@@ -38,11 +45,15 @@ pub(crate) struct Budget {
 const DIRECTIONS: u32 = 8;
 
 /// A target with more open pixels than this on one face is taken to be visible, even if none of them shows it for
-/// certain.
+/// certain. With many squares, [`SQUARES`] decides.
 const PIXELS: usize = 64;
 
 /// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
 const PATCHED: usize = 12;
+
+/// These squares for one target allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
+/// finer pixels that go with more squares are also more in number for the same part of a target.
+const SQUARES: u32 = 256;
 
 /// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
 /// which would cost more.
@@ -138,6 +149,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let mut open = SmallVec::new();
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
+        let (most, most_patched) = (self.effort.pixels(PIXELS), self.effort.pixels(PATCHED));
         buffer.uncovered(on_face, |x, y, rect| {
             let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
             if tries < DIRECTIONS && on_face.silhouette.holds(u, v) {
@@ -146,8 +158,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             }
             open.push((x, y, *rect));
             let patched =
-                open.len() > PATCHED && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
-            seen |= patched || open.len() > PIXELS;
+                open.len() > most_patched && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
+            seen |= patched || open.len() > most;
             seen
         });
         (!seen).then_some(open)
@@ -171,7 +183,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         if search.squares == 0 {
             return false;
         }
-        let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
+        let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);
         let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
         if let Some(contest) = &contest {
             self.magnifier.used.solids.extend(contest.owners());

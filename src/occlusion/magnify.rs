@@ -314,7 +314,7 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
     let rect = buffer.window().rect(pixels);
     let first = found.len();
     buffer.occluders().for_around(pixels, |listed| {
-        if buffer.drawn(listed).silhouette.touches(&rect) {
+        if listed.rect.overlaps(&rect) && buffer.drawn(listed).silhouette.touches(&rect) {
             found.push(*listed);
         }
     });

@@ -20,19 +20,8 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::Walk;
 use crate::query::point::occluders::NOBODY;
-use crate::query::point::recall::{Coherence, Recall, Usage};
+use crate::query::point::recall::{Coherence, Recall, Role, Usage};
 use crate::query::point::scratch::Candidate;
-
-/// How a patch takes part in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
-    /// As if there had been no run before.
-    Fresh,
-    /// As parts, if it has any.
-    InParts,
-    /// Not now: it was drawn, or it waits.
-    None,
-}
 
 impl<'a> Walk<'a> {
     /// Draws the occluders that were of use in the last run.
@@ -80,8 +69,11 @@ impl<'a> Walk<'a> {
 
     /// Draws the occluder of an object in sight, unless it waits.
     pub(super) fn offer(&mut self, slot: u32) {
-        if !(self.coherent && self.scratch.coherence.waits(slot)) {
-            self.draw(slot);
+        let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
+        match role {
+            Role::Fresh | Role::InParts => self.draw(slot),
+            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
+            Role::Waits | Role::Drawn => {}
         }
     }
 
@@ -99,19 +91,9 @@ impl<'a> Walk<'a> {
             return Role::Fresh;
         }
         if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
-            return Role::None;
+            return Role::Drawn;
         }
-        let coherence = &mut self.scratch.coherence;
-        let Recall { run, usage } = coherence.patches.get(number);
-        match usage {
-            _ if run == 0 || run + 1 != coherence.run => Role::Fresh,
-            Usage::Parts => Role::InParts,
-            Usage::Idle if !coherence.is_turn(number) => {
-                coherence.waiting_patches.push((slot, patch));
-                Role::None
-            }
-            _ => Role::Fresh,
-        }
+        self.scratch.coherence.patch(slot, patch, number)
     }
 
     /// Notes that the parts of a group were looked at.

@@ -28,6 +28,19 @@ pub(super) struct Recall {
     pub(super) usage: Usage,
 }
 
+/// How an occluder takes part in a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// As if there had been no run before.
+    Fresh,
+    /// A group of patches: as parts.
+    InParts,
+    /// It was drawn before.
+    Drawn,
+    /// It is drawn only if something comes into sight behind it.
+    Waits,
+}
+
 /// The memory of coherent queries.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Coherence {
@@ -87,17 +100,34 @@ impl Coherence {
         number.wrapping_add(self.run).is_multiple_of(TURN)
     }
 
-    /// Whether a solid need not be drawn now: it was, or it waits.
-    pub(super) fn waits(&mut self, slot: u32) -> bool {
+    /// How a solid takes part in this run. One that waits is listed.
+    pub(super) fn solid(&mut self, slot: u32) -> Role {
         let Recall { run, usage } = self.solids[slot as usize];
         if run == self.run {
-            return true;
+            return Role::Drawn;
         }
-        let waits = run + 1 == self.run && usage == Usage::Idle && !self.is_turn(slot);
-        if waits {
+        if run + 1 == self.run && usage == Usage::Idle && !self.is_turn(slot) {
             self.waiting_solids.push(slot);
+            return Role::Waits;
         }
-        waits
+        Role::Fresh
+    }
+
+    /// How a patch that was not drawn in this run takes part in it, by its object and its number in the scene. One that waits
+    /// is listed.
+    pub(super) fn patch(&mut self, slot: u32, patch: u32, number: u32) -> Role {
+        let Recall { run, usage } = self.patches.get(number);
+        if run == 0 || run + 1 != self.run {
+            return Role::Fresh;
+        }
+        match usage {
+            Usage::Parts => Role::InParts,
+            Usage::Idle if !self.is_turn(number) => {
+                self.waiting_patches.push((slot, patch));
+                Role::Waits
+            }
+            _ => Role::Fresh,
+        }
     }
 
     /// Notes that a solid was drawn, and whether it hid more than before.

@@ -6,8 +6,8 @@ use crate::geometry::Block;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
-use crate::query::point::coherence::Role;
 use crate::query::point::drawables::Source;
+use crate::query::point::recall::Role;
 use crate::query::point::scratch::DrawnPatch;
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
@@ -112,7 +112,7 @@ impl<'a> Walk<'a> {
         // Groups come before their parts.
         while number < patches[whole as usize].next {
             let role = self.role(slot, number, source.place.base + number);
-            if role == Role::None {
+            if matches!(role, Role::Drawn | Role::Waits) {
                 number = patches[number as usize].next;
                 continue;
             }
