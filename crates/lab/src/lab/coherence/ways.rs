@@ -1,6 +1,6 @@
 //! Ways to know the visible objects of every frame.
 
-use casca::{Method, Plane, Pvs, Query, Scene, View};
+use casca::{Method, Plane, PointOptions, Pvs, Query, Scene, View};
 use glam::Vec3;
 
 use super::super::LabError;
@@ -36,7 +36,10 @@ pub trait Way {
 /// # Errors
 /// If the library refuses the options of one.
 pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
-    let mut all: Vec<Box<dyn Way>> = vec![Box::new(Fresh::new()?)];
+    let mut all: Vec<Box<dyn Way>> = vec![
+        Box::new(EveryFrame::new("fresh", PointOptions::new())?),
+        Box::new(EveryFrame::new("coherent", PointOptions::new().coherent(true))?),
+    ];
     // A visible object that moves ends the validity of any set.
     if movers == 0 {
         for (reach, turn) in [(0.05, 3.0), (0.1, 6.0), (0.25, 15.0)] {
@@ -47,26 +50,29 @@ pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
 }
 
 /// A query in every frame.
-struct Fresh(Query);
+struct EveryFrame {
+    name: &'static str,
+    query: Query,
+}
 
-impl Fresh {
-    fn new() -> Result<Self, LabError> {
-        Ok(Self(Query::with_method(Method::point())?))
+impl EveryFrame {
+    fn new(name: &'static str, options: PointOptions) -> Result<Self, LabError> {
+        Ok(Self { name, query: Query::with_method(Method::Point(options))? })
     }
 }
 
-impl Way for Fresh {
+impl Way for EveryFrame {
     fn name(&self) -> String {
-        "fresh".to_owned()
+        self.name.to_owned()
     }
 
     fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
-        self.0.run(scene, frame.view);
+        self.query.run(scene, frame.view);
         Ok(())
     }
 
     fn pvs(&self) -> &Pvs {
-        self.0.pvs()
+        self.query.pvs()
     }
 }
 
