@@ -36,9 +36,10 @@ pub trait Way {
 /// # Errors
 /// If the library refuses the options of one.
 pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
+    let options = PointOptions::default();
     let mut all: Vec<Box<dyn Way>> = vec![
-        Box::new(EveryFrame::new("fresh", PointOptions::new())?),
-        Box::new(EveryFrame::new("coherent", PointOptions::new().coherent(true))?),
+        Box::new(EachFrame::new("fresh", options)?),
+        Box::new(EachFrame::new("coherent", options.coherent(true))?),
     ];
     // A visible object that moves ends the validity of any set.
     if movers == 0 {
@@ -49,19 +50,19 @@ pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
     Ok(all)
 }
 
-/// A query in every frame.
-struct EveryFrame {
+/// A query that runs in every frame.
+struct EachFrame {
     name: &'static str,
     query: Query,
 }
 
-impl EveryFrame {
+impl EachFrame {
     fn new(name: &'static str, options: PointOptions) -> Result<Self, LabError> {
         Ok(Self { name, query: Query::with_method(Method::Point(options))? })
     }
 }
 
-impl Way for EveryFrame {
+impl Way for EachFrame {
     fn name(&self) -> String {
         self.name.to_owned()
     }
