@@ -14,6 +14,7 @@ mod report;
 mod scaling;
 mod section;
 mod shadows;
+pub mod sight;
 mod stability;
 mod stage;
 mod thesis;
@@ -51,6 +52,7 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("thesis", thesis),
     ("upkeep", upkeep),
     ("scaling", scaling),
+    ("sight", sight::sight),
     ("shadows", shadows),
     ("aggressive", aggressive),
 ];

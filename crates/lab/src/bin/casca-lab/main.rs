@@ -2,7 +2,7 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `sight` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
@@ -13,6 +13,8 @@ mod progress;
 mod report;
 #[cfg(feature = "experiments")]
 mod scaling;
+#[cfg(feature = "experiments")]
+mod sight;
 #[cfg(feature = "experiments")]
 mod tradeoff;
 mod walk;
@@ -34,7 +36,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
     "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
      methods and settings\n  buffer    Times a \
      sampled occlusion buffer, beside the default method\n  scaling   Charts times and memory by objects, \
-     triangles, pixels and threads\n  report    Runs the experiments and writes the report\n\n"
+     triangles, pixels and threads\n  sight     Times questions about boxes and points\n  report    Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -57,6 +59,8 @@ enum Command {
     Buffer(buffer::Options),
     #[cfg(feature = "experiments")]
     Scaling(scaling::Options),
+    #[cfg(feature = "experiments")]
+    Sight(sight::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -82,6 +86,8 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Scaling(options) => scaling::run(options),
             #[cfg(feature = "experiments")]
+            Self::Sight(options) => sight::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -104,7 +110,7 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in ["walk", "tradeoff", "buffer", "scaling", "report", "prepare", "level"] {
+        for name in ["walk", "tradeoff", "buffer", "scaling", "sight", "report", "prepare", "level"] {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");
