@@ -6,9 +6,9 @@ use glam::Vec3;
 use super::questions::questions;
 use crate::baselines::NineRays;
 use crate::drive::view_of;
+use crate::lab::buffer::least;
 use crate::lab::walker::{Snapshot, Walker};
 use crate::lab::{LabError, median};
-use crate::measure::timed;
 use crate::oracle::{Frustum, RayOracle};
 use crate::world::{Motion, Object, Shape, World};
 
@@ -21,7 +21,7 @@ pub struct Effort {
     pub questions: usize,
     /// Exact rays to a box, at most.
     pub samples: usize,
-    /// Times that the questions of a frame are asked; the least time counts.
+    /// Times that the query of a frame is run and its questions are asked; the least time counts.
     pub repeats: usize,
     /// Seed of the questions.
     pub seed: u64,
@@ -32,7 +32,7 @@ pub struct Effort {
 pub struct SightCost {
     /// The scene's name.
     pub scene: String,
-    /// Milliseconds of the query whose buffers are asked, the median of the frames.
+    /// Milliseconds of the query whose buffers are asked: the least of some runs, the median of the frames.
     pub query_ms: f64,
     /// Nanoseconds of a question about a box, likewise.
     pub box_ns: f64,
@@ -77,13 +77,11 @@ impl SightCost {
 /// The answers to some questions, and the nanoseconds that each took: the least of some runs.
 fn ask<T>(questions: &[T], repeats: usize, answer: impl Fn(&T) -> bool) -> (Vec<bool>, f64) {
     let mut answers = Vec::with_capacity(questions.len());
-    let mut best = f64::INFINITY;
-    for _ in 0..repeats.max(1) {
+    let seconds = least(repeats, || {
         answers.clear();
-        let ((), time) = timed(|| answers.extend(questions.iter().map(&answer)));
-        best = best.min(time.as_secs_f64());
-    }
-    (answers, best * 1e9 / questions.len().max(1) as f64)
+        answers.extend(questions.iter().map(&answer));
+    });
+    (answers, seconds * 1e9 / questions.len().max(1) as f64)
 }
 
 /// The exact visibility of a scene's questions.
@@ -151,14 +149,16 @@ pub fn measure(
         let [boxes_shown, points_shown] = truth.of(objects, frame, &boxes, &points);
 
         let view = view_of(&frame.camera)?;
-        let (_, time) = timed(|| query.run(scene, &view).len());
+        let query_s = least(effort.repeats, || {
+            query.run(scene, &view);
+        });
         let sight = query.sight(scene).ok_or("the query has not run")?;
         let (seen, box_ns) = ask(&boxes, effort.repeats, |b| sight.may_see_box(b));
         let (seen_points, point_ns) = ask(&points, effort.repeats, |&p| sight.may_see_point(p));
         let eye = frame.camera.eye;
         let (reached, nine_ns) = ask(&boxes, effort.repeats, |b| nine.sees_box(eye, b.min, b.max));
 
-        times.query.push(time.as_secs_f64() * 1e3);
+        times.query.push(query_s * 1e3);
         times.boxes.push(box_ns);
         times.points.push(point_ns);
         times.rays.push(nine_ns);
