@@ -5,9 +5,9 @@ use casca::internals::{
 };
 use casca::{
     Aabb, AggressiveOpacity, Bounds, CellOptions, Convex, DrawItem, DrawOptions, Error, Facing, FileError,
-    FrameReport, Grid, GridSpec, Instance, MemoryUse, MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId,
-    ObjectRef, Occluder, Plane, PointOptions, Pvs, PvsChanges, Query, Reports, Scene, Sphere, Stats, TriMesh,
-    View,
+    FrameReport, Grid, GridSpec, Instance, KeptJob, KeptOptions, KeptQuery, KeptResult, MemoryUse,
+    MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId, ObjectRef, Occluder, Plane, PointOptions, Pvs,
+    PvsChanges, Query, Reports, Scene, Sphere, Stats, TriMesh, View,
 };
 use glam::camera::rh::{proj, view::look_at_mat4};
 use glam::{UVec3, Vec3};
@@ -48,6 +48,10 @@ fn every_public_type_crosses_threads() {
         GridSpec,
         IdMatrix,
         Instance,
+        KeptJob,
+        KeptOptions,
+        KeptQuery,
+        KeptResult,
         MemoryUse,
         MeshOptions,
         Method,

@@ -8,10 +8,10 @@ use std::f32::consts::PI;
 use casca::{Error, Method, Plane, PointOptions, Query, Sphere, View};
 use casca_lab::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use proptest::prelude::*;
 
-use crate::worlds::{SIZE, Solid, World, camera, point, solid, steps, target};
+use crate::worlds::{SIZE, Solid, World, camera, planes_of, point, solid, steps, target};
 
 /// A camera of a test: field of view, aspect, near and far distance.
 #[derive(Debug, Clone, Copy)]
@@ -31,18 +31,6 @@ impl Lens {
     fn view(&self, eye: Vec3, rotation: Quat) -> View {
         View::perspective(eye, self.matrix(eye, rotation)).unwrap()
     }
-}
-
-/// The half-spaces of a matrix, moved inwards by more than its rounding.
-fn planes_of(matrix: Mat4) -> Vec<(DVec3, f64)> {
-    let m: DMat4 = matrix.as_dmat4();
-    let (x, y, z, w) = (m.row(0), m.row(1), m.row(2), m.row(3));
-    [w + x, w - x, w + y, w - y, z, w - z]
-        .map(|plane| {
-            let length = plane.truncate().length();
-            (plane.truncate() / length, plane.w / length - 1e-4)
-        })
-        .to_vec()
 }
 
 fn lens() -> impl Strategy<Value = Lens> {

@@ -70,6 +70,21 @@ impl OcclusionBuffers {
         self.pixels = pixels;
     }
 
+    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders in them: refinement
+    /// and tests of single points need the buffers themselves.
+    pub(crate) fn copy_coverage(&mut self, from: &Self) {
+        self.shadows.clear();
+        (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
+        (self.direction, self.nearest, self.pixels) = (from.direction, from.nearest, from.pixels);
+        self.faces.truncate(from.faces.len());
+        for (i, face) in from.faces.iter().enumerate() {
+            if self.faces.len() == i {
+                self.faces.push(FaceBuffer::new(*face.face()));
+            }
+            self.faces[i].copy_coverage(face);
+        }
+    }
+
     /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the options ask for.
     pub(crate) fn pixel_angle(&self) -> f64 {
         FRAC_PI_2 / self.pixels as f64

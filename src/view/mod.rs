@@ -4,6 +4,7 @@ mod cone;
 pub(crate) mod cut;
 mod eye;
 mod matrix;
+pub(crate) mod motion;
 mod region;
 mod sees;
 #[cfg(test)]
@@ -246,16 +247,21 @@ impl View {
     ///
     /// # Errors
     /// Refuses a reach that is negative or not finite.
-    pub fn with_reach(mut self, reach: f32) -> Result<Self, Error> {
+    pub fn with_reach(self, reach: f32) -> Result<Self, Error> {
         not_negative("the reach", f64::from(reach))?;
-        if let Some(angle) = self.turned.as_ref().map(|turned| turned.angle) {
-            return Ok(self.straight().with_reach(reach)?.opened(angle));
-        }
-        let by = f64::from(reach) - self.reach;
+        Ok(match self.turned.as_ref().map(|turned| turned.angle) {
+            Some(angle) => self.straight().reaching(f64::from(reach)).opened(angle),
+            None => self.reaching(f64::from(reach)),
+        })
+    }
+
+    /// A view that is not opened for turns, with a reach that is no length less than 0.
+    fn reaching(mut self, reach: f64) -> Self {
+        let by = reach - self.reach;
         self.planes.iter_mut().for_each(|plane| plane.offset += by);
         self.widened += by;
-        self.reach = f64::from(reach);
-        Ok(self)
+        self.reach = reach;
+        self
     }
 
     /// How far the eye may go from its place, in world units: see [`View::with_reach`].

@@ -59,6 +59,16 @@ impl View {
         }
     }
 
+    /// The view of all cameras that this one may be, and that go `reach` farther and turn by `turn` more. Its near plane is a
+    /// ball also if it does not turn. Parallel rays stay as they are.
+    pub(crate) fn widened(&self, reach: f64, turn: f64) -> Self {
+        if matches!(self.origin, Origin::Direction(_)) {
+            return self.clone();
+        }
+        let (reach, turn) = (self.reach + reach, self.turn() + turn);
+        self.clone().straight().reaching(reach).opened(turn)
+    }
+
     /// A view that is not opened yet, opened for turns by up to an angle, also by 0: then its near plane still turns into a
     /// ball around the eye. Parallel rays stay as they are.
     pub(crate) fn opened(self, angle: f64) -> Self {

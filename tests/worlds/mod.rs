@@ -1,10 +1,13 @@
 //! Small worlds of boxes and balls, and the objects that an eye sees in them, by segments that share no code with the library.
 
+// Each test uses a part of it.
+#![allow(dead_code)]
+
 #[path = "../segments/mod.rs"]
 mod segments;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Plane, Scene, Sphere};
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, DVec4, Mat4, UVec3, Vec3};
 use proptest::prelude::*;
 
 use self::segments::cuts_box;
@@ -64,27 +67,37 @@ impl World {
 
     /// The targets of which an eye sees the middle or a point of the surface inside the half-spaces.
     pub fn seen(&self, eye: DVec3, planes: &[(DVec3, f64)]) -> Vec<ObjectId> {
-        let hiding: Vec<&Solid> = self.solids.iter().filter(|s| !s.contains(eye)).collect();
-        let sees = |p: DVec3| {
-            planes.iter().all(|&(n, offset)| n.dot(p) + offset >= 0.0)
-                && !hiding.iter().any(|s| {
-                    // Rays start at the near plane.
-                    let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
-                        let (a, b) = (n.dot(eye) + offset, n.dot(p) + offset);
-                        if a < 0.0 { t.max(a / (a - b)) } else { t }
-                    });
-                    s.cuts(eye + (p - eye) * start, p)
-                })
-        };
-        let points = |s: &Sphere| {
-            let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-            let way = (eye - c).normalize_or(DVec3::X);
-            let side = way.any_orthonormal_vector();
-            [DVec3::ZERO, way, side, -side, way.cross(side), side.cross(way)].map(|d| c + d * r * 0.999)
-        };
-        let found = self.targets.iter().filter(|(_, s)| points(s).into_iter().any(sees));
-        found.map(|(id, _)| *id).collect()
+        seen(&self.solids, &self.targets, eye, planes)
     }
+}
+
+/// As [`World::seen`], of some targets before some solids.
+pub fn seen(
+    solids: &[Solid],
+    targets: &[(ObjectId, Sphere)],
+    eye: DVec3,
+    planes: &[(DVec3, f64)],
+) -> Vec<ObjectId> {
+    let hiding: Vec<&Solid> = solids.iter().filter(|s| !s.contains(eye)).collect();
+    let sees = |p: DVec3| {
+        planes.iter().all(|&(n, offset)| n.dot(p) + offset >= 0.0)
+            && !hiding.iter().any(|s| {
+                // Rays start at the near plane.
+                let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
+                    let (a, b) = (n.dot(eye) + offset, n.dot(p) + offset);
+                    if a < 0.0 { t.max(a / (a - b)) } else { t }
+                });
+                s.cuts(eye + (p - eye) * start, p)
+            })
+    };
+    let points = |s: &Sphere| {
+        let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
+        let way = (eye - c).normalize_or(DVec3::X);
+        let side = way.any_orthonormal_vector();
+        [DVec3::ZERO, way, side, -side, way.cross(side), side.cross(way)].map(|d| c + d * r * 0.999)
+    };
+    let found = targets.iter().filter(|(_, s)| points(s).into_iter().any(sees));
+    found.map(|(id, _)| *id).collect()
 }
 
 pub fn point() -> impl Strategy<Value = Vec3> {
@@ -125,4 +138,15 @@ pub fn camera(eye: Vec3, axis: usize, near: f32) -> Vec<Plane> {
         }
     }
     planes
+}
+
+/// The half-spaces of a matrix, moved inwards by more than its rounding.
+pub fn planes_of(matrix: Mat4) -> Vec<(DVec3, f64)> {
+    let m = matrix.as_dmat4();
+    let (x, y, z, w) = (m.row(0), m.row(1), m.row(2), m.row(3));
+    let inwards = |plane: DVec4| {
+        let length = plane.truncate().length();
+        (plane.truncate() / length, plane.w / length - 1e-4)
+    };
+    [w + x, w - x, w + y, w - y, z, w - z].map(inwards).to_vec()
 }

@@ -11,6 +11,7 @@ mod decide;
 mod drawables;
 mod objects;
 mod occluders;
+pub(crate) mod overlay;
 pub(crate) mod scratch;
 mod surfaces;
 mod volumes;
@@ -59,6 +60,8 @@ pub(crate) struct Walk<'a> {
     begins: Option<ShellBegins>,
     /// Only the objects before these boxes are asked for.
     receivers: Option<&'a [Block]>,
+    /// Whether dynamic objects and their volumes are passed over.
+    fixed_only: bool,
     stats: Stats,
 }
 
@@ -113,6 +116,7 @@ impl<'a> Walk<'a> {
             begins: around.as_ref().map(|shells| shells.begins(&grid)),
             around,
             receivers: None,
+            fixed_only: false,
             stats: Stats::default(),
         }
     }
@@ -120,6 +124,12 @@ impl<'a> Walk<'a> {
     /// Leaves out objects that lie before none of the receivers.
     pub(crate) fn with_receivers(mut self, receivers: Option<&'a [Block]>) -> Self {
         self.receivers = receivers;
+        self
+    }
+
+    /// Passes over dynamic objects.
+    pub(crate) fn with_fixed_only(mut self, fixed_only: bool) -> Self {
+        self.fixed_only = fixed_only;
         self
     }
 
@@ -146,7 +156,9 @@ impl<'a> Walk<'a> {
             }
             (Origin::Direction(d), _) => self.everywhere(d),
         }
-        self.test_outer_volumes();
+        if !self.fixed_only {
+            self.test_outer_volumes();
+        }
         self.decide();
         self.pvs.stats = self.stats;
     }
