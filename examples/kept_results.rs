@@ -5,12 +5,13 @@
 use std::error::Error;
 use std::sync::mpsc;
 use std::thread;
+use std::time::Duration;
 
 use casca::{Aabb, GridSpec, KeptJob, KeptOptions, KeptQuery, ObjectDesc, Scene, View};
 use glam::Vec3;
 use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 
-const FRAMES: usize = 240;
+const FRAMES: usize = 120;
 
 /// Jobs start when the last result has served so many frames.
 const EARLY: usize = 4;
@@ -64,6 +65,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             jobs.send(query.prepare(&scene, &view))?;
         }
         scene.end_frame([query.pvs()])?;
+        // The rest of the frame: the other thread has time for its job.
+        thread::sleep(Duration::from_millis(8));
     }
     drop(jobs);
     let ended = worker.join();

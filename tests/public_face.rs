@@ -250,7 +250,7 @@ fn examples_need_no_internals() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let sources = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts: Vec<String> = sources.map(|path| std::fs::read_to_string(path).unwrap()).collect();
-    assert_eq!(texts.len(), 5);
+    assert_eq!(texts.len(), 6);
     assert!(texts.iter().all(|text| text.contains("use casca::") && !text.contains("internals")));
 }
 

@@ -27,7 +27,7 @@ struct InSight {
     block: Block,
 }
 
-/// A dynamic object in sight before static occluders.
+/// A dynamic object whose box is in sight before static occluders.
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     slot: u32,
@@ -58,7 +58,7 @@ pub(super) struct Still {
     objects: Vec<InSight>,
     watch: Watch,
     overlay: Overlay,
-    /// Memory used again: the dynamic objects that a frame may see.
+    /// Memory used again: the dynamic objects whose boxes a frame may see.
     movers: Vec<Mover>,
 }
 
@@ -112,9 +112,12 @@ impl Still {
         movers.clear();
         self.find_movers(scene, view, pvs, &mut movers);
         self.draw_movers(scene, &movers);
-        let hides = self.overlay.drawn() > 0;
-        let overlay = &self.overlay;
-        let hidden = |slot: u32| hides && overlay.hides_bounds(scene.object(slot).bounds());
+        let (overlay, drawn) = (&self.overlay, self.query.drawn());
+        let covered = overlay.drawn() > 0;
+        let hidden = |slot: u32| covered && overlay.hides_bounds(scene.object(slot).bounds());
+        let hidden_mover = |slot: u32| {
+            if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
+        };
         pvs.stats.occluders_drawn += overlay.drawn();
         pvs.stats.objects_tested += self.objects.len() as u32;
         for InSight { id, block } in &self.objects {
@@ -123,14 +126,14 @@ impl Still {
             }
         }
         for &Mover { slot, located } in &movers {
-            if !(located && hidden(slot)) {
+            if !(located && hidden_mover(slot)) {
                 pvs.push(scene.id(slot));
             }
         }
         self.movers = movers;
     }
 
-    /// Lists the dynamic objects that a view may see before static occluders, and reveals volumes in its sight.
+    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals volumes in its sight.
     fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
         for (slot, object) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
             movers.extend(self.find_mover(view, slot, object, &mut pvs.stats));
@@ -145,7 +148,7 @@ impl Still {
         }
     }
 
-    /// A dynamic object, if a view may see it before static occluders where it is now.
+    /// A dynamic object, if a view may see its box before static occluders where it is now.
     fn find_mover(&self, view: &View, slot: u32, object: &Object, stats: &mut Stats) -> Option<Mover> {
         if object.is_unlocated() || object.is_hidden_unreported() {
             return Some(Mover { slot, located: false });
@@ -155,7 +158,7 @@ impl Still {
             return None;
         }
         stats.occlusion_tests += 1;
-        (!self.query.drawn().hides_bounds(object.bounds())).then_some(Mover { slot, located: true })
+        (!self.query.drawn().hides(&object.bounds().block())).then_some(Mover { slot, located: true })
     }
 
     /// Draws the occluders of dynamic objects over a copy of the buffers.

@@ -203,6 +203,11 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
+    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is hidden.
+    pub(crate) fn leaves_open(&self, point: DVec3) -> bool {
+        self.faces().any(|b| b.leaves_open(b.face().local(point)))
+    }
+
     /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
     /// its owner.
     pub(crate) fn shows(&self, point: DVec3, owner: u32) -> bool {

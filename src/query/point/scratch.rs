@@ -87,9 +87,17 @@ impl PointScratch {
     /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are tested as one convex shape.
     pub(crate) fn hides_bounds(&self, bounds: &Bounds) -> bool {
         let buffers = &self.buffers;
-        let outer = || bounds.kind().outer(buffers.origin(), buffers.uncertainty());
-        self.hides(&bounds.block())
-            || buffers.test(&Target::new(outer(), buffers.direction())) == Verdict::Hidden
+        let block = bounds.block();
+        if self.hides(&block) {
+            return true;
+        }
+        // Most objects in sight are seen at their middle.
+        let middle = (block.min + block.max) * 0.5 - buffers.origin();
+        if bounds.kind().is_centered() && buffers.leaves_open(middle) {
+            return false;
+        }
+        let outer = bounds.kind().outer(buffers.origin(), buffers.uncertainty());
+        buffers.test(&Target::new(outer, buffers.direction())) == Verdict::Hidden
     }
 
     /// Whether the view that the buffers are of may see a temporal bounding volume.
