@@ -394,6 +394,49 @@ fn a_door_hides_while_it_is_closed() {
     }
 }
 
+/// A volume that was passed over, since nothing on the layers of the view is inside, counts once its object is shown.
+#[test]
+fn a_hidden_object_that_is_put_on_a_layer_of_the_view_is_seen() {
+    let mut scene = World::new(&[], &[]).scene;
+    let ball = Sphere::new(EYE + Vec3::Z * 6.0, 0.5);
+    let id = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).layers(2)).unwrap();
+    let mut query = kept(0.1, 0.1);
+    for (frame, layers) in [2, 2, u32::MAX, u32::MAX].into_iter().enumerate() {
+        scene.begin_frame(frame as f64 * TICK).unwrap();
+        scene.set_layers(id, layers).unwrap();
+        let hidden = scene.tbv(id).unwrap().is_some();
+        let pvs = query.run(&scene, &around(0.0).with_layers(1));
+        assert_eq!((pvs.contains(id), hidden), (layers != 2, frame == 1 || frame == 2), "{frame}");
+        scene.end_frame([query.pvs()]).unwrap();
+    }
+    assert_eq!(query.refreshes(), 1);
+}
+
+/// A camera that looks along z, with a near distance.
+fn ahead(near: f32) -> View {
+    let matrix = directx::perspective(1.0, 1.5, near, 60.0) * look_to_mat4(EYE, Vec3::Z, Vec3::Y);
+    View::perspective(EYE, matrix).unwrap()
+}
+
+#[test]
+fn occluders_before_the_near_plane_hide_nothing_whether_they_move_or_the_plane_does() {
+    let mut scene = World::new(&[], &[]).scene;
+    let screen = |z: f32| Aabb::from_center(EYE + Vec3::Z * z, Vec3::new(5.0, 5.0, 0.1));
+    let behind = scene.insert(ObjectDesc::fixed(Sphere::new(EYE + Vec3::Z * 9.0, 0.5))).unwrap();
+    let mover = scene.insert(ObjectDesc::dynamic(screen(3.0)).occluder(screen(3.0))).unwrap();
+    let mut query = kept(0.0, 0.1);
+    for (z, seen) in [(3.0, false), (0.9, true), (3.0, false)] {
+        scene.update(mover, screen(z), Some(screen(z).into())).unwrap();
+        assert_eq!(query.run(&scene, &ahead(1.0)).contains(behind), seen, "{z}");
+    }
+    scene.remove(mover).unwrap();
+    scene.insert(ObjectDesc::fixed(screen(1.8)).occluder(screen(1.8))).unwrap();
+    for (near, seen) in [(0.5, false), (1.8, true), (0.5, true)] {
+        assert_eq!(query.run(&scene, &ahead(near)).contains(behind), seen, "{near}");
+    }
+    assert_eq!(query.refreshes(), 3, "the last view was served by the result of the one before");
+}
+
 #[test]
 fn views_of_other_layers_and_scenes_get_results_of_their_own() {
     let (mut scene, [_, behind, before]) = wall();
