@@ -224,11 +224,12 @@ fn options_are_built_in_one_expression() {
         .refine_squares(3)
         .refine_depth(4)
         .refine_budget(5)
-        .refine_patches(6);
+        .refine_patches(6)
+        .coherent(true);
     let (angle, pixel) = (point.min_solid_angle, point.pixel_degrees);
     let numbers = (point.min_pixels, point.max_occluders, point.refine_squares, point.refine_depth);
     assert_eq!((angle, pixel, numbers), (0.1, 0.5, (1, 2, 3, 4)));
-    assert_eq!((point.refine_budget, point.refine_patches), (5, 6));
+    assert_eq!((point.refine_budget, point.refine_patches, point.coherent), (5, 6, true));
     let cell = CellOptions::new().mask_resolution(64).min_solid_angle(0.2);
     assert_eq!((cell.mask_resolution, cell.min_solid_angle), (64, 0.2));
     let mesh = MeshOptions::default().tolerance(0.5).min_radius(0.25).max_angle(30.0);

@@ -100,8 +100,9 @@ fn methods() -> impl Strategy<Value = Method> {
         1 => (0..12u32, Just(0.0f32)),
         1 => (Just(u32::MAX), 0.0..0.5f32)
     ];
+    let limits = (limits, any::<bool>());
     (cell, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32, limits).prop_map(
-        |(cell, mask, pixels, least, squares, depth, (occluders, angle))| {
+        |(cell, mask, pixels, least, squares, depth, ((occluders, angle), coherent))| {
             if cell {
                 let options = CellOptions::default().mask_resolution(1 << mask);
                 return Method::Cell(options.min_solid_angle(angle));
@@ -111,7 +112,7 @@ fn methods() -> impl Strategy<Value = Method> {
                 .min_pixels(least)
                 .refine_squares(squares)
                 .refine_depth(depth);
-            Method::Point(options.max_occluders(occluders).min_solid_angle(angle))
+            Method::Point(options.max_occluders(occluders).min_solid_angle(angle).coherent(coherent))
         },
     )
 }

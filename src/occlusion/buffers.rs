@@ -155,6 +155,11 @@ impl OcclusionBuffers {
         (self.faces.iter_mut().filter(|b| b.is_active()), &mut self.surfaces)
     }
 
+    /// The memory for drawing surfaces.
+    pub(crate) fn surfaces(&self) -> &SurfaceScratch {
+        &self.surfaces
+    }
+
     /// A box in world units as every eye sees it that may be the view's: relative to the origin.
     pub(crate) fn relative(&self, block: &Block) -> Block {
         let grow = self.uncertainty();

@@ -25,6 +25,13 @@ pub(crate) struct Effort {
     pub(crate) depth: u32,
 }
 
+impl Effort {
+    /// The most open pixels of a target on one face, if `most` are for the default squares.
+    fn pixels(&self, most: usize) -> usize {
+        most.max(most.saturating_mul(self.squares as usize) / SQUARES as usize)
+    }
+}
+
 /// The work that a query may still do. Targets that come after it is used up are less well examined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Budget {
@@ -38,11 +45,15 @@ pub(crate) struct Budget {
 const DIRECTIONS: u32 = 8;
 
 /// A target with more open pixels than this on one face is taken to be visible, even if none of them shows it for
-/// certain.
+/// certain. With many squares, [`SQUARES`] decides.
 const PIXELS: usize = 64;
 
 /// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
 const PATCHED: usize = 12;
+
+/// These squares for one target allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
+/// finer pixels that go with more squares are also more in number for the same part of a target.
+const SQUARES: u32 = 256;
 
 /// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
 /// which would cost more.
@@ -106,7 +117,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
     /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
     /// magnified before.
     fn compare(
-        &self,
+        &mut self,
         search: &mut Search,
         target: &Target,
         face: usize,
@@ -119,7 +130,13 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let own = std::mem::replace(&mut search.squares, COMPARED);
         let listed = buffer.occluders().list(buffer.occluders().index(x, y));
         let few = search.contest((self.buffers, target), listed, rect, FEW);
-        let hidden = few.map(|few| search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few));
+        let hidden = few.map(|few| {
+            let hidden = search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few);
+            if hidden {
+                self.magnifier.used.solids.extend(few.owners());
+            }
+            hidden
+        });
         search.squares = own;
         hidden.filter(|&hidden| hidden || !search.is_cut_short())
     }
@@ -132,6 +149,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let mut open = SmallVec::new();
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
+        let (most, most_patched) = (self.effort.pixels(PIXELS), self.effort.pixels(PATCHED));
         buffer.uncovered(on_face, |x, y, rect| {
             let (u, v) = ((rect.u0 + rect.u1) * 0.5, (rect.v0 + rect.v1) * 0.5);
             if tries < DIRECTIONS && on_face.silhouette.holds(u, v) {
@@ -140,8 +158,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
             }
             open.push((x, y, *rect));
             let patched =
-                open.len() > PATCHED && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
-            seen |= patched || open.len() > PIXELS;
+                open.len() > most_patched && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
+            seen |= patched || open.len() > most;
             seen
         });
         (!seen).then_some(open)
@@ -165,8 +183,12 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         if search.squares == 0 {
             return false;
         }
-        let contest = search.contest((self.buffers, target), solids, rect, u32::MAX);
-        contest.is_some_and(|contest| search.is_covered(&pixel, &contest))
+        let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);
+        let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
+        if let Some(contest) = &contest {
+            self.magnifier.used.solids.extend(contest.owners());
+        }
+        contest.is_some()
     }
 }
 

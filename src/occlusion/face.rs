@@ -46,6 +46,18 @@ impl Rect {
         }
     }
 
+    /// Whether a point lies in it.
+    #[inline]
+    pub(crate) fn contains(&self, u: f64, v: f64) -> bool {
+        self.u0 <= u && u <= self.u1 && self.v0 <= v && v <= self.v1
+    }
+
+    /// Whether two rectangles have a point in common.
+    #[inline]
+    pub(crate) fn overlaps(&self, o: &Self) -> bool {
+        self.u0 <= o.u1 && o.u0 <= self.u1 && self.v0 <= o.v1 && o.v0 <= self.v1
+    }
+
     /// The common part; `None` if there is none, or if a bound is not a number.
     pub(crate) fn intersect(&self, o: &Self) -> Option<Self> {
         let r = Self {

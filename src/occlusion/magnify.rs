@@ -139,8 +139,9 @@ impl FineFace {
         group
     }
 
-    /// Draws the convex occluders into a pixel of a group, unless that is done.
-    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64)) {
+    /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects of those that hid more
+    /// than before.
+    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<u32>) {
         let place = self.places[self.place(buffer.window(), (x, y))];
         let Some(group) = self.groups.get_mut(place as usize) else { return };
         let bit = 1 << place_in_group(x, y);
@@ -161,15 +162,36 @@ impl FineFace {
             if mask != 0 {
                 let whole = mask == u64::MAX;
                 let near = if whole { drawn.front.behind_inside(&rect) } else { drawn.front.behind(&rect) };
-                self.tiles.cover(tile, mask, below(near));
+                if self.tiles.cover(tile, mask, below(near)) {
+                    used.push(drawn.owner);
+                }
             }
         }
+    }
+}
+
+/// Occluders that hid something only in magnified pixels, or compared with a target. Some of them repeat.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct UsedFinely {
+    /// The objects of convex occluders.
+    pub(crate) solids: Vec<u32>,
+    /// Numbers of patches in the order of first drawing.
+    pub(crate) patches: Vec<u32>,
+}
+
+impl UsedFinely {
+    /// Forgets all.
+    pub(crate) fn clear(&mut self) {
+        self.solids.clear();
+        self.patches.clear();
     }
 }
 
 /// The magnified pixels of one query.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Magnifier {
+    /// Occluders that were of use.
+    pub(crate) used: UsedFinely,
     faces: Vec<FineFace>,
     buffer: Option<FaceBuffer>,
     scratch: SurfaceScratch,
@@ -240,7 +262,7 @@ impl Magnifier {
             let group = self.faces[face].add(buffer, at);
             self.draw_patches(buffers, (face, buffer), (at, group), patches, budget);
         }
-        self.faces[face].draw_solids(buffer, at);
+        self.faces[face].draw_solids(buffer, at, &mut self.used.solids);
     }
 
     /// Draws the patches that reach into a group of pixels.
@@ -254,7 +276,8 @@ impl Magnifier {
     ) {
         let pixels = pixels_of_group(buffer.window(), at);
         find_patches(buffer, &pixels, &mut self.found);
-        let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(|&id| (patches.drawable)(id)).collect();
+        let drawable = |&id: &u32| Some(Drawable { id, ..(patches.drawable)(id)? });
+        let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(drawable).collect();
         let cost = batch.iter().map(|d| 1 + d.outline().len() as u64 / SIDES).sum::<u64>();
         if cost == 0 || cost > u64::from(*budget) {
             return;
@@ -275,7 +298,9 @@ impl Magnifier {
         });
         let sights: Vec<Sighting> = sights.collect();
         let (origin, limit) = (buffers.origin(), buffers.near_limit());
+        scratch.useful.clear();
         draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
+        self.used.patches.extend(scratch.useful.iter().map(|&index| batch[index as usize].id));
         for (x, y) in each() {
             let tile = fine.window().tile_index(x, y);
             tiles.copy_tile(group.tiles + place_in_group(x, y), fine.coverage(), tile);
@@ -289,7 +314,7 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
     let rect = buffer.window().rect(pixels);
     let first = found.len();
     buffer.occluders().for_around(pixels, |listed| {
-        if buffer.drawn(listed).silhouette.touches(&rect) {
+        if listed.rect.overlaps(&rect) && buffer.drawn(listed).silhouette.touches(&rect) {
             found.push(*listed);
         }
     });

@@ -43,6 +43,13 @@ pub(crate) struct Contest<'a> {
     target: Silhouette,
 }
 
+impl Contest<'_> {
+    /// The objects of the occluders.
+    pub(crate) fn owners(&self) -> impl Iterator<Item = u32> {
+        self.candidates.iter().map(|candidate| candidate.drawn.owner)
+    }
+}
+
 /// A pixel, and its finer pixels that are open.
 pub(crate) struct Pixel<'a> {
     /// The window of finer pixels.
@@ -51,6 +58,22 @@ pub(crate) struct Pixel<'a> {
     pub(crate) first: (i64, i64),
     pub(crate) rect: Rect,
     pub(crate) open: u64,
+}
+
+impl Pixel<'_> {
+    /// A rectangle around its open finer pixels, of which there is one.
+    pub(crate) fn open_rect(&self) -> Rect {
+        let rows =
+            (i64::from(self.open.trailing_zeros()) / TILE, i64::from(self.open.leading_zeros()) / TILE);
+        let columns = (0..TILE).fold(0, |all, row| all | self.open >> (row * TILE)) & 0xff;
+        let (left, right) = (i64::from(columns.trailing_zeros()), 64 - i64::from(columns.leading_zeros()));
+        Rect {
+            u0: self.fine.border(self.first.0 + left),
+            v0: self.fine.border(self.first.1 + rows.0),
+            u1: self.fine.border(self.first.0 + right),
+            v1: self.fine.border(self.first.1 + TILE - rows.1),
+        }
+    }
 }
 
 /// How often a pixel is halved until its parts are finer pixels.
@@ -182,8 +205,8 @@ impl<'a> Search<'a> {
         self.is_seen(u, v, listed)
     }
 
-    /// Compares the target with those occluders of a list that may hide it in a pixel; `None` if they weigh more
-    /// than `most`.
+    /// Compares the target with those occluders of a list that may hide it in the open part of a pixel; `None` if they
+    /// weigh more than `most`.
     pub(crate) fn contest(
         &mut self,
         (buffers, target): (&OcclusionBuffers, &Target),
@@ -192,18 +215,21 @@ impl<'a> Search<'a> {
         most: u32,
     ) -> Option<Contest<'a>> {
         self.pay(list.len());
+        // Only directions of the target need be hidden. Many targets are smaller than a pixel, and most occluders of the
+        // pixel are beside them.
+        let part = pixel.intersect(&self.target.rect).unwrap_or(*pixel);
         let (mut candidates, mut weight) = (SmallVec::new(), 0);
         let buffer = self.buffer;
         for listed in list {
             // An occluder that is nowhere nearer than the target's nearest point hides at most a part of it.
-            if listed.near <= self.target.near {
+            if listed.near <= self.target.near || !listed.rect.overlaps(&part) {
                 continue;
             }
             let drawn = buffer.drawn(listed);
             if drawn.owner == self.owner {
                 continue;
             }
-            if let Some(silhouette) = drawn.silhouette.crossing(pixel) {
+            if let Some(silhouette) = drawn.silhouette.crossing(&part) {
                 weight += if silhouette.is_conic() { 1 } else { POLYGON };
                 if weight > most {
                     return None;

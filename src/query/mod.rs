@@ -168,6 +168,12 @@ impl Query {
         });
     }
 
+    /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a cut of the camera. The last
+    /// result stays.
+    pub fn reset(&mut self) {
+        self.point.coherence.reset();
+    }
+
     /// The result of the last run; empty before the first.
     pub fn pvs(&self) -> &Pvs {
         &self.pvs

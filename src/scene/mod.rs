@@ -275,6 +275,12 @@ impl Scene {
         self.slots.get(slot).is_some_and(Object::is_hidden)
     }
 
+    /// The object of a slot, if it contains one.
+    #[inline]
+    pub(crate) fn living_at(&self, slot: u32) -> Option<&Object> {
+        self.slots.get(slot)
+    }
+
     /// The object of a slot that is known to contain one.
     #[inline]
     pub(crate) fn object(&self, slot: u32) -> &Object {

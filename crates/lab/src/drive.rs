@@ -13,6 +13,7 @@ use glam::{Affine3A, UVec3, Vec3};
 use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// A scene of the library that follows a [`World`].
+#[derive(Clone)]
 pub struct Driver {
     /// The scene.
     pub scene: Scene,
@@ -37,7 +38,7 @@ pub enum Sharing {
 type Prepared = (Arc<Mesh>, Arc<TriMesh>);
 
 /// The objects that share a mesh.
-#[derive(Default)]
+#[derive(Default, Clone)]
 struct Users {
     count: usize,
     /// The greatest scale of their transforms.
@@ -45,6 +46,7 @@ struct Users {
 }
 
 /// Makes shapes of the library.
+#[derive(Clone)]
 struct Shaper {
     /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by address, and kept so that
     /// no other mesh gets the same address.

@@ -205,6 +205,13 @@ impl Camera {
         }
     }
 
+    /// The same camera at another place, not turned.
+    pub fn at(mut self, eye: Vec3) -> Self {
+        self.eye = eye;
+        self.view.w_axis = (-self.view.transform_vector3(eye)).extend(1.0);
+        self
+    }
+
     /// World to clip space.
     pub fn view_projection(&self) -> Mat4 {
         self.projection * self.view

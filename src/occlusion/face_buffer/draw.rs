@@ -20,7 +20,7 @@ impl FaceBuffer {
         }
         let nearest = above(self.face.nearness_of(seen.near));
         let number = self.drawn.len();
-        self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest });
+        self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest, rect: seen.rect });
         self.drawn.push(Drawn {
             silhouette: solid.silhouette(&self.face),
             front: solid.front(&self.face, &seen),

@@ -34,6 +34,8 @@ pub(crate) struct Listed {
     pub(crate) drawn: u32,
     /// No point of it is nearer.
     pub(crate) near: f32,
+    /// Around its silhouette. Most occluders of a bin are beside a target, which this tells without a look at them.
+    pub(crate) rect: Rect,
 }
 
 /// A patch of triangles in the list of a bin.

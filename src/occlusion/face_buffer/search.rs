@@ -103,7 +103,7 @@ impl FaceBuffer {
     /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
     pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: u32) -> bool {
         solids.iter().all(|listed| {
-            if f64::from(listed.near) <= near {
+            if f64::from(listed.near) <= near || !listed.rect.contains(u, v) {
                 return true;
             }
             let d = self.drawn(listed);

@@ -21,7 +21,7 @@ pub(super) fn draw_component(
     limit: f64,
     scratch: &mut SurfaceScratch,
 ) -> bool {
-    let SurfaceScratch { seen, sides, order, raster, joint, .. } = scratch;
+    let SurfaceScratch { seen, sides, order, raster, joint, useful, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
     let mut joint = (range.len() > 1).then(|| {
         let mut around = PixelRect::EMPTY;
@@ -44,10 +44,16 @@ pub(super) fn draw_component(
         let is_seam = |side: &DeepSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
         deep.draw(raster, own, d.turned, is_seam);
         raster.finish();
-        changed |= cover_patch(buffer, raster, s, d, joint.as_deref_mut());
+        if cover_patch(buffer, raster, s, d, joint.as_deref_mut()) {
+            changed = true;
+            useful.push(s.drawable);
+        }
     }
-    if let Some(joint) = joint {
-        changed |= cover_seams(buffer, joint);
+    if let Some(joint) = joint
+        && cover_seams(buffer, joint)
+    {
+        changed = true;
+        useful.extend(members().map(|s| s.drawable));
     }
     changed
 }

@@ -35,6 +35,7 @@ impl OcclusionBuffers {
         let (origin, limit) = (self.origin(), self.near_limit());
         let (faces, scratch) = self.surfaces_mut();
         let mut changed = false;
+        scratch.useful.clear();
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
             changed |= draw_surfaces(buffer, &batch.drawables, sights, origin, limit, patches, scratch);
@@ -43,6 +44,11 @@ impl OcclusionBuffers {
             }
         }
         changed
+    }
+
+    /// The indices of the patches of the last batch that hid more than before. Some may be named twice.
+    pub(crate) fn useful_patches(&self) -> &[u32] {
+        &self.surfaces().useful
     }
 
     /// How far a patch must be from the eye to be drawn, if its points are known to `slack`.

@@ -116,6 +116,8 @@ pub(crate) struct SurfaceScratch {
     pub(super) order: Vec<Place>,
     pub(super) raster: Raster,
     pub(super) joint: Joint,
+    /// Indices of patches of the last batch that hid more than before; some of them repeat.
+    pub(crate) useful: Vec<u32>,
 }
 
 impl SurfaceScratch {

@@ -13,35 +13,44 @@ impl Walk<'_> {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
-        let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
-        magnifier.begin(&self.scratch.buffers);
-        let given =
+        let mut left =
             Budget { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
-        let mut left = given;
-        for Candidate { id, block, is_centered, .. } in candidates.drain(..) {
-            let middle = block.map(|b| (b.min + b.max) * 0.5 - self.scratch.buffers.origin());
-            if let Some(middle) = middle {
-                self.stats.occlusion_tests += 1;
-                // Most candidates can be seen plainly.
-                if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot) {
-                    self.pvs.push(id);
-                    continue;
-                }
-                let before = left;
-                let bounds = self.scene.object(id.slot).bounds();
-                let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, &mut left);
-                self.stats.refined += u32::from(left != before);
-                if hidden {
-                    self.stats.refined_hidden += u32::from(left != before);
-                    continue;
-                }
-            }
-            self.pvs.push(id);
+        let given = left;
+        self.scratch.magnifier.used.clear();
+        self.begin_examinations();
+        if self.coherent {
+            self.decide_coherent(&mut candidates, &mut left);
+        } else {
+            candidates.retain(|candidate| !self.examine(candidate, &mut left));
         }
+        candidates.drain(..).for_each(|candidate| self.pvs.push(candidate.id));
         self.stats.refine_squares = given.squares - left.squares;
         self.stats.refine_patches = given.patches - left.patches;
         self.scratch.candidates = candidates;
+    }
+
+    /// Forgets magnified pixels: occluders were drawn.
+    pub(super) fn begin_examinations(&mut self) {
+        self.scratch.magnifier.begin(&self.scratch.buffers);
+    }
+
+    /// Whether a candidate turns out to be hidden.
+    pub(super) fn examine(&mut self, candidate: &Candidate, left: &mut Budget) -> bool {
+        let &Candidate { id, block: Some(block), is_centered, .. } = candidate else { return false };
+        let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
+        self.stats.occlusion_tests += 1;
+        // Most candidates can be seen plainly.
+        if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot) {
+            return false;
+        }
+        let before = *left;
+        let bounds = self.scene.object(id.slot).bounds();
+        let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
+        let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, left);
         self.scratch.magnifier = magnifier;
+        self.stats.refined += u32::from(*left != before);
+        self.stats.refined_hidden += u32::from(hidden && *left != before);
+        hidden
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.

@@ -4,14 +4,16 @@
 //! tested before the objects in it ([`bricks`]), an object before it is drawn as an occluder ([`objects`],
 //! [`occluders`], [`surfaces`]), and the walk ends when every pixel is closed. Objects that were found visible are
 //! tested once more when all occluders are drawn, so that the order matters for speed only; undecided pixels are
-//! refined ([`decide`]).
+//! refined ([`decide`]). Runs may build on the one before ([`coherence`]).
 
 mod bricks;
+mod coherence;
 mod decide;
 mod drawables;
 mod objects;
 mod occluders;
 pub(crate) mod overlay;
+mod recall;
 pub(crate) mod scratch;
 mod surfaces;
 mod volumes;
@@ -62,6 +64,8 @@ pub(crate) struct Walk<'a> {
     receivers: Option<&'a [Block]>,
     /// Whether dynamic objects and their volumes are passed over.
     fixed_only: bool,
+    /// Whether the run uses the memory of the last one.
+    coherent: bool,
     stats: Stats,
 }
 
@@ -96,6 +100,9 @@ impl<'a> Walk<'a> {
     ) -> Self {
         marks.begin(scene.slot_count());
         scratch.begin(scene.seams().patches(), marks.epoch());
+        if options.coherent {
+            scratch.coherence.begin(scene.tag(), scene.slot_count(), scene.seams().patches());
+        }
         let (min, max) = scene.extent();
         let grid = scene.grid().bricks();
         let cut: Vec<(View, Block)> = view.cut_regions(min, max).collect();
@@ -117,18 +124,22 @@ impl<'a> Walk<'a> {
             around,
             receivers: None,
             fixed_only: false,
+            coherent: options.coherent,
             stats: Stats::default(),
         }
     }
 
     /// Leaves out objects that lie before none of the receivers.
     pub(crate) fn with_receivers(mut self, receivers: Option<&'a [Block]>) -> Self {
+        self.coherent &= receivers.is_none();
         self.receivers = receivers;
         self
     }
 
     /// Passes over dynamic objects.
     pub(crate) fn with_fixed_only(mut self, fixed_only: bool) -> Self {
+        // Slots of the last run may have dynamic objects now.
+        self.coherent &= !fixed_only;
         self.fixed_only = fixed_only;
         self
     }
@@ -141,6 +152,9 @@ impl<'a> Walk<'a> {
             self.scratch.buffers.keep_before(receivers, self.view.is_ordered());
         }
         self.stats.pixels = self.scratch.buffers.pixels();
+        if self.coherent {
+            self.draw_useful();
+        }
         for &slot in self.scene.always() {
             self.find(slot);
         }
@@ -160,6 +174,9 @@ impl<'a> Walk<'a> {
             self.test_outer_volumes();
         }
         self.decide();
+        if self.coherent {
+            self.remember();
+        }
         self.pvs.stats = self.stats;
     }
 

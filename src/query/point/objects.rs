@@ -70,13 +70,13 @@ impl Walk<'_> {
                 if limited {
                     seen.push((self.solid_angle(slot), slot));
                 } else {
-                    self.draw(slot);
+                    self.offer(slot);
                 }
             }
         }
         seen.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, slot) in seen {
-            self.draw(slot);
+            self.offer(slot);
         }
         self.scratch.found = found;
         self.scratch.objects.clear();

@@ -16,10 +16,10 @@ use crate::view::cut::may_start_in;
 pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
-const NOBODY: u32 = u32::MAX;
+pub(super) const NOBODY: u32 = u32::MAX;
 
-/// A mesh is drawn in patches if its radius exceeds that of the solid inside it by more pixels than this. Narrower rims
-/// hide less than the pixels that the outlines of patches touch.
+/// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more pixels than this. Narrower
+/// rims hide less than the pixels that the outlines of patches touch.
 const MOST_RIM: f64 = 3.0;
 
 impl Walk<'_> {
@@ -38,9 +38,9 @@ impl Walk<'_> {
         }
         if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
-            let solid = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
+            let done = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
             // Outlines are not yet widened by the distance that the eye may go.
-            if !solid && self.scratch.buffers.reach() == 0.0 {
+            if !done && self.scratch.buffers.reach() == 0.0 {
                 self.list_surface(slot);
             }
             return;
@@ -54,7 +54,8 @@ impl Walk<'_> {
         let buffers = &mut self.scratch.buffers;
         if let Some(solid) = solid(occluder, buffers) {
             self.stats.occluders_drawn += 1;
-            self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+            let changed = buffers.draw(solid, slot);
+            self.drew_solid(slot, changed);
         }
     }
 
@@ -86,27 +87,41 @@ impl Walk<'_> {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
-        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
+        let changed = buffers.draw(solid, slot);
+        self.drew_solid(slot, changed);
         true
     }
 
-    /// Draws the solid inside a closed mesh in place of its triangles, if it covers nearly the same pixels, the eye is
-    /// known and rays start outside of the box around the mesh. Returns whether it did.
+    /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box around the mesh.
+    /// Returns whether it covers nearly the same pixels, so that the triangles need not be drawn. Larger solids are drawn
+    /// beside the triangles: they close pixels that outlines of patches touch, and hide some of those patches.
     fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
         let buffers = &self.scratch.buffers;
-        let (sure, radius) = (buffers.shrinking() == 0.0, MOST_RIM / inner.rim);
-        if !sure || !self.is_small(&buffers.relative(&block), radius) || self.starts_near(&block) {
+        if buffers.shrinking() > 0.0 || self.starts_near(&block) {
             return false;
         }
+        let is_alike = self.is_like_solid(&block, inner.rim);
         let buffers = &mut self.scratch.buffers;
         let polytope = occluder.inner_from(buffers.origin());
         let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction())) else {
             return false;
         };
-        self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
-        true
+        let changed = buffers.draw(solid, slot);
+        self.drew_solid(slot, changed);
+        is_alike
+    }
+
+    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh and the width of the rim.
+    fn is_like_solid(&self, block: &Block, rim: f64) -> bool {
+        self.is_small(&self.scratch.buffers.relative(block), MOST_RIM / rim)
+    }
+
+    /// Whether an object is drawn as a solid and, beside it, as patches.
+    pub(super) fn has_patches_beside_solid(&self, slot: u32) -> bool {
+        let Some(occluder) = self.scene.object(slot).occluder() else { return false };
+        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.rim))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &

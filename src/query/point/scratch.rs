@@ -9,6 +9,7 @@ use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
+use crate::query::point::recall::Coherence;
 use crate::view::View;
 
 /// How a patch was drawn.
@@ -56,6 +57,7 @@ pub(crate) struct PointScratch {
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
     pub(super) magnifier: Magnifier,
+    pub(crate) coherence: Coherence,
 }
 
 impl PointScratch {

@@ -7,6 +7,7 @@ use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
 use crate::query::point::drawables::Source;
+use crate::query::point::recall::Role;
 use crate::query::point::scratch::DrawnPatch;
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
@@ -72,6 +73,11 @@ impl<'a> Walk<'a> {
             }
             self.scratch.waiting[shell].clear();
         }
+        self.draw_batch(batch);
+    }
+
+    /// Draws patches together.
+    pub(super) fn draw_batch(&mut self, mut batch: Batch<'a>) {
         if batch.drawables.is_empty() {
             return;
         }
@@ -80,6 +86,17 @@ impl<'a> Walk<'a> {
         let listed = self.options.refine_patches > 0;
         let changed = self.scratch.buffers.draw_surfaces(&batch, self.scene.seams().patches(), listed);
         self.stats.occluders_useful += u32::from(changed);
+        self.drew_batch(&batch);
+    }
+
+    /// Appends one patch to a batch, as one, unless it is small or hidden.
+    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: u32, batch: &mut Batch<'a>) {
+        let first = batch.drawables.len();
+        self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
+        let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: patch };
+        for drawable in &batch.drawables[first..] {
+            self.scratch.drawn.fill(drawable.numbers(), drawn);
+        }
     }
 
     /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
@@ -91,6 +108,11 @@ impl<'a> Walk<'a> {
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
         while number < patches[whole as usize].next {
+            let role = self.role(slot, number, source.place.base + number);
+            if matches!(role, Role::Drawn | Role::Waits) {
+                number = patches[number as usize].next;
+                continue;
+            }
             let world = source.block(number);
             let shell = if number == whole { 0 } else { self.shell_of(&world) };
             let next = if shell > m {
@@ -98,15 +120,18 @@ impl<'a> Walk<'a> {
                 waits = true;
                 Next::Done
             } else {
-                self.collect_patch(&source, number, &world, batch)
+                self.collect_patch(&source, number, &world, role, batch)
             };
             number = match next {
                 Next::Done => patches[number as usize].next,
-                Next::Parts => number + 1,
+                Next::Parts => {
+                    self.went_into(source.place.base + number);
+                    number + 1
+                }
             };
         }
         // Only patches drawn in other batches look for their neighbours there.
-        let alone = whole == 0 && !waits && source.place.links.is_empty();
+        let alone = !self.coherent && whole == 0 && !waits && source.place.links.is_empty();
         let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: 0 };
         for drawable in &mut batch.drawables[first..] {
             drawable.alone = alone;
@@ -122,6 +147,7 @@ impl<'a> Walk<'a> {
         source: &Source<'a>,
         number: u32,
         world: &Block,
+        role: Role,
         batch: &mut Batch<'a>,
     ) -> Next {
         let patch = &source.surface.patches[number as usize];
@@ -137,7 +163,8 @@ impl<'a> Walk<'a> {
             batch.drop_sights();
             return Next::Done;
         }
-        if patch.has_outline()
+        if (role == Role::Fresh || !has_parts)
+            && patch.has_outline()
             && let Some(mut drawable) = self.drawable_in(source, number, world)
             && (!has_parts || self.is_thin(&drawable))
         {

@@ -117,6 +117,7 @@ impl Player {
             let point = PointOptions::default().pixel_degrees(degrees).min_pixels(16);
             (point.refine_squares(64).refine_patches(100), CellOptions::default().mask_resolution(mask))
         };
+        let (late, cells) = options(3.0, 128);
         let world = World {
             number: 1,
             scene,
@@ -133,7 +134,7 @@ impl Player {
             worlds: vec![world],
             active: 0,
             queries: std::array::from_fn(|_| (Query::new(), None)),
-            options: [options(1.0, 64), options(8.0, 64), options(3.0, 128)],
+            options: [options(1.0, 64), options(8.0, 64), (late.coherent(true), cells)],
             kept: Vec::new(),
             effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
             parting: 0,

@@ -7,9 +7,11 @@
 mod against;
 mod aggressive;
 pub mod buffer;
+pub mod coherence;
 mod contender;
 mod front;
 mod machine;
+pub mod reach;
 mod report;
 mod scaling;
 mod section;
@@ -51,6 +53,8 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("thesis", thesis),
     ("upkeep", upkeep),
     ("scaling", scaling),
+    ("reach", reach::reach),
+    ("coherence", coherence::coherence),
     ("shadows", shadows),
     ("aggressive", aggressive),
 ];

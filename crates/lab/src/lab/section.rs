@@ -92,15 +92,34 @@ impl Table {
             let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
             format!("| {} |\n", cells.join(" | "))
         };
-        let is_number = |i: usize| {
-            self.rows.iter().all(|r| r.get(i).is_some_and(|c| c.is_empty() || c.parse::<f64>().is_ok()))
-        };
         let mut out = line(&self.columns);
         let rules: Vec<&str> =
-            (0..self.columns.len()).map(|i| if is_number(i) { "---:" } else { "---" }).collect();
+            (0..self.columns.len()).map(|i| if self.is_number(i) { "---:" } else { "---" }).collect();
         let _ = writeln!(out, "|{}|", rules.join("|"));
         self.rows.iter().for_each(|r| out.push_str(&line(r)));
         out
+    }
+
+    /// As text in columns of even width, numbers to the right, for a terminal.
+    pub fn aligned(&self) -> String {
+        let rows = || std::iter::once(&self.columns).chain(&self.rows);
+        let width = |i: usize| rows().filter_map(|r| r.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        let mut out = String::new();
+        for row in rows() {
+            let cells =
+                row.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| match self.is_number(i) {
+                    true => format!("{cell:>width$}"),
+                    false => format!("{cell:<width$}"),
+                });
+            let _ = writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end());
+        }
+        out
+    }
+
+    /// Whether a column has numbers only.
+    fn is_number(&self, column: usize) -> bool {
+        self.rows.iter().all(|r| r.get(column).is_some_and(|c| c.is_empty() || c.parse::<f64>().is_ok()))
     }
 
     /// As comma-separated values (RFC 4180).
@@ -127,6 +146,7 @@ mod tests {
         let mut t = Table::new("t", &["method", "ms"]);
         t.row(["a|b, \"c\"".to_owned(), "1.5".to_owned()]);
         assert_eq!(t.markdown(), "| method | ms |\n|---|---:|\n| a\\|b, \"c\" | 1.5 |\n");
+        assert_eq!(t.aligned(), "  method     ms\n  a|b, \"c\"  1.5\n");
         assert_eq!(t.csv(), "method,ms\n\"a|b, \"\"c\"\"\",1.5\n");
     }
 }

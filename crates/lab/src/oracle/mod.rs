@@ -5,11 +5,14 @@
 //! - [`RayOracle`] looks at points on the surfaces of single objects, and so
 //!   finds what is seen between the centres of pixels.
 //! - [`Oracle`] uses both to judge a set of potentially visible objects.
+//! - [`BallOracle`] does so for all eyes in a ball.
 
+mod ball;
 mod frustum;
 mod geometry;
 mod item_buffer;
 mod rays;
+mod rims;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -17,6 +20,7 @@ mod tests;
 use glam::DVec3;
 use rayon::prelude::*;
 
+pub use ball::{BallCounts, BallOptions, BallOracle, BallSighting};
 pub use frustum::{Frustum, Viewpoint};
 use geometry::Primitive;
 pub use item_buffer::{ItemBuffer, NONE};
@@ -135,6 +139,18 @@ impl Oracle {
     ) -> FrameVerdict {
         self.rays.update(objects, moved);
         self.buffer.render(objects, camera);
+        self.judge(objects, camera, true, pvs)
+    }
+
+    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as it was drawn for this
+    /// camera, and by rays, or by rays alone.
+    fn judge(
+        &mut self,
+        objects: &[Object],
+        camera: &Camera,
+        drawn: bool,
+        pvs: &dyn Fn(usize) -> bool,
+    ) -> FrameVerdict {
         let frustum = Frustum::new(camera);
         let options = self.options;
 
@@ -142,7 +158,7 @@ impl Oracle {
         let mut missing = Vec::new();
         let mut left_out = Vec::new();
         for (i, object) in objects.iter().enumerate().filter(|(_, object)| object.tested) {
-            let seen = self.buffer.visible()[i] > 0;
+            let seen = drawn && self.buffer.visible()[i] > 0;
             if seen {
                 exact.push(i);
             }
@@ -192,7 +208,7 @@ impl Oracle {
         FrameVerdict {
             exact,
             rays: report.rays,
-            item_rays: (options.width * options.height) as u64,
+            item_rays: if drawn { (options.width * options.height) as u64 } else { 0 },
             candidates,
             false_negatives,
             unconfirmed,

@@ -14,6 +14,8 @@
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
 //! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and small things.
+//!
+//! [`walking()`] puts a walker at 60 frames a second and floating spheres into any scene.
 
 mod city;
 mod crowd;
@@ -28,6 +30,7 @@ mod terrain;
 #[cfg(test)]
 mod tests;
 mod town;
+mod walking;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -37,6 +40,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::world::{Mesh, Motion, Object, Shape, World};
+
+pub use walking::{WALK_SECONDS, WalkOptions, walking};
 
 /// A procedural scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

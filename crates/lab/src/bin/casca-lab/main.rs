@@ -2,13 +2,19 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
+#[cfg(feature = "experiments")]
+mod coherence;
 mod level;
+#[cfg(feature = "experiments")]
+mod page;
 mod prepare;
 mod progress;
+#[cfg(feature = "experiments")]
+mod reach;
 #[cfg(feature = "experiments")]
 mod report;
 #[cfg(feature = "experiments")]
@@ -31,10 +37,11 @@ type Failure = Box<dyn Error + Send + Sync>;
 const MORE: &str = if cfg!(feature = "experiments") {
     ""
 } else {
-    "Built with --features experiments, there are also:\n  tradeoff  Charts speed against accuracy for all \
-     methods and settings\n  buffer    Times a \
-     sampled occlusion buffer, beside the default method\n  scaling   Charts times and memory by objects, \
-     triangles, pixels and threads\n  report    Runs the experiments and writes the report\n\n"
+    "Built with --features experiments, there are also:\n  tradeoff   Charts speed against accuracy for all \
+     methods and settings\n  buffer     Times a \
+     sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
+     triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
+     answer them\n  report     Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -57,6 +64,10 @@ enum Command {
     Buffer(buffer::Options),
     #[cfg(feature = "experiments")]
     Scaling(scaling::Options),
+    #[cfg(feature = "experiments")]
+    Reach(reach::Options),
+    #[cfg(feature = "experiments")]
+    Coherence(coherence::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -82,6 +93,10 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Scaling(options) => scaling::run(options),
             #[cfg(feature = "experiments")]
+            Self::Reach(options) => reach::run(options),
+            #[cfg(feature = "experiments")]
+            Self::Coherence(options) => coherence::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -104,7 +119,9 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in ["walk", "tradeoff", "buffer", "scaling", "report", "prepare", "level"] {
+        for name in
+            ["walk", "tradeoff", "buffer", "scaling", "reach", "coherence", "report", "prepare", "level"]
+        {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

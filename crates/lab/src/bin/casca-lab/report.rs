@@ -45,7 +45,7 @@ fn parse_experiment(name: &str) -> Result<String, String> {
 }
 
 /// The glTF files of a folder, in order of their names.
-fn files_in(folder: &str) -> Vec<PathBuf> {
+pub fn files_in(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> =
         entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "glb")).collect();

@@ -2,14 +2,11 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
-use casca_lab::lab::{Block, Lab, LabError, Reach, scaling_to, write};
+use casca_lab::command_line::{EXIT_CODES, Outcome};
+use casca_lab::lab::{LabError, Reach, scaling_to};
 use clap::Parser;
 
-use crate::progress;
-
-/// The page.
-const PAGE: &str = "scaling.md";
+use crate::page::Page;
 
 /// The options.
 #[derive(Debug, Parser)]
@@ -37,33 +34,19 @@ pub struct Options {
 
 /// Measures, prints the tables and writes charts, tables and page.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let folder = options.out.join("report");
-    try_writing_into(&options.out, &[PAGE])?;
-    make_folder(&folder)?;
     let reach = match (options.full, options.quick) {
         (true, _) => Reach::Full,
         (_, true) => Reach::Smoke,
         _ => Reach::Short,
     };
-    let bar = progress::spinner(options.quiet);
-    bar.set_prefix("scaling");
-    let progress = |what: &str| bar.set_message(what.to_owned());
-    let quick = reach == Reach::Smoke;
-    let lab = Lab { quick, seed: options.seed, files: Vec::new(), folder, progress: &progress };
-    let section = scaling_to(&lab, reach)?;
-    bar.finish_and_clear();
-    for block in &section.blocks {
-        match block {
-            Block::Table(table) => say(format_args!("\n{}", table.markdown())),
-            Block::Picture { caption, .. } => say(caption),
-            _ => {}
-        }
-    }
-    let path = options.out.join(PAGE);
-    let size = if options.full { " --full" } else { "" };
-    let command = format!("cargo run --release -p casca-lab --features experiments -- scaling{size}");
-    write(&path, &lab, &[section], &command, &format!("Seed {}.", options.seed))?;
-    say(path.display());
+    let page = Page {
+        command: if options.full { "scaling --full" } else { "scaling" },
+        out: &options.out,
+        quick: reach == Reach::Smoke,
+        seed: options.seed,
+        quiet: options.quiet,
+    };
+    page.make("scaling", |lab| Ok((scaling_to(lab, reach)?, ())))?;
     Ok(Outcome::Well)
 }
 

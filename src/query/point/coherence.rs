@@ -1,0 +1,263 @@
+//! Coherent queries: a run begins with the occluders that were of use in the last one, and leaves out those that were
+//! not, as long as nothing that was hidden comes into sight.
+//!
+//! Bittner, Wimmer, Piringer & Purgathofer 2004 (coherent hierarchical culling) guess from the last frame which objects
+//! are visible; Haar & Aaltonen 2015 draw those first. Here the guess is about patches and solids:
+//!
+//! 1. Those that hid something at the end of the last run are drawn first, patches in one batch.
+//! 2. The walk goes as ever. It draws occluders that the last run did not draw. Others wait.
+//! 3. An object that the last view could have seen, that it did not see, and that is not hidden yet, is suspicious: those
+//!    that wait before such objects are drawn now.
+//! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once: their open
+//!    pixels are examined in every sixteenth run only. All others are examined as ever.
+//!
+//! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an object in the set, and
+//! hides nothing.
+
+use crate::geometry::Block;
+use crate::occlusion::examine::Budget;
+use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::surface::batch::{Batch, Sighting};
+use crate::query::point::Walk;
+use crate::query::point::occluders::NOBODY;
+use crate::query::point::recall::{Coherence, Recall, Role, Usage};
+use crate::query::point::scratch::Candidate;
+
+impl<'a> Walk<'a> {
+    /// Draws the occluders that were of use in the last run.
+    pub(super) fn draw_useful(&mut self) {
+        let solids = std::mem::take(&mut self.scratch.coherence.useful_solids);
+        for &slot in &solids {
+            if self.may_draw(slot) {
+                self.draw(slot);
+            }
+        }
+        self.scratch.coherence.useful_solids = solids;
+        let patches = std::mem::take(&mut self.scratch.coherence.useful_patches);
+        self.draw_patches_of(&patches, |_, _| true);
+        self.scratch.coherence.useful_patches = patches;
+    }
+
+    /// Whether an object of which only the slot is known has an occluder that may be drawn.
+    fn may_draw(&self, slot: u32) -> bool {
+        self.scene.living_at(slot).is_some_and(|object| {
+            object.occluder().is_some()
+                && object.is_shown(self.view)
+                && !object.is_unlocated()
+                && !object.is_hidden_unreported()
+        })
+    }
+
+    /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
+    fn draw_patches_of(&mut self, patches: &[(u32, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
+        if patches.is_empty() || !self.view.is_ordered() {
+            return;
+        }
+        let mut batch = Batch::with_capacity(patches.len());
+        self.scratch.batches += 1;
+        for &(slot, patch) in patches {
+            if !self.may_draw(slot) {
+                continue;
+            }
+            let Some(source) = self.source(slot) else { continue };
+            if (patch as usize) < source.surface.patches.len() && wanted(self, &source.block(patch)) {
+                self.collect_alone(&source, patch, &mut batch);
+            }
+        }
+        self.draw_batch(batch);
+    }
+
+    /// Draws the occluder of an object in sight, unless it waits.
+    pub(super) fn offer(&mut self, slot: u32) {
+        let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
+        match role {
+            Role::Fresh | Role::InParts => self.draw(slot),
+            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
+            Role::Waits | Role::Drawn => {}
+        }
+    }
+
+    /// Notes that a solid was drawn, and whether it hid more than before.
+    pub(super) fn drew_solid(&mut self, slot: u32, changed: bool) {
+        self.stats.occluders_useful += u32::from(changed);
+        if self.coherent {
+            self.scratch.coherence.drew_solid(slot, changed);
+        }
+    }
+
+    /// How a patch takes part in this run, by its place and its number in the scene. Patches that wait are listed.
+    pub(super) fn role(&mut self, slot: u32, patch: u32, number: u32) -> Role {
+        if !self.coherent {
+            return Role::Fresh;
+        }
+        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
+            return Role::Drawn;
+        }
+        self.scratch.coherence.patch(slot, patch, number)
+    }
+
+    /// Notes that the parts of a group were looked at.
+    pub(super) fn went_into(&mut self, number: u32) {
+        if self.coherent {
+            let coherence = &mut self.scratch.coherence;
+            let recall = Recall { run: coherence.run, usage: Usage::Parts };
+            coherence.patches.fill(number..number + 1, recall);
+        }
+    }
+
+    /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than before.
+    pub(super) fn drew_batch(&mut self, batch: &Batch) {
+        if !self.coherent {
+            return;
+        }
+        let coherence = &mut self.scratch.coherence;
+        let id = |index: u32| batch.drawables[index as usize].id;
+        let is_new = |index: u32| !batch.drawables[index as usize].again;
+        coherence.changed.resize(self.scratch.patches.len(), false);
+        for &index in self.scratch.buffers.useful_patches().iter().filter(|&&index| is_new(index)) {
+            coherence.changed[id(index) as usize] = true;
+        }
+        let sights = batch.sights.iter().filter(|sight| is_new(sight.patch));
+        coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
+    }
+
+    /// Tests all candidates again, and leaves those that may be seen.
+    pub(super) fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
+        let mut suspicious = std::mem::take(&mut self.scratch.coherence.suspicious);
+        suspicious.clear();
+        candidates.retain(|candidate| {
+            let coherence = &self.scratch.coherence;
+            let slot = candidate.id.slot;
+            if coherence.saw(slot) && !coherence.is_turn(slot) {
+                self.stats.occlusion_tests += 1;
+                return !candidate.block.is_some_and(|block| self.hides(&block));
+            }
+            let was_hidden = coherence.hid(slot, candidate.block.as_ref());
+            let seen = !self.examine(candidate, left);
+            if seen && was_hidden {
+                suspicious.push(slot);
+            }
+            seen
+        });
+        suspicious.sort_unstable();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot).is_ok();
+        if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
+            self.begin_examinations();
+            candidates.retain(|candidate| !(is_suspicious(candidate) && self.examine(candidate, left)));
+        }
+        self.scratch.coherence.suspicious = suspicious;
+    }
+
+    /// Draws the occluders that wait before some objects. Returns whether there are any.
+    fn draw_before<'c>(&mut self, objects: impl Iterator<Item = &'c Candidate>) -> bool {
+        let coherence = &self.scratch.coherence;
+        if coherence.waiting_solids.is_empty() && coherence.waiting_patches.is_empty() {
+            return false;
+        }
+        let buffers = &self.scratch.buffers;
+        let mut tiles: Vec<Vec<f32>> = vec![Vec::new(); buffers.faces().count()];
+        for block in objects.filter_map(|candidate| candidate.block) {
+            let relative = buffers.relative(&block);
+            for (buffer, tiles) in buffers.faces().zip(&mut tiles) {
+                let Some((near, pixels)) = buffer.sight(&relative) else { continue };
+                let window = buffer.window();
+                let (nx, ny) = window.tile_count();
+                tiles.resize((nx * ny) as usize, f32::INFINITY);
+                for_tiles(&pixels, |tx, ty| {
+                    let tile = &mut tiles[window.tile_index(tx, ty)];
+                    *tile = tile.min(near);
+                    false
+                });
+            }
+        }
+        let before = (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len());
+        let mut solids = std::mem::take(&mut self.scratch.coherence.waiting_solids);
+        solids.retain(|&slot| {
+            let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
+            let draws = block.is_some_and(|block| self.is_before(&block, &tiles));
+            if draws {
+                self.draw(slot);
+            }
+            !draws
+        });
+        self.scratch.coherence.waiting_solids = solids;
+        self.draw_patches(i32::MAX);
+        let patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
+        self.draw_patches_of(&patches, |walk, block| walk.is_before(block, &tiles));
+        self.scratch.coherence.waiting_patches = patches;
+        before != (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len())
+    }
+
+    /// Whether a box in world units touches a tile with an object that is nowhere nearer than a nearness, and the box is.
+    fn is_before(&self, world: &Block, tiles: &[Vec<f32>]) -> bool {
+        let buffers = &self.scratch.buffers;
+        let block = buffers.relative(world);
+        let faces = buffers.faces().zip(tiles);
+        faces.filter(|(_, tiles)| !tiles.is_empty()).any(|(buffer, tiles)| {
+            let Some((near, pixels)) = buffer.sight(&block) else { return false };
+            for_tiles(&pixels, |tx, ty| tiles[buffer.window().tile_index(tx, ty)] < near)
+        })
+    }
+
+    /// Keeps for the next run which objects were found visible, and which occluders were of use.
+    pub(super) fn remember(&mut self) {
+        let mut coherence = std::mem::take(&mut self.scratch.coherence);
+        let run = coherence.run;
+        coherence.view = Some(self.view.clone());
+        self.pvs.visible.iter().for_each(|id| coherence.seen[id.index()] = run);
+        let usage = |useful: bool| Recall { run, usage: if useful { Usage::Useful } else { Usage::Idle } };
+        for &slot in &coherence.waiting_solids {
+            coherence.solids[slot as usize] = usage(false);
+        }
+        for &(slot, changed) in &coherence.drawn_solids {
+            let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
+            let useful = changed && block.is_some_and(|block| !self.hides(&block));
+            coherence.solids[slot as usize] = usage(useful);
+        }
+        for &slot in self.scratch.magnifier.used.solids.iter().filter(|&&slot| slot != NOBODY) {
+            coherence.solids[slot as usize] = usage(true);
+        }
+        coherence.useful_solids.clear();
+        let solids = &coherence.solids;
+        let is_useful = |slot: &u32| solids[*slot as usize].usage == Usage::Useful;
+        coherence.useful_solids.extend(coherence.drawn_solids.iter().map(|drawn| drawn.0).filter(is_useful));
+        self.remember_patches(&mut coherence, usage);
+        self.scratch.coherence = coherence;
+    }
+
+    fn remember_patches(&self, coherence: &mut Coherence, usage: impl Fn(bool) -> Recall) {
+        let scene = self.scene;
+        let numbers = |slot: u32, patch: u32| {
+            let place = scene.seams().place(slot);
+            let next = self.source(slot).map_or(patch + 1, |s| s.surface.patches[patch as usize].next);
+            place.base + patch..place.base + next
+        };
+        let mut open = vec![false; coherence.changed.len()];
+        let faces: Vec<_> = self.scratch.buffers.faces().collect();
+        for sight in &coherence.sights {
+            let is_open = &mut open[sight.patch as usize];
+            if coherence.changed[sight.patch as usize] && !*is_open {
+                *is_open = !faces[sight.face as usize].hides_pixels(&sight.pixels, sight.near);
+            }
+        }
+        for &id in &self.scratch.magnifier.used.patches {
+            open[id as usize] = true;
+        }
+        for &(slot, patch) in &coherence.waiting_patches {
+            coherence.patches.fill(numbers(slot, patch), usage(false));
+        }
+        coherence.useful_patches.clear();
+        for (&(slot, patch), useful) in self.scratch.patches.iter().zip(open) {
+            coherence.patches.fill(numbers(slot, patch), usage(useful));
+            if useful {
+                coherence.useful_patches.push((slot, patch));
+            }
+        }
+    }
+}
+
+/// Calls `found` with the tiles of some pixels until that returns true. Returns whether it did.
+fn for_tiles(pixels: &PixelRect, mut found: impl FnMut(i64, i64) -> bool) -> bool {
+    let ((x0, x1), (y0, y1)) = (pixels.tiles_x(), pixels.tiles_y());
+    (y0..=y1).any(|ty| (x0..=x1).any(|tx| found(tx, ty)))
+}
