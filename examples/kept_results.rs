@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let (jobs, to_do) = mpsc::channel::<KeptJob>();
     let (done, results) = mpsc::channel();
-    let worker = thread::spawn(move || to_do.iter().try_for_each(|job| done.send(job.run())));
+    let worker =
+        thread::spawn(move || to_do.into_iter().map(KeptJob::run).all(|result| done.send(result).is_ok()));
 
     let mut query = KeptQuery::with_options(KeptOptions::new().reach(0.15).turn(0.1))?;
     let (mut waits, mut served, mut seen) = (false, 0, 0);

@@ -31,22 +31,22 @@ impl Snapshot {
 pub struct KeptJob {
     snapshot: Snapshot,
     view: View,
-    query: Query,
+    query: Box<Query>,
 }
 
 /// A result that a [`KeptJob`] found, for [`KeptQuery::install`](crate::KeptQuery::install).
 #[derive(Debug)]
 #[must_use = "a result that is not installed serves no frame"]
-pub struct KeptResult(pub(super) Still);
+pub struct KeptResult(pub(super) Box<Still>);
 
 impl KeptJob {
-    pub(super) fn new(snapshot: Snapshot, view: View, query: Query) -> Self {
+    pub(super) fn new(snapshot: Snapshot, view: View, query: Box<Query>) -> Self {
         Self { snapshot, view, query }
     }
 
     /// Finds the result. Costs a query of the widened view.
     pub fn run(self) -> KeptResult {
         let Snapshot { scene, stamp } = self.snapshot;
-        KeptResult(Still::find(self.query, &scene, self.view, stamp))
+        KeptResult(Box::new(Still::find(self.query, &scene, self.view, stamp)))
     }
 }

@@ -110,11 +110,11 @@ pub struct KeptQuery {
     /// A query that never ran.
     fresh: Query,
     /// A query whose memory is used again.
-    spare: Option<Query>,
+    spare: Option<Box<Query>>,
     /// The result that frames are answered from.
-    now: Option<Still>,
+    now: Option<Box<Still>>,
     /// The result installed last, until a view comes that it holds for.
-    next: Option<Still>,
+    next: Option<Box<Still>>,
     /// The scene as jobs read it.
     snapshot: Option<Snapshot>,
     /// The view of the last run, and how the camera came there.
@@ -184,15 +184,15 @@ impl KeptQuery {
         self.last = Some((view.clone(), motion));
         if self.next.as_ref().is_some_and(|next| next.holds(scene, view)) {
             let old = std::mem::replace(&mut self.now, self.next.take());
-            self.spare = old.map(Still::into_query);
+            self.spare = old.map(|still| still.into_query());
         }
         let holds = self.now.as_ref().is_some_and(|now| now.holds(scene, view));
         if !holds {
-            self.spare = self.now.take().map(Still::into_query).or(self.spare.take());
+            self.spare = self.now.take().map(|still| still.into_query()).or(self.spare.take());
             self.refreshes += 1;
         }
         let mut now = self.now.take().unwrap_or_else(|| {
-            Still::find(self.take_query(), scene, self.aim(scene, view), Stamp::of(scene))
+            Box::new(Still::find(self.take_query(), scene, self.aim(scene, view), Stamp::of(scene)))
         });
         self.begin(scene, view, if holds { Stats::default() } else { *now.stats() });
         now.answer(scene, view, &mut self.pvs);
@@ -230,7 +230,7 @@ impl KeptQuery {
     pub fn install(&mut self, result: KeptResult, scene: &Scene) -> bool {
         let fits = result.0.is_of(scene);
         let old = if fits { self.next.replace(result.0) } else { Some(result.0) };
-        self.spare = old.map(Still::into_query).or(self.spare.take());
+        self.spare = old.map(|still| still.into_query()).or(self.spare.take());
         fits
     }
 
@@ -249,8 +249,8 @@ impl KeptQuery {
     }
 
     /// A query with the memory of an earlier one, if there is one.
-    fn take_query(&mut self) -> Query {
-        self.spare.take().unwrap_or_else(|| self.fresh.clone())
+    fn take_query(&mut self) -> Box<Query> {
+        self.spare.take().unwrap_or_else(|| Box::new(self.fresh.clone()))
     }
 
     /// Empties the set for a view.

@@ -52,7 +52,7 @@ impl Stamp {
 #[derive(Debug, Clone)]
 pub(super) struct Still {
     /// The query of the widened view.
-    query: Query,
+    query: Box<Query>,
     view: View,
     stamp: Stamp,
     objects: Vec<InSight>,
@@ -77,7 +77,7 @@ pub(super) fn serves(widened: &View, scene: &Scene, view: &View) -> bool {
 impl Still {
     /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the scene, or of the one that
     /// it is a copy of.
-    pub(super) fn find(mut query: Query, scene: &Scene, view: View, stamp: Stamp) -> Self {
+    pub(super) fn find(mut query: Box<Query>, scene: &Scene, view: View, stamp: Stamp) -> Self {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
@@ -86,7 +86,7 @@ impl Still {
     }
 
     /// The query, to be run again.
-    pub(super) fn into_query(self) -> Query {
+    pub(super) fn into_query(self) -> Box<Query> {
         self.query
     }
 
