@@ -58,7 +58,7 @@
 //!
 //! With the feature `serde`, these are `Serialize` and `Deserialize`:
 //!
-//! - options ([`Method`], [`CellOptions`], [`PointOptions`], [`MeshOptions`], [`DrawOptions`]). Fields that a file lacks have
+//! - options ([`Method`], [`CellOptions`], [`PointOptions`], [`KeptOptions`], [`MeshOptions`], [`DrawOptions`]). Fields that a file lacks have
 //!   their defaults, and fields that are not known are passed over, so that files of other versions are read. Ranges are
 //!   checked where options are used, as by [`Query::set_method`];
 //! - the [grid](GridSpec), which [`Scene::new`] checks;
@@ -105,6 +105,7 @@ mod heap;
 mod id;
 #[cfg(feature = "internals")]
 pub mod internals;
+mod kept;
 mod matrix;
 mod mesh;
 mod method;
@@ -125,6 +126,7 @@ pub use error::{Error, FileError, KeySetError};
 pub use geometry::{Aabb, Obb, Plane, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
+pub use kept::{KeptJob, KeptOptions, KeptQuery, KeptResult};
 pub use mesh::{Facing, Instance, MeshOptions, TriMesh};
 pub use method::{CellOptions, Method, PointOptions};
 pub use object::{Bounds, Motion, ObjectDesc, Occluder, Reports};

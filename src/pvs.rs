@@ -74,7 +74,7 @@ pub struct Pvs {
     pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
-    /// Whether objects of the view were left out that cast no shadow onto any receiver.
+    /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or dynamic ones.
     pub(crate) partial: bool,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,

@@ -5,9 +5,9 @@ use casca::internals::{
 };
 use casca::{
     Aabb, AggressiveOpacity, Bounds, CellOptions, Convex, DrawItem, DrawOptions, Error, Facing, FileError,
-    FrameReport, Grid, GridSpec, Instance, MemoryUse, MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId,
-    ObjectRef, Occluder, Plane, PointOptions, Pvs, PvsChanges, Query, Reports, Scene, Sphere, Stats, TriMesh,
-    View,
+    FrameReport, Grid, GridSpec, Instance, KeptJob, KeptOptions, KeptQuery, KeptResult, MemoryUse,
+    MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId, ObjectRef, Occluder, Plane, PointOptions, Pvs,
+    PvsChanges, Query, Reports, Scene, Sphere, Stats, TriMesh, View,
 };
 use glam::camera::rh::{proj, view::look_at_mat4};
 use glam::{UVec3, Vec3};
@@ -48,6 +48,10 @@ fn every_public_type_crosses_threads() {
         GridSpec,
         IdMatrix,
         Instance,
+        KeptJob,
+        KeptOptions,
+        KeptQuery,
+        KeptResult,
         MemoryUse,
         MeshOptions,
         Method,
@@ -247,7 +251,7 @@ fn examples_need_no_internals() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let sources = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts: Vec<String> = sources.map(|path| std::fs::read_to_string(path).unwrap()).collect();
-    assert_eq!(texts.len(), 5);
+    assert_eq!(texts.len(), 6);
     assert!(texts.iter().all(|text| text.contains("use casca::") && !text.contains("internals")));
 }
 

@@ -1,132 +1,14 @@
 //! Views whose eye may go some way: their sets have all that any of these eyes sees, by segments cut by the shapes
 //! themselves.
 
-mod segments;
+mod worlds;
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Plane, PointOptions, Query, Scene, Sphere, View};
+use casca::{Aabb, Method, Plane, PointOptions, Query, Sphere, View};
 use casca_lab::cases;
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 
-use crate::segments::cuts_box;
-
-const SIZE: f32 = 32.0;
-
-/// An occluder as the test knows it.
-#[derive(Debug, Clone, Copy)]
-enum Solid {
-    Box(Aabb),
-    Ball(Sphere),
-}
-
-impl Solid {
-    fn contains(&self, p: DVec3) -> bool {
-        match self {
-            Self::Box(b) => b.min.as_dvec3().cmple(p).all() && b.max.as_dvec3().cmpge(p).all(),
-            Self::Ball(s) => (p - s.center.as_dvec3()).length() <= f64::from(s.radius),
-        }
-    }
-
-    /// Whether the segment between two points meets it.
-    fn cuts(&self, from: DVec3, to: DVec3) -> bool {
-        match self {
-            Self::Box(b) => cuts_box(b, from, to),
-            Self::Ball(s) => {
-                let way = to - from;
-                let c = s.center.as_dvec3() - from;
-                let t = (c.dot(way) / way.length_squared()).clamp(0.0, 1.0);
-                (c - way * t).length() <= f64::from(s.radius)
-            }
-        }
-    }
-}
-
-struct World {
-    scene: Scene,
-    solids: Vec<Solid>,
-    targets: Vec<(ObjectId, Sphere)>,
-}
-
-impl World {
-    fn new(solids: &[Solid], targets: &[Sphere]) -> Self {
-        let grid = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(SIZE as u32) };
-        let mut scene = Scene::new(&grid).unwrap();
-        for solid in solids {
-            let desc = match *solid {
-                Solid::Box(b) => ObjectDesc::fixed(b).occluder(b),
-                Solid::Ball(s) => ObjectDesc::fixed(s).occluder(s),
-            };
-            scene.insert(desc).unwrap();
-        }
-        let insert = |&s: &Sphere| (scene.insert(ObjectDesc::fixed(s)).unwrap(), s);
-        let targets = targets.iter().map(insert).collect();
-        Self { scene, solids: solids.to_vec(), targets }
-    }
-
-    /// The targets of which an eye sees the middle or a point of the surface inside the half-spaces.
-    fn seen(&self, eye: DVec3, planes: &[(DVec3, f64)]) -> Vec<ObjectId> {
-        let hiding: Vec<&Solid> = self.solids.iter().filter(|s| !s.contains(eye)).collect();
-        let sees = |p: DVec3| {
-            planes.iter().all(|&(n, offset)| n.dot(p) + offset >= 0.0)
-                && !hiding.iter().any(|s| {
-                    // Rays start at the near plane.
-                    let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
-                        let (a, b) = (n.dot(eye) + offset, n.dot(p) + offset);
-                        if a < 0.0 { t.max(a / (a - b)) } else { t }
-                    });
-                    s.cuts(eye + (p - eye) * start, p)
-                })
-        };
-        let points = |s: &Sphere| {
-            let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-            let way = (eye - c).normalize_or(DVec3::X);
-            let side = way.any_orthonormal_vector();
-            [DVec3::ZERO, way, side, -side, way.cross(side), side.cross(way)].map(|d| c + d * r * 0.999)
-        };
-        let found = self.targets.iter().filter(|(_, s)| points(s).into_iter().any(sees));
-        found.map(|(id, _)| *id).collect()
-    }
-}
-
-fn point() -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(0.0f32..SIZE).prop_map(Vec3::from)
-}
-
-fn solid() -> impl Strategy<Value = Solid> {
-    prop_oneof![
-        (point(), prop::array::uniform3(0.5f32..12.0)).prop_map(|(p, size)| {
-            let half = Vec3::from(size) * 0.5;
-            Solid::Box(Aabb::new(p - half, p + half))
-        }),
-        (point(), 0.5f32..6.0).prop_map(|(p, radius)| Solid::Ball(Sphere::new(p, radius))),
-    ]
-}
-
-fn target() -> impl Strategy<Value = Sphere> {
-    (point(), 0.05f32..0.8).prop_map(|(p, radius)| Sphere::new(p, radius))
-}
-
-/// Directions in and on the ball of length 1.
-fn steps() -> impl Strategy<Value = Vec<Vec3>> {
-    let any = prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from);
-    let step = prop_oneof![
-        any.clone().prop_map(|v| v.clamp_length_max(1.0)),
-        any.prop_map(|v| v.normalize_or(Vec3::Y)),
-    ];
-    prop::collection::vec(step, 12)
-}
-
-/// The half-spaces of a camera that looks along an axis, with a near plane.
-fn camera(eye: Vec3, axis: usize, near: f32) -> Vec<Plane> {
-    let forward = Vec3::AXES[axis];
-    let mut planes = vec![Plane { normal: forward, offset: -forward.dot(eye) - near }];
-    for side in [Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3]] {
-        for normal in [forward * 0.6 + side * 0.8, forward * 0.6 - side * 0.8] {
-            planes.push(Plane { normal, offset: -normal.dot(eye) });
-        }
-    }
-    planes
-}
+use crate::worlds::{SIZE, Solid, World, camera, point, solid, steps, target};
 
 proptest! {
     #![proptest_config(cases(256))]

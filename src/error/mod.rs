@@ -176,6 +176,9 @@ pub enum Error {
         /// How many there may be.
         max: usize,
     },
+    /// A view of parallel rays, which has no eye about which it could turn.
+    #[error("a view of parallel rays cannot be opened for turns")]
+    ParallelTurn,
     /// The result belongs to another scene.
     #[error("the PVS was computed on another scene")]
     ForeignPvs,
@@ -320,6 +323,7 @@ codes!(
     EyeMismatch => "eye-mismatch",
     Plane => "plane",
     TooManyPlanes => "too-many-planes",
+    ParallelTurn => "parallel-turn",
     ForeignPvs => "foreign-pvs",
     ForeignOpacity => "foreign-opacity",
     AggressiveMethod => "aggressive-method",

@@ -181,6 +181,11 @@ impl TbvMatrix {
         self.bricks.get(brick).held.iter().map(|h| h.slot)
     }
 
+    /// The bricks that contain surfaces of volumes.
+    pub(crate) fn bricks(&self) -> impl Iterator<Item = IVec3> {
+        self.bricks.iter().filter(|(_, brick)| !brick.held.is_empty()).map(|(at, _)| at)
+    }
+
     /// The pages that contain surfaces of volumes.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.bricks

@@ -48,3 +48,23 @@ pub(crate) const CLIP: f64 = 64.0 * f64::EPSILON;
 /// A plane faces parallel rays only if the cosine between its normal and their direction is greater: the sides
 /// of an orthographic view run along the rays but for the rounding of its matrix.
 pub(crate) const ALONG_RAYS: f64 = 1e-6;
+
+/// Two sides of a view whose unit normals make a smaller sine with each other meet in no direction that is known: that of
+/// normals with this sine is off by 1e-15 / 1e-6.
+pub(crate) const NO_CORNER: f64 = 1e-6;
+
+/// A direction lies in a side of a view, or inside, up to this sine: ten times the error of [`NO_CORNER`]. A corner too many
+/// makes a view that may turn larger.
+pub(crate) const IN_SIDE: f64 = 1e-8;
+
+/// The directions of a view make at least this sine with the plane across its middle, and with its sides the middle itself:
+/// half a thousandth of a degree less than flat. Nothing rests on the exact value.
+pub(crate) const NOT_FLAT: f64 = 1e-5;
+
+/// Added to the sine of the angle by which a view may turn: far more than [`IN_SIDE`] and the rounding of unit vectors.
+pub(crate) const TURN: f64 = 1e-7;
+
+/// Before the near plane of a view that may turn, the region where rays may start is larger by this many times the rounding
+/// of that plane. The near planes of one camera in two places differ by up to four times that, and at the corners by
+/// as much more as these are farther away. Nothing rests on the exact value.
+pub(crate) const NEAR_ROUNDINGS: f64 = 8.0;

@@ -70,6 +70,21 @@ impl OcclusionBuffers {
         self.pixels = pixels;
     }
 
+    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders in them: refinement
+    /// and tests of single points need the buffers themselves.
+    pub(crate) fn copy_coverage(&mut self, from: &Self) {
+        self.shadows.clear();
+        (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
+        (self.direction, self.nearest, self.pixels) = (from.direction, from.nearest, from.pixels);
+        self.faces.truncate(from.faces.len());
+        for (i, face) in from.faces.iter().enumerate() {
+            if self.faces.len() == i {
+                self.faces.push(FaceBuffer::new(*face.face()));
+            }
+            self.faces[i].copy_coverage(face);
+        }
+    }
+
     /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the options ask for.
     pub(crate) fn pixel_angle(&self) -> f64 {
         FRAC_PI_2 / self.pixels as f64
@@ -191,6 +206,11 @@ impl OcclusionBuffers {
         }
         let seen = self.faces().any(|b| target.on_face(b.face()).is_some_and(|on_face| b.sees(&on_face)));
         if seen { Verdict::Visible } else { Verdict::Hidden }
+    }
+
+    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is hidden.
+    pub(crate) fn leaves_open(&self, point: DVec3) -> bool {
+        self.faces().any(|b| b.leaves_open(b.face().local(point)))
     }
 
     /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of

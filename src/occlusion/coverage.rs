@@ -65,6 +65,14 @@ pub(crate) struct Coverage {
 }
 
 impl Coverage {
+    /// Takes over the pixels of another window.
+    pub(crate) fn copy(&mut self, from: &Self) {
+        self.tiles.clone_from(&from.tiles);
+        self.closed.clone_from(&from.closed);
+        self.shades.clone_from(&from.shades);
+        self.shaded = from.shaded;
+    }
+
     /// Starts anew with so many open tiles.
     pub(crate) fn clear(&mut self, count: usize) {
         self.tiles.clear();

@@ -30,6 +30,8 @@ pub(crate) struct Extras<'a> {
     pub(crate) more: Option<&'a BitMatrix>,
     /// Boxes before which objects lie that [`Method::Point`] finds; it leaves out others.
     pub(crate) receivers: Option<&'a [Block]>,
+    /// Whether [`Method::Point`] looks at static objects only, as if there were no others.
+    pub(crate) fixed_only: bool,
 }
 
 /// Finds the objects that a view can see.
@@ -110,14 +112,14 @@ impl Query {
 
     /// As [`Query::run`], with what some methods are told besides.
     pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, extras: Extras) -> &Pvs {
-        let Extras { more, receivers } = extras;
+        let Extras { more, receivers, fixed_only } = extras;
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
         pvs.method = self.method;
         pvs.aggressive = more.is_some();
-        pvs.partial = receivers.is_some();
+        pvs.partial = receivers.is_some() || fixed_only;
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match &self.method {
@@ -134,7 +136,7 @@ impl Query {
             Method::Point(options) => {
                 pvs.revision = scene.revision();
                 let walk = point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
-                walk.with_receivers(receivers).run();
+                walk.with_receivers(receivers).with_fixed_only(fixed_only).run();
             }
         }
         match &mut pvs.view {
@@ -175,6 +177,11 @@ impl Query {
     /// The result of the last run; empty before the first.
     pub fn pvs(&self) -> &Pvs {
         &self.pvs
+    }
+
+    /// The occlusion buffers of the last run of [`Method::Point`], with what that run drew.
+    pub(crate) fn drawn(&self) -> &PointScratch {
+        &self.point
     }
 
     /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.

@@ -6,8 +6,6 @@ use crate::geometry::{Aabb, Block};
 use crate::method::Method;
 use crate::numeric::view::ALONG_RAYS;
 use crate::object::{Bounds, Occluder};
-use crate::occlusion::buffers::Verdict;
-use crate::occlusion::target::Target;
 use crate::query::Query;
 use crate::query::point::scratch::PointScratch;
 use crate::scene::Scene;
@@ -95,10 +93,7 @@ impl Sight<'_> {
         if !self.view.may_see(bounds) {
             return false;
         }
-        let Some(buffers) = self.buffers.map(|scratch| &scratch.buffers) else { return true };
-        let outer = || bounds.kind().outer(buffers.origin(), buffers.uncertainty());
-        !buffers.hides(&buffers.relative(&bounds.block()))
-            && buffers.test(&Target::new(outer(), buffers.direction())) == Verdict::Visible
+        !self.buffers.is_some_and(|scratch| scratch.hides_bounds(bounds))
     }
 
     /// Whether the view may see a point of some geometry in a box; in doubt, yes.

@@ -11,7 +11,7 @@ impl Pvs {
     /// For all methods, nothing moved that matters, the new view shows the same layers, and it sees nothing outside the
     /// half-spaces of this result's. [`Method::Frustum`] asks no more; nor does [`Method::Cell`]
     /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
-    /// (nor does any other plane between its eye and the part of the world that it sees), and
+    /// (nor does any other plane between its eye and the part of the world that it sees) that counted for this result, and
     /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
     /// - [`Method::Point`]: the new eye is at the same point, or within the [reach](View::with_reach) of the view.
     ///
@@ -40,7 +40,9 @@ impl Pvs {
         match self.method {
             Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
-            Method::Point(_) => own.reaches(view) && !scene.near_plane_cuts(view),
+            Method::Point(_) => {
+                own.reaches(view) && (own.covers_starts(view) || !scene.near_plane_cuts(view))
+            }
             // Nothing was taken to be hidden.
             Method::Cell(_) if self.stats.eye_in_occluder => true,
             // The half-spaces were widened to contain the whole cell: every point of it will do.

@@ -26,6 +26,7 @@ impl Scene {
         let occluder = desc.occluder.take();
         let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
+        self.fixed_revision += u64::from(self.object(slot).is_static());
         let occluder = self.slots.object_mut(slot).keep_idle(occluder);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
@@ -171,6 +172,12 @@ impl Scene {
         object.layers = mask;
         let occluder = object.keep_idle(occluder);
         self.revision += 1;
+        if object.is_static() {
+            self.fixed_revision += 1;
+        } else {
+            // A view may show it from now on that passed over its volume.
+            self.journal.push(id.slot, self.slots.len());
+        }
         if occluder.is_some() != self.object(id.slot).occluder().is_some() {
             self.change_occluder(id.slot, occluder);
         }

@@ -45,6 +45,7 @@ impl Scene {
                 + self.always.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
+                + self.journal.bytes()
                 + self.seen.capacity() * size_of::<u64>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),

@@ -26,13 +26,15 @@
 //! # Results and revisions
 //!
 //! `revision` counts the changes that a result may depend on; motion inside a volume is none of them. `moves` counts
-//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both.
+//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both. `fixed_revision` counts the changes of static objects
+//! only, and `journal` lists the volumes that are new: results that are kept ask these.
 
 mod cells;
 mod containing;
 mod edit;
 mod expiry;
 mod frame;
+mod journal;
 mod memory;
 mod near;
 mod object;
@@ -61,8 +63,8 @@ use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
 use crate::scene::expiry::ExpiryQueue;
+use crate::scene::journal::Journal;
 use crate::scene::opaque::OpaqueCells;
-use crate::scene::slot_set::SlotSet;
 use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
@@ -71,6 +73,7 @@ pub use frame::FrameReport;
 pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
+pub(crate) use slot_set::SlotSet;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
@@ -127,7 +130,9 @@ pub struct Scene {
     /// How many overdue objects have occluders: while any does, O is Os.
     overdue_occluders: u32,
     revision: u64,
+    fixed_revision: u64,
     moves: u64,
+    journal: Journal,
     /// Memory used again: the objects in sight, a bit for each slot, and the cells of an object that moves.
     seen: Vec<u64>,
     moved: Moved,
@@ -159,7 +164,9 @@ impl Scene {
             listed_on_expiry: 0,
             overdue_occluders: 0,
             revision: 0,
+            fixed_revision: 0,
             moves: 0,
+            journal: Journal::default(),
             seen: Vec::new(),
             moved: Moved::default(),
         })
@@ -300,6 +307,23 @@ impl Scene {
     /// was there when the query ran does not count: its surface was tested.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Changes whenever a static object changed, came or went.
+    pub(crate) fn fixed_revision(&self) -> u64 {
+        self.fixed_revision
+    }
+
+    /// The volumes that are new.
+    pub(crate) fn journal(&self) -> &Journal {
+        &self.journal
+    }
+
+    /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown place.
+    pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (u32, &Object)> {
+        let elsewhere = |slot: &u32| !self.listed.contains(*slot) && !self.object(*slot).is_static();
+        let elsewhere = self.always.as_slice().iter().copied().filter(elsewhere);
+        self.listed.as_slice().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
     }
 
     /// Changes also when a hidden object moved.

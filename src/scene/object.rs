@@ -174,7 +174,8 @@ impl Object {
         idle + placed + self.mover.as_ref().map_or(0, |_| size_of::<Mover>())
     }
 
-    pub(super) fn is_static(&self) -> bool {
+    #[inline]
+    pub(crate) fn is_static(&self) -> bool {
         self.motion == Motion::Static
     }
 

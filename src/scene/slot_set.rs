@@ -5,7 +5,7 @@ const NOWHERE: u32 = u32::MAX;
 
 /// A set of slots: insertion, removal and membership cost one look-up, and iteration costs the members.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SlotSet {
+pub(crate) struct SlotSet {
     members: Vec<u32>,
     /// By slot: its place in `members`, or `NOWHERE`.
     places: Vec<u32>,
@@ -14,16 +14,16 @@ pub(super) struct SlotSet {
 impl SlotSet {
     /// The members; their order changes when one is removed.
     #[inline]
-    pub(super) fn as_slice(&self) -> &[u32] {
+    pub(crate) fn as_slice(&self) -> &[u32] {
         &self.members
     }
 
-    pub(super) fn contains(&self, slot: u32) -> bool {
+    pub(crate) fn contains(&self, slot: u32) -> bool {
         self.places.get(slot as usize).is_some_and(|&at| at != NOWHERE)
     }
 
     /// Adds a slot; false if it was a member.
-    pub(super) fn insert(&mut self, slot: u32) -> bool {
+    pub(crate) fn insert(&mut self, slot: u32) -> bool {
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, NOWHERE);
         }
@@ -37,7 +37,7 @@ impl SlotSet {
     }
 
     /// Takes a slot out; false if it was no member. The last member takes its place.
-    pub(super) fn remove(&mut self, slot: u32) -> bool {
+    pub(crate) fn remove(&mut self, slot: u32) -> bool {
         let Some(place) = self.places.get_mut(slot as usize) else { return false };
         let at = std::mem::replace(place, NOWHERE);
         if at == NOWHERE {

@@ -27,6 +27,7 @@ impl Scene {
         }
         self.moves += 1;
         object.moved = self.moves;
+        self.fixed_revision += u64::from(object.is_static());
         match object.state() {
             State::Listed | State::Overdue => {
                 self.revision += 1;
@@ -93,6 +94,7 @@ impl Scene {
         if let (Some(old), Some(new)) = (volume, &next) {
             let room = old.room(&block);
             if room >= WORTH_KEEPING * new.tbv.slack {
+                self.journal.push(slot, self.slots.len());
                 self.enclose_again(slot, old, room, f64::INFINITY);
                 return;
             }
@@ -189,6 +191,7 @@ impl Scene {
     /// Takes an object out of the scene.
     pub(super) fn take_out(&mut self, slot: u32) {
         self.revision += 1;
+        self.fixed_revision += u64::from(self.object(slot).is_static());
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
@@ -232,6 +235,7 @@ impl Scene {
     fn enclose(&mut self, slot: u32, hidden: Hidden) {
         self.volumes.insert(slot, &hidden.tbv);
         self.revision += 1;
+        self.journal.push(slot, self.slots.len());
         self.hide(slot, hidden);
     }
 

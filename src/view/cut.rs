@@ -33,19 +33,13 @@ impl View {
     /// The parts of the view that each cutting plane cuts away: convex regions with their
     /// bounding box, as far as they lie in the box from `min` to `max`.
     pub(crate) fn cut_regions(&self, min: DVec3, max: DVec3) -> impl Iterator<Item = (Self, Block)> {
-        self.cutting_planes().filter_map(move |cut| {
+        let regions = self.cutting_planes().map(|cut| {
             let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
             let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
-            let region = Self {
-                origin: self.origin,
-                planes,
-                cutting: 0,
-                widened: 0.0,
-                ordered: false,
-                layers: self.layers,
-                reach: 0.0,
-            };
+            self.region(planes)
+        });
+        regions.chain(self.before_turned()).filter_map(move |region| {
             let corners = region.corners(min, max);
             let block = corners.iter().fold(None, |b: Option<Block>, &c| {
                 Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
@@ -54,23 +48,24 @@ impl View {
         })
     }
 
+    /// A part of space where rays may start.
+    pub(super) fn region(&self, planes: SmallVec<[HalfSpace; 6]>) -> Self {
+        Self { layers: self.layers, ..Self::bounded(self.origin, planes) }
+    }
+
     /// Where an eye may lie that is not known exactly, or that may go elsewhere, as a region with its box.
     pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
         let Origin::Eye { at, .. } = self.origin else { return None };
         let room = self.eye_room();
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
-        let planes = axes.map(|n| HalfSpace { normal: n, offset: room - n.dot(at) }).collect();
-        let region = Self {
-            origin: self.origin,
-            planes,
-            cutting: 0,
-            widened: 0.0,
-            ordered: false,
-            layers: self.layers,
-            reach: 0.0,
-        };
+        let region = self.region(cube(at, room).collect());
         (room > 0.0).then_some((region, Block { min: at - room, max: at + room }))
     }
+}
+
+/// The half-spaces of the cube of all points up to `room` from a point along each axis.
+pub(super) fn cube(at: DVec3, room: f64) -> impl Iterator<Item = HalfSpace> {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
+    axes.map(move |n| HalfSpace { normal: n, offset: room - n.dot(at) })
 }
 
 /// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye, which may be anywhere in

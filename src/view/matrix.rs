@@ -15,6 +15,8 @@ pub(crate) struct Frustum {
     pub(crate) planes: SmallVec<[HalfSpace; 6]>,
     /// One bit for each plane that may lie between the eye and the rest.
     pub(crate) cutting: u32,
+    /// One bit for each plane through the eye.
+    pub(crate) sides: u32,
     /// How far planes that cut off the eye, or any of parallel rays, were moved outwards, at most.
     pub(crate) widened: f64,
 }
@@ -54,9 +56,9 @@ impl Frustum {
         beside: Option<f64>,
     ) -> Result<Self, Error> {
         let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
-        let (mut cutting, mut widened) = (0, 0f64);
-        let sides = [(w + x, [w, x]), (w - x, [w, x]), (w + y, [w, y]), (w - y, [w, y])];
-        for (i, (plane, parts)) in sides.into_iter().chain([(near, [w, z]), (w - z, [w, z])]).enumerate() {
+        let (mut cutting, mut sides, mut widened) = (0, 0, 0f64);
+        let across = [(w + x, [w, x]), (w - x, [w, x]), (w + y, [w, y]), (w - y, [w, y])];
+        for (i, (plane, parts)) in across.into_iter().chain([(near, [w, z]), (w - z, [w, z])]).enumerate() {
             let size = parts[0].truncate().length() + parts[1].truncate().length();
             let length = plane.truncate().length();
             if length > CANCELLED * size {
@@ -69,6 +71,7 @@ impl Frustum {
                         unsure += ELEMENT * worse * at.length();
                         if i < 4 {
                             // The sides of a view meet in its eye.
+                            sides |= 1 << planes.len();
                             unsure += if beside.is_some() { (-space.distance(at)).max(0.0) } else { 0.0 };
                         } else {
                             unsure += beside.unwrap_or(0.0);
@@ -88,7 +91,7 @@ impl Frustum {
         if planes.len() < 4 {
             return Err(Error::Matrix("it maps space to a plane, a line or a point"));
         }
-        Ok(Self { origin, planes, cutting, widened })
+        Ok(Self { origin, planes, cutting, sides, widened })
     }
 }
 

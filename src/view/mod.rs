@@ -1,12 +1,15 @@
 //! The view: an eye or a direction, and the planes that bound the part of space that it sees.
 
+mod cone;
 pub(crate) mod cut;
 mod eye;
 mod matrix;
+pub(crate) mod motion;
 mod region;
 mod sees;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 use glam::{DVec3, Mat4, Vec3};
 use smallvec::SmallVec;
@@ -35,6 +38,8 @@ pub struct View {
     pub(crate) planes: SmallVec<[HalfSpace; 6]>,
     /// One bit for each plane outside of which the eye lies.
     cutting: u32,
+    /// One bit for each plane through the eye.
+    sides: u32,
     /// How far planes that cut off the eye, or any of parallel rays, were moved outwards, at most: since they were found from a
     /// matrix, or because of the reach.
     widened: f64,
@@ -44,6 +49,20 @@ pub struct View {
     layers: u32,
     /// How far the eye may go, in world units.
     reach: f64,
+    /// Set if the camera may turn.
+    turned: Option<Box<Turned>>,
+}
+
+/// How a view was opened for turns.
+#[derive(Debug, Clone, PartialEq)]
+struct Turned {
+    /// The camera may turn by this, in radians.
+    angle: f64,
+    /// Rays may start up to so far from the eye, inside the planes of the opened view: 0 without a near plane, infinity if
+    /// that does not bound them.
+    near: f64,
+    /// The view as it was, with its reach.
+    straight: View,
 }
 
 impl View {
@@ -120,22 +139,28 @@ impl View {
     /// Parallel rays that start infinitely far away and run along `direction`, inside all of the half-spaces.
     /// Directions and normals have length 1.
     pub(crate) fn parallel(direction: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
-        Self {
-            origin: Origin::Direction(direction),
-            planes,
-            cutting: 0,
-            widened: 0.0,
-            ordered: true,
-            layers: u32::MAX,
-            reach: 0.0,
-        }
+        Self { ordered: true, ..Self::bounded(Origin::Direction(direction), planes) }
     }
 
     /// The part of space around an eye that lies inside all of the half-spaces, each of which contains the eye.
     /// Normals have length 1.
     pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
-        let origin = Origin::Eye { at: eye, error: 0.0 };
-        Self { origin, planes, cutting: 0, widened: 0.0, ordered: false, layers: u32::MAX, reach: 0.0 }
+        Self::bounded(Origin::Eye { at: eye, error: 0.0 }, planes)
+    }
+
+    /// All that lies inside of some half-spaces, on all layers, for an eye that stays where it is.
+    fn bounded(origin: Origin, planes: SmallVec<[HalfSpace; 6]>) -> Self {
+        Self {
+            origin,
+            planes,
+            cutting: 0,
+            sides: 0,
+            widened: 0.0,
+            ordered: false,
+            layers: u32::MAX,
+            reach: 0.0,
+            turned: None,
+        }
     }
 
     /// Whether it is known where rays start.
@@ -171,17 +196,12 @@ impl View {
         let at = eye.as_dvec3();
         // Planes through the eye miss it by their rounding to single precision.
         let rounding = |p: &HalfSpace| THROUGH_EYE * (at.abs().dot(p.normal.abs()) + p.offset.abs());
-        let cuts = |p: &HalfSpace| p.distance(at) < -rounding(p);
-        let cutting = planes.iter().zip(0..).filter(|(p, _)| cuts(p)).map(|(_, i)| 1 << i).sum();
-        Ok(Self {
-            origin: Origin::Eye { at, error: 0.0 },
-            planes,
-            cutting,
-            widened: 0.0,
-            ordered: false,
-            layers: u32::MAX,
-            reach: 0.0,
-        })
+        let marked = |is: &dyn Fn(&HalfSpace) -> bool| {
+            planes.iter().zip(0..).filter(|(p, _)| is(p)).map(|(_, i)| 1 << i).sum()
+        };
+        let cutting = marked(&|p| p.distance(at) < -rounding(p));
+        let sides = marked(&|p| p.distance(at).abs() <= rounding(p));
+        Ok(Self { cutting, sides, ..Self::bounded(Origin::Eye { at, error: 0.0 }, planes) })
     }
 
     /// The same view of some layers only: it shows an object if `mask` has a bit in common with the
@@ -217,7 +237,7 @@ impl View {
     }
 
     /// The same view for an eye that may go up to `reach` world units from its place, in any direction and without
-    /// turning: the result of a query has all that it can see from anywhere there. It holds for many frames
+    /// turning ([`View::with_turn`]): the result of a query has all that it can see from anywhere there. It holds for many frames
     /// ([`crate::Pvs::is_valid_for`]), or for a client whose eye is known with delay.
     ///
     /// The planes of the view go along with the eye. Objects nearer than eight times the reach are visible without a test.
@@ -227,13 +247,21 @@ impl View {
     ///
     /// # Errors
     /// Refuses a reach that is negative or not finite.
-    pub fn with_reach(mut self, reach: f32) -> Result<Self, Error> {
+    pub fn with_reach(self, reach: f32) -> Result<Self, Error> {
         not_negative("the reach", f64::from(reach))?;
-        let by = f64::from(reach) - self.reach;
+        Ok(match self.turned.as_ref().map(|turned| turned.angle) {
+            Some(angle) => self.straight().reaching(f64::from(reach)).opened(angle),
+            None => self.reaching(f64::from(reach)),
+        })
+    }
+
+    /// A view that is not opened for turns, with a reach that is no length less than 0.
+    fn reaching(mut self, reach: f64) -> Self {
+        let by = reach - self.reach;
         self.planes.iter_mut().for_each(|plane| plane.offset += by);
         self.widened += by;
-        self.reach = f64::from(reach);
-        Ok(self)
+        self.reach = reach;
+        self
     }
 
     /// How far the eye may go from its place, in world units: see [`View::with_reach`].
@@ -268,7 +296,7 @@ impl View {
 }
 
 impl From<Frustum> for View {
-    fn from(Frustum { origin, planes, cutting, widened }: Frustum) -> Self {
-        Self { origin, planes, cutting, widened, ordered: false, layers: u32::MAX, reach: 0.0 }
+    fn from(Frustum { origin, planes, cutting, sides, widened }: Frustum) -> Self {
+        Self { cutting, sides, widened, ..Self::bounded(origin, planes) }
     }
 }

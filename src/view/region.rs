@@ -10,13 +10,14 @@ impl View {
     /// Whether all points that `other` sees inside the box from `min` to `max` lie in
     /// this view's half-spaces. Exact up to rounding; in doubt, no.
     pub(crate) fn contains(&self, other: &Self, min: DVec3, max: DVec3) -> bool {
+        let mut shared = self.planes.iter().map(|plane| other.planes.contains(plane));
+        if shared.all(|shared| shared) {
+            return true;
+        }
+        let corners = other.corners(min, max);
+        let reach = min.abs().max(max.abs()).max_element();
         self.planes.iter().all(|plane| {
-            if other.planes.iter().any(|o| o == plane) {
-                return true;
-            }
-            let corners = other.corners(min, max);
-            let reach = min.abs().max(max.abs()).max_element();
-            corners.iter().all(|&c| plane.distance(c) >= plane.margin(reach))
+            other.planes.contains(plane) || corners.iter().all(|&c| plane.distance(c) >= plane.margin(reach))
         })
     }
 

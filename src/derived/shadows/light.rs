@@ -43,7 +43,7 @@ pub(super) enum Lamp {
         at: DVec3,
         range: f64,
     },
-    Spot(View),
+    Spot(Box<View>),
 }
 
 impl Lamp {
@@ -65,7 +65,7 @@ impl Lamp {
                 }
                 Ok(Self::Bulb { at: position.as_dvec3(), range })
             }
-            Light::Spot(view) => Ok(Self::Spot(view.clone())),
+            Light::Spot(view) => Ok(Self::Spot(Box::new(view.clone()))),
         }
     }
 
@@ -98,7 +98,7 @@ impl Lamp {
                     View::around(*at, SmallVec::new())
                 }
             }
-            Self::Spot(view) => view.clone(),
+            Self::Spot(view) => (**view).clone(),
         }
     }
 
@@ -122,7 +122,7 @@ impl Lamp {
                 let around = pieces.iter().copied().reduce(join)?;
                 Some(Self::between(*at, around.min.min(*at), around.max.max(*at)))
             }
-            Self::Spot(view) => (!pieces.is_empty()).then(|| view.clone()),
+            Self::Spot(view) => (!pieces.is_empty()).then(|| (**view).clone()),
         }
     }
 

@@ -127,6 +127,20 @@ impl FaceBuffer {
         self.clear(Some(bounds), w.face_pixels() * finer);
     }
 
+    /// Takes over the covered pixels of another buffer, but not the lists of its occluders: those serve refinement only.
+    pub(crate) fn copy_coverage(&mut self, from: &Self) {
+        self.face = from.face;
+        self.drawn.clear();
+        self.active = from.active;
+        self.window = from.window;
+        self.halves.clone_from(&from.halves);
+        if self.active {
+            self.coverage.copy(&from.coverage);
+            self.occluders.clear(&self.window);
+            self.patches.clear(&self.window);
+        }
+    }
+
     pub(crate) fn face(&self) -> &Face {
         &self.face
     }

@@ -82,6 +82,11 @@ impl FaceBuffer {
         })
     }
 
+    /// Whether a point, in coordinates of the face, lies in a pixel that does not hide it.
+    pub(crate) fn leaves_open(&self, p: DVec3) -> bool {
+        self.open_pixel(p).is_some()
+    }
+
     /// The pixel of a point, in coordinates of the face, if it does not hide the point.
     #[inline]
     fn open_pixel(&self, p: DVec3) -> Option<OpenPixel> {

@@ -266,7 +266,7 @@ impl Walk<'_> {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
         let fused = scene.fused().in_brick(brick);
-        let volumes = !scene.tbv_matrix().is_empty(brick);
+        let volumes = !self.fixed_only && !scene.tbv_matrix().is_empty(brick);
         let mut open = std::mem::take(&mut self.scratch.open);
         open.clear();
         open.extend(scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)));

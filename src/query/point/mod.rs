@@ -12,6 +12,7 @@ mod decide;
 mod drawables;
 mod objects;
 mod occluders;
+pub(crate) mod overlay;
 mod recall;
 pub(crate) mod scratch;
 mod surfaces;
@@ -61,6 +62,8 @@ pub(crate) struct Walk<'a> {
     begins: Option<ShellBegins>,
     /// Only the objects before these boxes are asked for.
     receivers: Option<&'a [Block]>,
+    /// Whether dynamic objects and their volumes are passed over.
+    fixed_only: bool,
     /// Whether the run uses the memory of the last one.
     coherent: bool,
     stats: Stats,
@@ -120,6 +123,7 @@ impl<'a> Walk<'a> {
             begins: around.as_ref().map(|shells| shells.begins(&grid)),
             around,
             receivers: None,
+            fixed_only: false,
             coherent: options.coherent,
             stats: Stats::default(),
         }
@@ -129,6 +133,14 @@ impl<'a> Walk<'a> {
     pub(crate) fn with_receivers(mut self, receivers: Option<&'a [Block]>) -> Self {
         self.coherent &= receivers.is_none();
         self.receivers = receivers;
+        self
+    }
+
+    /// Passes over dynamic objects.
+    pub(crate) fn with_fixed_only(mut self, fixed_only: bool) -> Self {
+        // Slots of the last run may have dynamic objects now.
+        self.coherent &= !fixed_only;
+        self.fixed_only = fixed_only;
         self
     }
 
@@ -158,7 +170,9 @@ impl<'a> Walk<'a> {
             }
             (Origin::Direction(d), _) => self.everywhere(d),
         }
-        self.test_outer_volumes();
+        if !self.fixed_only {
+            self.test_outer_volumes();
+        }
         self.decide();
         if self.coherent {
             self.remember();

@@ -18,7 +18,8 @@ impl Walk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: u32) {
         let object = self.scene.object(slot);
-        if !self.marks.decide(slot) || !object.is_shown(self.view) {
+        let passed_over = self.fixed_only && !object.is_static();
+        if !self.marks.decide(slot) || passed_over || !object.is_shown(self.view) {
             return;
         }
         let scratch = &mut *self.scratch;

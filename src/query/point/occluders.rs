@@ -13,7 +13,7 @@ use crate::view::cut::may_start_in;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer pixels they hide too
 /// little for the time that they take: scenes of thousands lose less than one object of a thousand.
-const SMALLEST_OCCLUDER: f64 = 0.35;
+pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
 pub(super) const NOBODY: u32 = u32::MAX;
@@ -159,6 +159,6 @@ impl Walk<'_> {
 }
 
 /// A convex occluder, shrunk by how far the eye may be from the origin; `None` if nothing is left.
-fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
+pub(super) fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
     Solid::new(occluder.kind().inner(buffers.origin(), buffers.shrinking())?, buffers.direction())
 }

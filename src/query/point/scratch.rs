@@ -1,13 +1,16 @@
 //! The memory of the point method.
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
-use crate::occlusion::buffers::OcclusionBuffers;
+use crate::object::Bounds;
+use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
+use crate::occlusion::target::Target;
 use crate::query::point::recall::Coherence;
+use crate::view::View;
 
 /// How a patch was drawn.
 #[derive(Debug, Clone, Copy, Default)]
@@ -73,5 +76,36 @@ impl PointScratch {
     /// Whether a box in world units is hidden by the occluders drawn so far.
     pub(crate) fn hides(&self, bounds: &Block) -> bool {
         self.buffers.hides(&self.buffers.relative(bounds))
+    }
+
+    /// Whether a box relative to the origin is smaller than some pixels.
+    pub(super) fn is_small(&self, b: &Block, pixels: f64) -> bool {
+        let radius = self.buffers.pixel_angle() * pixels;
+        let distance = b.min.max(-b.max).max(DVec3::ZERO).length_squared();
+        self.buffers.direction().is_none()
+            && (b.max - b.min).length_squared() * 0.25 < radius * radius * distance
+    }
+
+    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are tested as one convex shape.
+    pub(crate) fn hides_bounds(&self, bounds: &Bounds) -> bool {
+        let buffers = &self.buffers;
+        let block = bounds.block();
+        if self.hides(&block) {
+            return true;
+        }
+        // Most objects in sight are seen at their middle.
+        let middle = (block.min + block.max) * 0.5 - buffers.origin();
+        if bounds.kind().is_centered() && buffers.leaves_open(middle) {
+            return false;
+        }
+        let outer = bounds.kind().outer(buffers.origin(), buffers.uncertainty());
+        buffers.test(&Target::new(outer, buffers.direction())) == Verdict::Hidden
+    }
+
+    /// Whether the view that the buffers are of may see a temporal bounding volume.
+    pub(crate) fn sees_volume(&self, view: &View, volume: &Block) -> bool {
+        // The surface of a volume in which rays start does not come before the objects in it.
+        let starts = self.buffers.direction().is_some_and(|d| view.cuts_front(d, volume));
+        view.may_see_volume(volume) && (starts || !self.hides(volume))
     }
 }

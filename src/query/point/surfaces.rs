@@ -52,10 +52,7 @@ impl<'a> Walk<'a> {
 
     /// Whether a box relative to the origin is smaller than some pixels.
     pub(super) fn is_small(&self, b: &Block, pixels: f64) -> bool {
-        let radius = self.scratch.buffers.pixel_angle() * pixels;
-        let distance = b.min.max(-b.max).max(DVec3::ZERO).length_squared();
-        self.scratch.buffers.direction().is_none()
-            && (b.max - b.min).length_squared() * 0.25 < radius * radius * distance
+        self.scratch.is_small(b, pixels)
     }
 
     /// Draws the visible parts of surfaces that begin up to shell `m`, together.

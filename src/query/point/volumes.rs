@@ -11,7 +11,7 @@ impl Walk<'_> {
     pub(super) fn reveal_around(&mut self, eye: DVec3) {
         let scene = self.scene;
         let cell = scene.grid().cell_of(eye);
-        if !scene.grid().contains(cell) {
+        if self.fixed_only || !scene.grid().contains(cell) {
             return;
         }
         let mut around = Vec::new();
@@ -52,13 +52,11 @@ impl Walk<'_> {
 
     /// Reveals a volume that is in sight.
     pub(super) fn test_volume(&mut self, slot: u32) {
-        if self.marks.is_revealed(slot) {
+        if self.fixed_only || self.marks.is_revealed(slot) {
             return;
         }
         let bounds = self.scene.volume_block(slot);
-        // The surface of a volume in which rays start does not come before the objects in it.
-        let starts = self.scratch.buffers.direction().is_some_and(|d| self.view.cuts_front(d, &bounds));
-        if self.view.may_see_volume(&bounds) && (starts || !self.hides(&bounds)) {
+        if self.scratch.sees_volume(self.view, &bounds) {
             self.reveal(slot);
         }
     }

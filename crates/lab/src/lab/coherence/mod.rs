@@ -52,7 +52,9 @@ fn text(scores: &[WalkScore]) -> String {
     format!(
         "A person walks through each scene at 1.5 m/s and looks around, turning by at most 90 degrees a second, at 60 frames a second. The \
          scene stands still, but for spheres that float about (*movers*; every second one hides others). `fresh` runs a query of `point` in every \
-         frame, `coherent` the same with `PointOptions::coherent`. `reuse` runs one for all eyes within some metres and for turns of some degrees (`View::with_reach`), and a new one once \
+         frame, `coherent` the same with `PointOptions::coherent`. `kept` is a `KeptQuery`: it answers frames from one result about static objects \
+         until the camera has gone or turned too far. `reuse` runs a query for all eyes within some metres and for turns of some \
+         degrees (`View::with_reach`, `View::with_turn`), and a new one once \
          `Pvs::is_valid_for` says no; it is left out where something moves, since a visible object that moves ends the validity of every set. Cells give, over \
          those of `fresh` in the same run: the mean time of a frame, its 99th percentile, and the objects of the set that are in the frustum of the frame. **Of {} sets \
          compared with exact visibility, {lost} visible objects.**",

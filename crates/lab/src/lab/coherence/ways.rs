@@ -1,7 +1,6 @@
 //! Ways to know the visible objects of every frame.
 
-use casca::{Method, Plane, PointOptions, Pvs, Query, Scene, View};
-use glam::Vec3;
+use casca::{KeptOptions, KeptQuery, Method, PointOptions, Pvs, Query, Scene, View};
 
 use super::super::LabError;
 use crate::world::Camera;
@@ -41,6 +40,9 @@ pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
         Box::new(EachFrame::new("fresh", options)?),
         Box::new(EachFrame::new("coherent", options.coherent(true))?),
     ];
+    for (reach, turn) in [(0.05, 5.0), (0.1, 6.0), (0.2, 10.0)] {
+        all.push(Box::new(Kept::new(reach, turn)?));
+    }
     // A visible object that moves ends the validity of any set.
     if movers == 0 {
         for (reach, turn) in [(0.05, 3.0), (0.1, 6.0), (0.25, 15.0)] {
@@ -98,7 +100,7 @@ impl Way for Reuse {
 
     fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
         if !self.query.pvs().is_valid_for(scene, frame.view) {
-            let view = turning(frame.camera, self.turn.to_radians())?.with_reach(self.reach)?;
+            let view = frame.view.clone().with_reach(self.reach)?.with_turn(self.turn.to_radians())?;
             self.query.run(scene, &view);
         }
         Ok(())
@@ -109,26 +111,39 @@ impl Way for Reuse {
     }
 }
 
-/// The sides of a perspective camera, turned outwards by an angle. It has no near plane, since that of a camera that
-/// turned would cut off points in sight.
-fn turning(camera: &Camera, angle: f32) -> Result<View, casca::Error> {
-    let row = |i: usize| camera.view.row(i).truncate();
-    let (right, up, back) = (row(0), row(1), row(2));
-    let (x, y) = (camera.projection.x_axis.x, camera.projection.y_axis.y);
-    let mut planes = Vec::with_capacity(4);
-    for (side, slope) in [(right, x), (-right, x), (up, y), (-up, y)] {
-        let half = (1.0 / slope).atan() + angle;
-        let normal: Vec3 = -back * half.sin() + side * half.cos();
-        planes.push(Plane { normal, offset: -normal.dot(camera.eye) });
+/// A query that keeps what it found about static objects.
+struct Kept {
+    query: KeptQuery,
+    options: KeptOptions,
+}
+
+impl Kept {
+    fn new(reach: f32, turn: f32) -> Result<Self, LabError> {
+        let options = KeptOptions::new().reach(reach).turn(turn.to_radians());
+        Ok(Self { query: KeptQuery::with_options(options)?, options })
     }
-    View::from_planes(camera.eye, &planes)
+}
+
+impl Way for Kept {
+    fn name(&self) -> String {
+        format!("kept, {} m, {:.0} degrees", self.options.reach, self.options.turn.to_degrees())
+    }
+
+    fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
+        self.query.run(scene, frame.view);
+        Ok(())
+    }
+
+    fn pvs(&self) -> &Pvs {
+        self.query.pvs()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use casca::{GridSpec, ObjectDesc, Sphere};
-    use glam::UVec3;
+    use glam::{UVec3, Vec3};
 
     use crate::drive::view_of;
 

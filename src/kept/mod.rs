@@ -1,0 +1,265 @@
+//! Queries that answer many frames from one result.
+
+mod job;
+mod still;
+mod watch;
+
+use crate::error::{Error, not_negative};
+use crate::kept::job::Snapshot;
+use crate::kept::still::{Stamp, Still, serves};
+use crate::method::{Method, PointOptions};
+use crate::pvs::{Pvs, Stats};
+use crate::query::Query;
+use crate::scene::Scene;
+use crate::view::View;
+use crate::view::motion::Motion;
+
+pub use job::{KeptJob, KeptResult};
+
+/// A result is made for a place that the eye goes to: ahead by this share of the reach and of the turn.
+const AHEAD: f64 = 0.8;
+
+/// But not farther ahead than the eye goes in this many frames.
+const FRAMES_AHEAD: f64 = 32.0;
+
+/// How far the camera of a [`KeptQuery`] may go and turn before a new result is needed.
+///
+/// Greater distances and angles make each result last longer, and sets larger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+#[non_exhaustive]
+pub struct KeptOptions {
+    /// How far the eye may go, in world units: see [`View::with_reach`].
+    pub reach: f32,
+    /// How far the camera may turn, in radians: see [`View::with_turn`].
+    pub turn: f32,
+}
+
+impl Default for KeptOptions {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl KeptOptions {
+    /// The default options: a reach of 0.1 world units and a turn of 0.1 radians.
+    pub const fn new() -> Self {
+        Self { reach: 0.1, turn: 0.1 }
+    }
+
+    /// Sets [`KeptOptions::reach`], in world units.
+    #[must_use]
+    pub const fn reach(mut self, distance: f32) -> Self {
+        self.reach = distance;
+        self
+    }
+
+    /// Sets [`KeptOptions::turn`], in radians.
+    #[must_use]
+    pub const fn turn(mut self, angle: f32) -> Self {
+        self.turn = angle;
+        self
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        not_negative("the reach", f64::from(self.reach))?;
+        not_negative("the angle", f64::from(self.turn))
+    }
+}
+
+/// Finds the objects that a camera can see, frame after frame, and keeps what it found about static objects.
+///
+/// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen from anywhere near the eye
+/// ([`KeptOptions`]), by [`Method::Point`], and answers frames from that while the camera is there and no static object changes. In
+/// each frame it cuts that set by the frustum, and tests dynamic objects where they are now, against the occlusion
+/// buffers of the static ones. When the result does not hold any more, the run finds a new one, a little ahead of the camera; or
+/// another thread does so in time ([`KeptQuery::prepare`]).
+///
+/// No visible object is missing in any frame. Sets are larger than those of a [`Query`]: by what
+/// can be seen from near the eye only, and by what only dynamic occluders hide. It pays where large static occluders hide much, and
+/// where few objects move. Results depend only on the sequence of calls.
+///
+/// ```
+/// use casca::{Aabb, GridSpec, KeptOptions, KeptQuery, ObjectDesc, Scene, Sphere, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
+/// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+/// let ball = |x: f32| Sphere::new(Vec3::new(x, 16.0, 24.0), 0.5);
+/// let ball_id = scene.insert(ObjectDesc::dynamic(ball(4.0)).max_speed(2.0))?;
+///
+/// let mut query = KeptQuery::with_options(KeptOptions::new().reach(0.5))?;
+/// for frame in 0..10 {
+///     scene.begin_frame(f64::from(frame) / 60.0)?;
+///     scene.update(ball_id, ball(4.0 + 0.03 * frame as f32), None)?;
+///     let eye = Vec3::new(16.0 + 0.03 * frame as f32, 16.0, 8.0);
+///     let pvs = query.run(&scene, &View::omnidirectional(eye)?);
+///     assert!(!pvs.contains(ball_id), "the ball is behind the wall");
+///     scene.end_frame([query.pvs()])?;
+/// }
+/// assert_eq!(query.refreshes(), 1, "one result served all frames");
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct KeptQuery {
+    options: KeptOptions,
+    /// A query that never ran.
+    fresh: Query,
+    /// A query whose memory is used again.
+    spare: Option<Box<Query>>,
+    /// The result that frames are answered from.
+    now: Option<Box<Still>>,
+    /// The result installed last, until a view comes that it holds for.
+    next: Option<Box<Still>>,
+    /// The scene as jobs read it.
+    snapshot: Option<Snapshot>,
+    /// The view of the last run, and how the camera came there.
+    last: Option<(View, Option<Motion>)>,
+    pvs: Pvs,
+    refreshes: u64,
+}
+
+impl Default for KeptQuery {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl KeptQuery {
+    /// A kept query with the default options.
+    pub fn new() -> Self {
+        Self {
+            options: KeptOptions::new(),
+            fresh: Query::new(),
+            spare: None,
+            now: None,
+            next: None,
+            snapshot: None,
+            last: None,
+            pvs: Pvs::empty(),
+            refreshes: 0,
+        }
+    }
+
+    /// A kept query with other options.
+    ///
+    /// # Errors
+    /// Refuses a reach or an angle that is negative or not finite.
+    pub fn with_options(options: KeptOptions) -> Result<Self, Error> {
+        options.check()?;
+        Ok(Self { options, ..Self::new() })
+    }
+
+    /// The options.
+    pub fn options(&self) -> KeptOptions {
+        self.options
+    }
+
+    /// Changes the options of the queries that find new results. The present result is forgotten.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if one of the options is out of its range. The query then stays as it is.
+    pub fn set_point_options(&mut self, options: PointOptions) -> Result<(), Error> {
+        self.fresh = Query::with_method(Method::Point(options))?;
+        self.reset();
+        Ok(())
+    }
+
+    /// Forgets all results: the next run finds a new one. [`KeptQuery::pvs`] stays.
+    pub fn reset(&mut self) {
+        (self.spare, self.now, self.next) = (None, None, None);
+        (self.snapshot, self.last) = (None, None);
+    }
+
+    /// Finds the objects that a view can see: a superset of them. Static objects come first, roughly front to back.
+    ///
+    /// Costs a test of each static object in the result, of each dynamic object that is in no volume and of each
+    /// volume in sight. If the result does not hold, it also costs a query of the widened view.
+    pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
+        let motion = self.last.as_ref().and_then(|(last, _)| Motion::between(last, view));
+        self.last = Some((view.clone(), motion));
+        if self.next.as_ref().is_some_and(|next| next.holds(scene, view)) {
+            let old = std::mem::replace(&mut self.now, self.next.take());
+            self.spare = old.map(|still| still.into_query());
+        }
+        let holds = self.now.as_ref().is_some_and(|now| now.holds(scene, view));
+        if !holds {
+            self.spare = self.now.take().map(|still| still.into_query()).or(self.spare.take());
+            self.refreshes += 1;
+        }
+        let mut now = self.now.take().unwrap_or_else(|| {
+            Box::new(Still::find(self.take_query(), scene, self.aim(scene, view), Stamp::of(scene)))
+        });
+        self.begin(scene, view, if holds { Stats::default() } else { *now.stats() });
+        now.answer(scene, view, &mut self.pvs);
+        self.now = Some(now);
+        &self.pvs
+    }
+
+    /// The result of the last run; empty before the first. It is valid for the view of that run, as that of a [`Query`] is.
+    pub fn pvs(&self) -> &Pvs {
+        &self.pvs
+    }
+
+    /// How many runs had to find a new result.
+    pub fn refreshes(&self) -> u64 {
+        self.refreshes
+    }
+
+    /// A job that finds a new result ahead of time, for views like this one. Run it on any thread, and give its result to
+    /// [`KeptQuery::install`].
+    ///
+    /// The job reads a copy of the scene. It is made by the first call, and by the first one after a static object came, went
+    /// or changed; that costs what [`Scene::clone`] costs. Other calls cost next to nothing. Dynamic objects of the copy grow old, but are not
+    /// looked at.
+    pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
+        let snapshot = match self.snapshot.take() {
+            Some(snapshot) if snapshot.is_of(scene) => snapshot,
+            _ => Snapshot::of(scene),
+        };
+        self.snapshot = Some(snapshot.clone());
+        KeptJob::new(snapshot, self.aim(scene, view), self.take_query())
+    }
+
+    /// Takes over the result of a job. Runs answer from it as soon as it holds for their view. Returns whether static
+    /// objects of the scene are still those that the job saw; if not, or if the scene is another one, nothing changes.
+    pub fn install(&mut self, result: KeptResult, scene: &Scene) -> bool {
+        let fits = result.0.is_of(scene);
+        let old = if fits { self.next.replace(result.0) } else { Some(result.0) };
+        self.spare = old.map(|still| still.into_query()).or(self.spare.take());
+        fits
+    }
+
+    /// Whether the next run answers from a result that it has, if this is its view.
+    pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
+        self.now.iter().chain(&self.next).any(|still| still.holds(scene, view))
+    }
+
+    /// The widened view around a view, or one farther ahead that stands for it too.
+    fn aim(&self, scene: &Scene, view: &View) -> View {
+        let (reach, turn) = (f64::from(self.options.reach), f64::from(self.options.turn));
+        let motion = self.last.as_ref().and_then(|(_, motion)| *motion);
+        let ahead = motion.map(|m| view.moved(&m.times(FRAMES_AHEAD, AHEAD * reach, AHEAD * turn)));
+        let ahead = ahead.map(|ahead| ahead.widened(reach, turn));
+        ahead.filter(|ahead| serves(ahead, scene, view)).unwrap_or_else(|| view.widened(reach, turn))
+    }
+
+    /// A query with the memory of an earlier one, if there is one.
+    fn take_query(&mut self) -> Box<Query> {
+        self.spare.take().unwrap_or_else(|| Box::new(self.fresh.clone()))
+    }
+
+    /// Empties the set for a view.
+    fn begin(&mut self, scene: &Scene, view: &View, stats: Stats) {
+        let pvs = &mut self.pvs;
+        pvs.reset(scene.slot_count());
+        (pvs.scene, pvs.revision, pvs.moves) = (scene.tag(), scene.revision(), scene.last_move());
+        (pvs.method, pvs.stats) = (self.fresh.method(), stats);
+        pvs.viewer = view.eye().map(|eye| scene.grid().cell_of(eye));
+        pvs.view = Some(view.clone());
+    }
+}

@@ -1,0 +1,176 @@
+//! One result that is kept: the static objects that a widened view may see, with the buffers of the static occluders.
+//!
+//! Let the view of a frame be one of those that the widened view stands for, and let no static object have changed since.
+//!
+//! - *Static objects*: one that the view sees is in the set of the widened view.
+//! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within reach the space behind static
+//!   occluders. These objects are tested where they are now.
+//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, smaller by the reach as all occluders are. All objects
+//!   in sight are tested again against that.
+//! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside. The volumes that the widened view
+//!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
+//!   are. New ones are in the scene's journal, and are tested once ([`crate::kept::watch`]).
+
+use crate::geometry::Block;
+use crate::id::ObjectId;
+use crate::kept::watch::{Drawn, Watch};
+use crate::pvs::{Pvs, Stats};
+use crate::query::point::overlay::{Overlay, Starts};
+use crate::query::{Extras, Query};
+use crate::scene::{Object, Scene};
+use crate::view::View;
+
+/// A static object in sight of the widened view.
+#[derive(Debug, Clone, Copy)]
+struct InSight {
+    id: ObjectId,
+    block: Block,
+}
+
+/// A dynamic object whose box is in sight before static occluders.
+#[derive(Debug, Clone, Copy)]
+struct Mover {
+    slot: u32,
+    /// Whether its place is known.
+    located: bool,
+}
+
+/// Tells whether the static objects of a scene are still the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Stamp {
+    scene: u32,
+    fixed_revision: u64,
+}
+
+impl Stamp {
+    pub(super) fn of(scene: &Scene) -> Self {
+        Self { scene: scene.tag(), fixed_revision: scene.fixed_revision() }
+    }
+}
+
+/// A result that is kept.
+#[derive(Debug, Clone)]
+pub(super) struct Still {
+    /// The query of the widened view.
+    query: Box<Query>,
+    view: View,
+    stamp: Stamp,
+    objects: Vec<InSight>,
+    watch: Watch,
+    overlay: Overlay,
+    /// Memory used again: the dynamic objects whose boxes a frame may see.
+    movers: Vec<Mover>,
+}
+
+/// Whether a result of a widened view holds for a view.
+pub(super) fn serves(widened: &View, scene: &Scene, view: &View) -> bool {
+    if widened.layers() != view.layers() {
+        return false;
+    }
+    if view.eye().is_none() {
+        return widened == view;
+    }
+    let (min, max) = scene.extent();
+    widened.reaches(view) && widened.covers_starts(view) && widened.contains(view, min, max)
+}
+
+impl Still {
+    /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the scene, or of the one that
+    /// it is a copy of.
+    pub(super) fn find(mut query: Box<Query>, scene: &Scene, view: View, stamp: Stamp) -> Self {
+        query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        let objects = query.pvs().iter().map(in_sight).collect();
+        let (watch, overlay) = (Watch::default(), Overlay::default());
+        Self { query, view, stamp, objects, watch, overlay, movers: Vec::new() }
+    }
+
+    /// The query, to be run again.
+    pub(super) fn into_query(self) -> Box<Query> {
+        self.query
+    }
+
+    /// The work of the query of the widened view.
+    pub(super) fn stats(&self) -> &Stats {
+        self.query.pvs().stats()
+    }
+
+    /// Whether the static objects of a scene are as they were.
+    pub(super) fn is_of(&self, scene: &Scene) -> bool {
+        self.stamp == Stamp::of(scene)
+    }
+
+    /// Whether the result holds for a view of a scene as it is now.
+    pub(super) fn holds(&self, scene: &Scene, view: &View) -> bool {
+        self.is_of(scene) && serves(&self.view, scene, view)
+    }
+
+    /// Fills a set with the objects that a view may see for which the result holds. Static ones come first.
+    pub(super) fn answer(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
+        self.watch.update(&Drawn { scene, view: &self.view, query: &self.query });
+        let mut movers = std::mem::take(&mut self.movers);
+        movers.clear();
+        self.find_movers(scene, view, pvs, &mut movers);
+        self.draw_movers(scene, &movers);
+        let (overlay, drawn) = (&self.overlay, self.query.drawn());
+        let covered = overlay.drawn() > 0;
+        let hidden = |slot: u32| covered && overlay.hides_bounds(scene.object(slot).bounds());
+        let hidden_mover = |slot: u32| {
+            if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
+        };
+        pvs.stats.occluders_drawn += overlay.drawn();
+        pvs.stats.objects_tested += self.objects.len() as u32;
+        for InSight { id, block } in &self.objects {
+            if view.may_see_volume(block) && !hidden(id.slot) {
+                pvs.push(*id);
+            }
+        }
+        for &Mover { slot, located } in &movers {
+            if !(located && hidden_mover(slot)) {
+                pvs.push(scene.id(slot));
+            }
+        }
+        self.movers = movers;
+    }
+
+    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals volumes in its sight.
+    fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
+        for (slot, object) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
+            movers.extend(self.find_mover(view, slot, object, &mut pvs.stats));
+        }
+        for &slot in self.watch.slots().iter().filter(|&&slot| scene.is_hidden(slot)) {
+            // Parallel rays stay as they are: their volumes are in sight.
+            if view.eye().is_none() || view.may_see_volume(&scene.volume_block(slot)) {
+                pvs.stats.tbvs_revealed += 1;
+                pvs.revealed.push(scene.id(slot));
+                movers.extend(self.find_mover(view, slot, scene.object(slot), &mut pvs.stats));
+            }
+        }
+    }
+
+    /// A dynamic object, if a view may see its box before static occluders where it is now.
+    fn find_mover(&self, view: &View, slot: u32, object: &Object, stats: &mut Stats) -> Option<Mover> {
+        if object.is_unlocated() || object.is_hidden_unreported() {
+            return Some(Mover { slot, located: false });
+        }
+        stats.objects_tested += 1;
+        if !view.may_see(object.bounds()) {
+            return None;
+        }
+        stats.occlusion_tests += 1;
+        (!self.query.drawn().hides(&object.bounds().block())).then_some(Mover { slot, located: true })
+    }
+
+    /// Draws the occluders of dynamic objects over a copy of the buffers.
+    fn draw_movers(&mut self, scene: &Scene, movers: &[Mover]) {
+        let located = movers.iter().filter(|mover| mover.located);
+        let occluders = located.filter_map(|m| Some((m.slot, scene.object(m.slot).occluder()?)));
+        let mut occluders = occluders.peekable();
+        self.overlay.reset();
+        if occluders.peek().is_some() {
+            self.overlay.begin(self.query.drawn());
+            let starts = Starts::of(&self.view, Block::new(scene.extent()));
+            occluders.for_each(|(slot, occluder)| self.overlay.draw(&self.view, &starts, occluder, slot));
+        }
+    }
+}

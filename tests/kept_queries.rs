@@ -1,0 +1,567 @@
+//! Kept queries: every frame's set has all that the eye sees, while objects move, come and go, volumes expire, walls come
+//! and go, and the camera walks, turns and jumps. Segments cut by the shapes themselves say what it sees.
+
+mod worlds;
+
+use std::thread;
+
+use casca::{
+    Aabb, KeptOptions, KeptQuery, KeptResult, ObjectDesc, ObjectId, Occluder, PointOptions, Query, Scene,
+    Sphere, View,
+};
+use casca_lab::cases;
+use glam::camera::rh::{proj::directx, view::look_to_mat4};
+use glam::{Mat4, Quat, Vec3};
+use proptest::prelude::*;
+
+use crate::worlds::{SIZE, Solid, World, planes_of, point, seen, solid, target};
+
+/// Seconds from frame to frame.
+const TICK: f64 = 1.0 / 30.0;
+
+/// A dynamic object as the test knows it.
+#[derive(Debug, Clone, Copy)]
+struct Mover {
+    id: ObjectId,
+    ball: Sphere,
+    velocity: Vec3,
+    hides: bool,
+    /// Whether it is only reported when it is asked for.
+    on_expiry: bool,
+    layers: u32,
+}
+
+impl Mover {
+    fn desc(&self) -> ObjectDesc {
+        let desc = ObjectDesc::dynamic(self.ball).max_speed(4.0).layers(self.layers);
+        let desc = if self.on_expiry { desc.reported_on_expiry() } else { desc };
+        if self.hides { desc.occluder(self.ball) } else { desc }
+    }
+
+    fn occluder(&self) -> Option<Occluder> {
+        self.hides.then(|| self.ball.into())
+    }
+
+    fn report(&self, scene: &mut Scene) {
+        scene.update(self.id, self.ball, self.occluder()).unwrap();
+    }
+}
+
+/// One thing that happens before a frame.
+#[derive(Debug, Clone)]
+enum Event {
+    Insert(Vec3, f32, Vec3, bool, bool),
+    Remove(usize),
+    Jump(usize, Vec3),
+    Layers(usize, u32),
+    AddWall(Solid),
+    RemoveWall(usize),
+    /// The camera is elsewhere, and looks elsewhere.
+    Teleport(Vec3, Quat),
+    /// The camera walks and turns from now on: by so much in each frame.
+    Walk(Vec3, Vec3),
+    /// A job starts, or the oldest ends.
+    Prepare,
+    Install,
+    /// The game goes on with a copy of the scene.
+    Copy,
+    /// A frame ends without its result.
+    Unended,
+    Mask(u32),
+    /// Two frames at once.
+    Late,
+}
+
+fn rotation() -> impl Strategy<Value = Quat> {
+    (prop::array::uniform3(-1.0f32..1.0), 0.0f32..3.0)
+        .prop_map(|(axis, angle)| Quat::from_axis_angle(Vec3::from(axis).normalize_or(Vec3::Y), angle))
+}
+
+fn event() -> impl Strategy<Value = Event> {
+    let small = |by: f32| prop::array::uniform3(-by..by).prop_map(Vec3::from);
+    prop_oneof![
+        3 => (point(), 0.1f32..0.9, small(2.0), any::<bool>(), any::<bool>())
+            .prop_map(|(p, r, v, hides, on_expiry)| Event::Insert(p, r, v, hides, on_expiry)),
+        1 => any::<usize>().prop_map(Event::Remove),
+        2 => (any::<usize>(), point()).prop_map(|(who, to)| Event::Jump(who, to)),
+        1 => (any::<usize>(), prop_oneof![Just(1u32), Just(2), Just(u32::MAX)]).prop_map(|(who, l)| Event::Layers(who, l)),
+        1 => solid().prop_map(Event::AddWall),
+        1 => any::<usize>().prop_map(Event::RemoveWall),
+        1 => (point(), rotation()).prop_map(|(p, r)| Event::Teleport(p, r)),
+        6 => (small(0.06), small(0.02)).prop_map(|(step, turn)| Event::Walk(step, turn)),
+        3 => Just(Event::Prepare),
+        3 => Just(Event::Install),
+        1 => Just(Event::Copy),
+        1 => Just(Event::Unended),
+        1 => prop_oneof![Just(1u32), Just(3), Just(u32::MAX)].prop_map(Event::Mask),
+        1 => Just(Event::Late),
+    ]
+}
+
+/// A game that is played by events.
+struct Game {
+    world: World,
+    walls: Vec<(ObjectId, Solid)>,
+    movers: Vec<Mover>,
+    eye: Vec3,
+    rotation: Quat,
+    step: Vec3,
+    turn: Vec3,
+    mask: u32,
+    now: f64,
+    query: KeptQuery,
+    /// The results of jobs, each of which ran when it was made ready or is run only when it is installed.
+    done: Vec<KeptResult>,
+    ends: bool,
+}
+
+impl Game {
+    fn new(walls: &[Solid], targets: &[Sphere], query: KeptQuery) -> Self {
+        let mut world = World::new(&[], targets);
+        let mut insert = |&solid: &Solid| (world.scene.insert(describe(&solid)).unwrap(), solid);
+        let walls = walls.iter().map(&mut insert).collect();
+        Self {
+            world,
+            walls,
+            movers: Vec::new(),
+            eye: Vec3::splat(SIZE * 0.5),
+            rotation: Quat::IDENTITY,
+            step: Vec3::ZERO,
+            turn: Vec3::ZERO,
+            mask: u32::MAX,
+            now: 0.0,
+            query,
+            done: Vec::new(),
+            ends: true,
+        }
+    }
+
+    fn matrix(&self) -> Mat4 {
+        let (forward, up) = (self.rotation * Vec3::NEG_Z, self.rotation * Vec3::Y);
+        directx::perspective(1.1, 1.5, 0.05, 80.0) * look_to_mat4(self.eye, forward, up)
+    }
+
+    fn view(&self) -> View {
+        View::perspective(self.eye, self.matrix()).unwrap().with_layers(self.mask)
+    }
+
+    fn apply(&mut self, event: &Event) {
+        let scene = &mut self.world.scene;
+        let who = |who: usize, all: usize| (all > 0).then(|| who % all.max(1));
+        match *event {
+            Event::Insert(at, radius, velocity, hides, on_expiry) => {
+                let ball = Sphere::new(at, radius);
+                let id = self.world.targets[0].0;
+                let mover = Mover { id, ball, velocity, hides, on_expiry, layers: u32::MAX };
+                self.movers.push(Mover { id: scene.insert(mover.desc()).unwrap(), ..mover });
+            }
+            Event::Remove(i) => {
+                if let Some(i) = who(i, self.movers.len()) {
+                    scene.remove(self.movers.swap_remove(i).id).unwrap();
+                }
+            }
+            Event::Jump(i, to) => {
+                if let Some(i) = who(i, self.movers.len()) {
+                    self.movers[i].ball.center = to;
+                    self.movers[i].report(scene);
+                }
+            }
+            Event::Layers(i, layers) => {
+                if let Some(i) = who(i, self.movers.len()) {
+                    self.movers[i].layers = layers;
+                    scene.set_layers(self.movers[i].id, layers).unwrap();
+                }
+            }
+            Event::AddWall(solid) => self.walls.push((scene.insert(describe(&solid)).unwrap(), solid)),
+            Event::RemoveWall(i) => {
+                if let Some(i) = who(i, self.walls.len()) {
+                    scene.remove(self.walls.swap_remove(i).0).unwrap();
+                }
+            }
+            Event::Teleport(to, rotation) => (self.eye, self.rotation) = (to, rotation),
+            Event::Walk(step, turn) => (self.step, self.turn) = (step, turn),
+            Event::Prepare => {
+                let view = self.view();
+                let job = self.query.prepare(&self.world.scene, &view);
+                self.done.push(job.run());
+            }
+            Event::Install => {
+                if !self.done.is_empty() {
+                    self.query.install(self.done.remove(0), &self.world.scene);
+                }
+            }
+            Event::Copy => self.world.scene = self.world.scene.clone(),
+            Event::Unended => self.ends = false,
+            Event::Mask(mask) => self.mask = mask,
+            Event::Late => self.now += TICK,
+        }
+    }
+
+    /// Moves everything and the camera.
+    fn go_on(&mut self) {
+        self.now += TICK;
+        let due = self.world.scene.begin_frame(self.now).unwrap();
+        let last: Vec<ObjectId> = self.query.pvs().visible().to_vec();
+        for mover in &mut self.movers {
+            mover.ball.center += mover.velocity * TICK as f32;
+            let inside =
+                mover.ball.center.cmpge(Vec3::ZERO).all() && mover.ball.center.cmple(Vec3::splat(SIZE)).all();
+            if !inside {
+                mover.velocity = -mover.velocity;
+            }
+            if !mover.on_expiry || due.contains(&mover.id) || last.contains(&mover.id) {
+                mover.report(&mut self.world.scene);
+            }
+        }
+        self.eye = (self.eye + self.step).clamp(Vec3::splat(-2.0), Vec3::splat(SIZE + 2.0));
+        self.rotation = (Quat::from_scaled_axis(self.turn) * self.rotation).normalize();
+    }
+
+    /// The objects that the eye sees.
+    fn visible(&self) -> Vec<ObjectId> {
+        let shown = |layers: u32| layers & self.mask != 0;
+        // An object that is not on all layers hides nothing.
+        let hiding =
+            self.movers.iter().filter(|m| m.hides && m.layers == u32::MAX).map(|m| Solid::Ball(m.ball));
+        let solids: Vec<Solid> = self.walls.iter().map(|w| w.1).chain(hiding).collect();
+        let movers = self.movers.iter().filter(|m| shown(m.layers)).map(|m| (m.id, m.ball));
+        let targets: Vec<(ObjectId, Sphere)> = self.world.targets.iter().copied().chain(movers).collect();
+        seen(&solids, &targets, self.eye.as_dvec3(), &planes_of(self.matrix()))
+    }
+
+    fn frame(&mut self) -> Result<(), TestCaseError> {
+        self.go_on();
+        let (view, visible) = (self.view(), self.visible());
+        let pvs = self.query.run(&self.world.scene, &view);
+        for id in visible {
+            prop_assert!(pvs.contains(id), "{id} from {} at {}", self.eye, self.now);
+        }
+        prop_assert!(pvs.is_valid_for(&self.world.scene, &view));
+        prop_assert!(self.query.is_valid_for(&self.world.scene, &view));
+        if std::mem::replace(&mut self.ends, true) {
+            self.world.scene.end_frame([self.query.pvs()]).unwrap();
+        }
+        Ok(())
+    }
+}
+
+fn describe(solid: &Solid) -> ObjectDesc {
+    match *solid {
+        Solid::Box(b) => ObjectDesc::fixed(b).occluder(b),
+        Solid::Ball(s) => ObjectDesc::fixed(s).occluder(s),
+    }
+}
+
+fn kept(reach: f32, turn: f32) -> KeptQuery {
+    KeptQuery::with_options(KeptOptions::new().reach(reach).turn(turn)).unwrap()
+}
+
+proptest! {
+    #![proptest_config(cases(96))]
+
+    #[test]
+    fn every_frame_has_all_that_the_eye_sees(
+        walls in prop::collection::vec(solid(), 1..10),
+        targets in prop::collection::vec(target(), 30),
+        (reach, turn) in (prop_oneof![Just(0.0f32), 0.0f32..0.5], prop_oneof![Just(0.0f32), 0.0f32..0.4]),
+        start in prop::collection::vec((point(), 0.1f32..0.9, any::<bool>(), any::<bool>()), 6),
+        frames in prop::collection::vec(prop::collection::vec(event(), 0..2), 1..60),
+    ) {
+        let mut game = Game::new(&walls, &targets, kept(reach, turn));
+        for (at, radius, hides, on_expiry) in start {
+            game.apply(&Event::Insert(at, radius, (at - SIZE * 0.5) * 0.1, hides, on_expiry));
+        }
+        for events in &frames {
+            events.iter().for_each(|event| game.apply(event));
+            game.frame()?;
+        }
+    }
+}
+
+/// The same, from a camera that walks on for long, so that results last and volumes do.
+#[test]
+fn long_walks_lose_nothing_and_refresh_seldom() {
+    let mut state = 7u64;
+    let mut next = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
+    };
+    let (mut frames, mut refreshes, mut hidden) = (0, 0, 0);
+    for round in 0..6 {
+        let mut spot = || Vec3::new(next(), next(), next()) * SIZE;
+        let walls: Vec<Solid> =
+            (0..12).map(|_| spot()).map(|p| Solid::Box(Aabb::new(p - 2.0, p + 2.0))).collect();
+        let targets: Vec<Sphere> = (0..40).map(|_| Sphere::new(spot(), 0.3)).collect();
+        let mut game = Game::new(&walls, &targets, kept(0.3, 0.1));
+        for i in 0..20 {
+            let (at, velocity) = (spot(), spot() * (2.0 / SIZE) - 1.0);
+            game.apply(&Event::Insert(at, 0.4, velocity, i % 3 == 0, i % 2 == round % 2));
+        }
+        game.apply(&Event::Teleport(Vec3::splat(4.0), Quat::IDENTITY));
+        game.apply(&Event::Walk(Vec3::new(0.03, 0.02, 0.03), Vec3::new(0.0, 0.01, 0.0)));
+        for _ in 0..200 {
+            game.frame().unwrap();
+            let scene = &game.world.scene;
+            hidden += game.movers.iter().filter(|m| scene.tbv(m.id).unwrap().is_some()).count();
+        }
+        (frames, refreshes) = (frames + 200, refreshes + game.query.refreshes());
+    }
+    assert!(refreshes * 7 < frames, "{refreshes} of {frames}");
+    assert!(hidden > 1000, "{hidden}");
+}
+
+/// A wall across the grid, an object behind it and one before it.
+fn wall() -> (Scene, [ObjectId; 3]) {
+    let mut world = World::new(&[], &[]);
+    let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
+    let wall = world.scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    let mut ball =
+        |z: f32| world.scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(16.0, 16.0, z), 1.0))).unwrap();
+    let ids = [wall, ball(24.0), ball(4.0)];
+    (world.scene, ids)
+}
+
+const EYE: Vec3 = Vec3::new(16.0, 16.0, 10.0);
+
+fn around(step: f32) -> View {
+    View::omnidirectional(EYE + Vec3::X * step).unwrap()
+}
+
+#[test]
+fn a_result_serves_until_the_eye_goes_too_far_or_a_static_object_changes() {
+    let (mut scene, [wall, behind, before]) = wall();
+    let mut query = kept(0.5, 0.0);
+    assert!(query.pvs().is_empty() && !query.is_valid_for(&scene, &around(0.0)));
+    let mut refreshes = |scene: &Scene, step: f32| {
+        let pvs = query.run(scene, &around(step));
+        assert!(pvs.contains(wall) && pvs.contains(before) && !pvs.contains(behind));
+        query.refreshes()
+    };
+    assert_eq!([0.0, 0.2, 0.4, -0.4].map(|step| refreshes(&scene, step)), [1; 4]);
+    assert_eq!(refreshes(&scene, 3.0), 2, "it went too far");
+    let ball = Sphere::new(Vec3::new(16.0, 20.0, 4.0), 0.5);
+    let mover = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 2, "a dynamic object came");
+    scene.update(mover, Sphere::new(ball.center + Vec3::Y, 0.5), None).unwrap();
+    scene.set_layers(mover, 3).unwrap();
+    scene.remove(mover).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 2, "and moved and went");
+    let block = Aabb::new(Vec3::splat(1.0), Vec3::splat(2.0));
+    let id = scene.insert(ObjectDesc::fixed(block)).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 3, "a static object came");
+    scene.set_layers(id, 3).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 4);
+    scene.update(id, Aabb::new(Vec3::splat(1.0), Vec3::splat(2.5)), None).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 5);
+    scene.update(id, Aabb::new(Vec3::splat(1.0), Vec3::splat(2.5)), None).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 5, "nothing changed");
+    scene.remove(id).unwrap();
+    assert_eq!(refreshes(&scene, 3.0), 6);
+    assert_eq!(refreshes(&scene.clone(), 3.0), 7, "another scene");
+}
+
+#[test]
+fn turned_cameras_are_served_too() {
+    let (scene, [wall, behind, _]) = wall();
+    let view = |angle: f32| {
+        let forward = Quat::from_rotation_y(angle) * Vec3::Z;
+        let matrix = directx::perspective(1.0, 1.5, 0.1, 60.0) * look_to_mat4(EYE, forward, Vec3::Y);
+        View::perspective(EYE, matrix).unwrap()
+    };
+    let mut query = kept(0.0, 0.2);
+    for (angle, refreshes) in [(0.0, 1), (0.19, 1), (-0.19, 1), (0.3, 2), (0.4, 2)] {
+        let pvs = query.run(&scene, &view(angle));
+        assert!(pvs.contains(wall) && !pvs.contains(behind));
+        assert_eq!(query.refreshes(), refreshes, "{angle}");
+    }
+}
+
+#[test]
+fn a_door_hides_while_it_is_closed() {
+    let mut scene = World::new(&[], &[]).scene;
+    for (x, w) in [(2.0, 12.0), (18.0, 12.0)] {
+        let wall = Aabb::new(Vec3::new(x, 2.0, 15.0), Vec3::new(x + w, 30.0, 17.0));
+        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    }
+    let door = |up: f32| Aabb::new(Vec3::new(13.5, 2.0 + up, 15.5), Vec3::new(18.5, 30.0, 16.5));
+    let id = scene.insert(ObjectDesc::dynamic(door(0.0)).occluder(door(0.0))).unwrap();
+    let behind = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(16.0, 10.0, 24.0), 0.5))).unwrap();
+    let mut query = kept(0.05, 0.0);
+    for (up, seen) in [(0.0, false), (20.0, true), (0.0, false)] {
+        scene.update(id, door(up), Some(door(up).into())).unwrap();
+        let pvs = query.run(&scene, &around(0.0));
+        assert_eq!((pvs.contains(behind), query.refreshes()), (seen, 1), "{up}");
+    }
+}
+
+/// A volume that was passed over, since nothing on the layers of the view is inside, counts once its object is shown.
+#[test]
+fn a_hidden_object_that_is_put_on_a_layer_of_the_view_is_seen() {
+    let mut scene = World::new(&[], &[]).scene;
+    let ball = Sphere::new(EYE + Vec3::Z * 6.0, 0.5);
+    let id = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).layers(2)).unwrap();
+    let mut query = kept(0.1, 0.1);
+    for (frame, layers) in [2, 2, u32::MAX, u32::MAX].into_iter().enumerate() {
+        scene.begin_frame(frame as f64 * TICK).unwrap();
+        scene.set_layers(id, layers).unwrap();
+        let hidden = scene.tbv(id).unwrap().is_some();
+        let pvs = query.run(&scene, &around(0.0).with_layers(1));
+        assert_eq!((pvs.contains(id), hidden), (layers != 2, frame == 1 || frame == 2), "{frame}");
+        scene.end_frame([query.pvs()]).unwrap();
+    }
+    assert_eq!(query.refreshes(), 1);
+}
+
+/// A camera that looks along z, with a near distance.
+fn ahead(near: f32) -> View {
+    let matrix = directx::perspective(1.0, 1.5, near, 60.0) * look_to_mat4(EYE, Vec3::Z, Vec3::Y);
+    View::perspective(EYE, matrix).unwrap()
+}
+
+#[test]
+fn occluders_before_the_near_plane_hide_nothing_whether_they_move_or_the_plane_does() {
+    let mut scene = World::new(&[], &[]).scene;
+    let screen = |z: f32| Aabb::from_center(EYE + Vec3::Z * z, Vec3::new(5.0, 5.0, 0.1));
+    let behind = scene.insert(ObjectDesc::fixed(Sphere::new(EYE + Vec3::Z * 9.0, 0.5))).unwrap();
+    let mover = scene.insert(ObjectDesc::dynamic(screen(3.0)).occluder(screen(3.0))).unwrap();
+    let mut query = kept(0.0, 0.1);
+    for (z, seen) in [(3.0, false), (0.9, true), (3.0, false)] {
+        scene.update(mover, screen(z), Some(screen(z).into())).unwrap();
+        assert_eq!(query.run(&scene, &ahead(1.0)).contains(behind), seen, "{z}");
+    }
+    scene.remove(mover).unwrap();
+    scene.insert(ObjectDesc::fixed(screen(1.8)).occluder(screen(1.8))).unwrap();
+    for (near, seen) in [(0.5, false), (1.8, true), (0.5, true)] {
+        assert_eq!(query.run(&scene, &ahead(near)).contains(behind), seen, "{near}");
+    }
+    assert_eq!(query.refreshes(), 3, "the last view was served by the result of the one before");
+}
+
+#[test]
+fn views_of_other_layers_and_scenes_get_results_of_their_own() {
+    let (mut scene, [_, behind, before]) = wall();
+    let (other, _) = wall();
+    scene.set_layers(before, 2).unwrap();
+    let mut query = kept(0.5, 0.1);
+    assert!(query.run(&scene, &around(0.0)).contains(before));
+    assert!(!query.run(&scene, &around(0.0).with_layers(1)).contains(before));
+    assert!(query.run(&scene, &around(0.0).with_layers(2)).contains(before));
+    assert_eq!(query.refreshes(), 3);
+    let foreign = query.run(&other, &around(0.0));
+    assert!(!foreign.contains(before) && !foreign.contains(behind) && foreign.len() == 2);
+    assert!(scene.end_frame([query.pvs()]).is_err());
+}
+
+#[test]
+fn orthographic_views_are_served_while_they_stay() {
+    let (mut scene, [wall, behind, before]) = wall();
+    let sun = |x: f32| {
+        let eye = Vec3::new(x, 16.0, 1.0);
+        let matrix =
+            directx::orthographic(-9.0, 9.0, -9.0, 9.0, 0.1, 40.0) * look_to_mat4(eye, Vec3::Z, Vec3::Y);
+        View::orthographic(Vec3::Z, matrix).unwrap()
+    };
+    let ball = |x: f32| Sphere::new(Vec3::new(x, 16.0, 28.0), 0.5);
+    let mover = scene.insert(ObjectDesc::dynamic(ball(16.0)).max_speed(5.0)).unwrap();
+    let mut query = kept(0.5, 0.1);
+    for (frame, (x, at, seen, refreshes)) in
+        [(16.0, 16.0, false, 1), (16.0, 17.0, false, 1), (18.0, 17.0, false, 2), (27.0, 30.5, true, 3)]
+            .into_iter()
+            .enumerate()
+    {
+        scene.begin_frame(frame as f64).unwrap();
+        scene.update(mover, ball(at), None).unwrap();
+        let pvs = query.run(&scene, &sun(x));
+        assert!(pvs.contains(wall) && !pvs.contains(behind));
+        assert_eq!((pvs.contains(mover), pvs.contains(before)), (seen, x < 20.0), "{frame}");
+        assert_eq!(query.refreshes(), refreshes);
+        scene.end_frame([query.pvs()]).unwrap();
+    }
+}
+
+#[test]
+fn a_result_found_on_another_thread_serves_if_it_still_fits() {
+    let (mut scene, [wall, behind, _]) = wall();
+    let mut query = kept(0.5, 0.0);
+    query.run(&scene, &around(0.0));
+    let job = query.prepare(&scene, &around(2.0));
+    let done = thread::spawn(move || job.run()).join().unwrap();
+    query.run(&scene, &around(0.1));
+    assert!(query.install(done, &scene));
+    for (step, refreshes) in [(0.2, 1), (2.0, 1), (2.4, 1), (0.2, 2)] {
+        assert!(!query.run(&scene, &around(step)).contains(behind));
+        assert_eq!(query.refreshes(), refreshes, "{step}");
+    }
+    // Made ready before a wall goes, installed after it.
+    let (early, late) = (query.prepare(&scene, &around(0.2)), query.prepare(&scene, &around(0.2)));
+    let early = early.run();
+    scene.remove(wall).unwrap();
+    assert!(!query.install(early, &scene) && !query.install(late.run(), &scene));
+    assert!(query.run(&scene, &around(0.2)).contains(behind));
+    let (other, _) = self::wall();
+    let done: KeptResult = query.prepare(&scene, &around(0.2)).run();
+    assert!(!query.install(done, &other));
+}
+
+#[test]
+fn the_same_calls_give_the_same_sets() {
+    let play = || {
+        let walls: Vec<Solid> = (0..8)
+            .map(|i| Vec3::new(6.0 + 3.0 * i as f32, 12.0 + (i % 3) as f32, 10.0 + (i * 5 % 7) as f32))
+            .map(|p| Solid::Box(Aabb::new(p - 1.5, p + 1.5)))
+            .collect();
+        let mut game = Game::new(&walls, &[Sphere::new(Vec3::splat(20.0), 1.0)], kept(0.2, 0.1));
+        for i in 0..30 {
+            let at = Vec3::new((i * 7 % 31) as f32, (i * 11 % 29) as f32, (i * 5 % 23) as f32);
+            game.apply(&Event::Insert(at, 0.4, at * 0.05 - 0.7, i % 2 == 0, i % 3 == 0));
+        }
+        game.apply(&Event::Walk(Vec3::new(0.02, 0.0, 0.01), Vec3::new(0.0, 0.01, 0.002)));
+        let mut sets: Vec<Vec<u32>> = Vec::new();
+        for frame in 0..60 {
+            if frame % 9 == 4 {
+                game.apply(&Event::Prepare);
+                game.apply(&Event::Install);
+            }
+            game.frame().unwrap();
+            sets.push(game.query.pvs().iter().map(|id| id.index() as u32).collect());
+        }
+        (sets, game.query.refreshes())
+    };
+    assert_eq!(play(), play());
+}
+
+#[test]
+fn options_out_of_range_are_refused() {
+    for bad in [f32::NAN, -0.1, f32::INFINITY] {
+        assert!(KeptQuery::with_options(KeptOptions::new().reach(bad)).is_err(), "{bad}");
+        assert!(KeptQuery::with_options(KeptOptions::new().turn(bad)).is_err(), "{bad}");
+    }
+    let mut query = KeptQuery::new();
+    assert!(query.set_point_options(PointOptions::new().pixel_degrees(0.0)).is_err());
+    query.set_point_options(PointOptions::fast()).unwrap();
+    let (scene, [_, behind, _]) = wall();
+    assert!(!query.run(&scene, &around(0.0)).contains(behind));
+    query.reset();
+    query.run(&scene, &around(0.0));
+    assert_eq!(query.refreshes(), 2);
+    assert_eq!(query.options(), KeptOptions::default());
+}
+
+/// A kept set may be larger than that of a query, but not much where nothing moves and nothing is near.
+#[test]
+fn without_a_reach_sets_are_those_of_a_query() {
+    let walls: Vec<Solid> = (0..20)
+        .map(|i| Vec3::new((i * 7 % 30) as f32, (i * 13 % 28) as f32, (i * 5 % 27) as f32 + 3.0))
+        .map(|p| Solid::Box(Aabb::new(p - 1.6, p + 1.6)))
+        .collect();
+    let targets: Vec<Sphere> = (0..200)
+        .map(|i| Sphere::new(Vec3::new((i * 7 % 31) as f32, (i * 11 % 29) as f32, (i * 17 % 30) as f32), 0.2))
+        .collect();
+    let world = World::new(&walls, &targets);
+    let (mut query, mut kept) = (Query::new(), kept(0.0, 0.0));
+    for i in 0..10 {
+        let view = View::omnidirectional(Vec3::new(1.0 + 3.0 * i as f32, 16.5, 1.5)).unwrap();
+        let found = query.run(&world.scene, &view).len();
+        assert_eq!(kept.run(&world.scene, &view).len(), found);
+    }
+}
