@@ -270,12 +270,11 @@ impl Magnifier {
         }
         let scratch = &mut self.scratch;
         let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
-            let (near, pixels) = fine.sight(&d.block)?;
+            let (near, pixels) = fine.sight(&buffers.within_reach(&d.block))?;
             Some(Sighting { face: 0, patch, near, pixels })
         });
         let sights: Vec<Sighting> = sights.collect();
-        let (origin, limit) = (buffers.origin(), buffers.near_limit());
-        draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
+        draw_surfaces(fine, &batch, sights.into_iter(), buffers.viewpoint(), patches.count, scratch);
         for (x, y) in each() {
             let tile = fine.window().tile_index(x, y);
             tiles.copy_tile(group.tiles + place_in_group(x, y), fine.coverage(), tile);

@@ -22,22 +22,37 @@ pub(crate) mod deep;
 pub(crate) mod drawable;
 pub(crate) mod projector;
 pub(crate) mod raster;
+mod rim;
 pub(crate) mod scratch;
 
+use glam::DVec3;
+
+use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
+
+/// How surfaces are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Viewpoint {
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) limit: f64,
+    /// How far the eye may go from the origin.
+    pub(crate) reach: f64,
+}
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
     /// their numbers; `listed` tells whether they are listed by place. Returns whether they hide more than before.
     pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) -> bool {
-        let (origin, limit) = (self.origin(), self.near_limit());
+        let viewpoint = self.viewpoint();
         let (faces, scratch) = self.surfaces_mut();
         let mut changed = false;
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            changed |= draw_surfaces(buffer, &batch.drawables, sights, origin, limit, patches, scratch);
+            changed |= draw_surfaces(buffer, &batch.drawables, sights, viewpoint, patches, scratch);
             if listed {
                 list(buffer, &batch.drawables, scratch);
             }
@@ -50,6 +65,7 @@ impl OcclusionBuffers {
     /// Farther patches are neither cut at the near limit nor widened without bound: where a straight edge is less
     /// deep than twice the slack, neither it nor the chain that it replaces reaches into the face.
     pub(crate) fn clearance(&self, slack: f64) -> f64 {
-        8.0 * (self.near_limit() + slack)
+        let Viewpoint { limit, reach, .. } = self.viewpoint();
+        8.0 * (limit + slack) + REACH_CLEARANCE * reach
     }
 }

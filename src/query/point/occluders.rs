@@ -39,8 +39,7 @@ impl Walk<'_> {
         if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
             let solid = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
-            // Outlines are not yet widened by the distance that the eye may go.
-            if !solid && self.scratch.buffers.reach() == 0.0 {
+            if !solid {
                 self.list_surface(slot);
             }
             return;
