@@ -154,6 +154,13 @@ pub(crate) const REACH_CLEARANCE: f64 = 3.0;
 /// it along each axis of the face: sqrt(1 + u^2) with |u| <= 1, and room for rounding in single precision.
 pub(crate) const REACH_ROOM: f32 = 1.4143;
 
+/// Silhouettes are turned inwards for an eye that may go as far as r by the sine r / d, for an edge at the distance d. This is
+/// added to the sine: planes of cones of directions are known to [`CONE_MARGIN`](crate::numeric::shape::CONE_MARGIN).
+pub(crate) const REACH_SINE: f64 = 1e-8;
+
+/// Edges with a greater sine are too near: the cosine would keep fewer digits than its sine.
+pub(crate) const REACH_STEEPEST: f64 = 0.99;
+
 /// A piece of a rim that is shorter on the face has no direction: that of a longer one is known to 1e-9.
 pub(crate) const RIM_SHORTEST: f64 = 1e-6;
 

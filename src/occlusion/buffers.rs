@@ -129,11 +129,6 @@ impl OcclusionBuffers {
         self.reach
     }
 
-    /// Occluders are smaller by this on all sides: an eye may lie so far from the origin.
-    pub(crate) fn shrinking(&self) -> f64 {
-        self.uncertainty() + self.reach
-    }
-
     /// How surfaces are seen.
     pub(crate) fn viewpoint(&self) -> Viewpoint {
         Viewpoint { origin: self.origin, limit: self.limit, reach: self.reach }
@@ -285,7 +280,7 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::block(occluder, None) else { continue };
+            let Some(solid) = Solid::block(occluder, None, 0.0) else { continue };
             buffers.draw(solid, 0);
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
