@@ -99,6 +99,11 @@ fn solid() -> impl Strategy<Value = Solid> {
             Solid::Box(Aabb::new(p - half, p + half))
         }),
         (point(), 0.5f32..6.0).prop_map(|(p, radius)| Solid::Ball(Sphere::new(p, radius))),
+        // Boxes on whole numbers stand on each other, abut and lie inside each other.
+        (prop::array::uniform3(0u8..32), prop::array::uniform3(1u8..16)).prop_map(|(p, size)| {
+            let min = Vec3::from_array(p.map(f32::from));
+            Solid::Box(Aabb::new(min, min + Vec3::from_array(size.map(f32::from))))
+        }),
     ]
 }
 
@@ -243,6 +248,17 @@ fn solids_narrower_than_the_reach_hide_nothing() {
         let pvs = query.run(&world.scene, &view.clone().with_reach(reach).unwrap());
         assert_eq!(pvs.contains(world.targets[0].0), seen, "{reach}");
     }
+}
+
+#[test]
+fn walls_thinner_than_the_reach_hide_what_is_behind_them() {
+    let wall = Solid::Box(Aabb::new(Vec3::new(2.0, 2.0, 16.0), Vec3::new(30.0, 30.0, 16.1)));
+    let targets = [16.0, 28.0].map(|x| Sphere::new(Vec3::new(x, 16.0, 24.0), 0.1));
+    let world = World::new(&[wall], &targets);
+    let view = View::omnidirectional(Vec3::new(16.0, 16.0, 6.0)).unwrap();
+    let mut query = Query::new();
+    let pvs = query.run(&world.scene, &view.with_reach(0.5).unwrap());
+    assert!(!pvs.contains(world.targets[0].0) && !pvs.contains(world.targets[1].0));
 }
 
 #[test]

@@ -163,8 +163,8 @@ impl Polytope {
 
     /// The silhouette. `Everything` where it is not known well enough.
     ///
-    /// With a `reach`, only the directions whose rays keep farther than that from all edges of the silhouette.
-    pub(crate) fn outline(&self, direction: Option<DVec3>, reach_of_eye: f64) -> Outline {
+    /// With `room`, only the directions whose rays keep farther than that from all edges of the silhouette.
+    pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
         let mut planes = SmallVec::new();
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
         for &[a, b, f, g] in &self.edges {
@@ -202,8 +202,8 @@ impl Polytope {
                 return Outline::Everything;
             }
             let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
-            if reach_of_eye > 0.0 {
-                let Some(turned) = turned_past(normal, p, edge, reach_of_eye) else {
+            if room > 0.0 {
+                let Some(turned) = turned_past(normal, p, edge, room) else {
                     return Outline::Everything;
                 };
                 normal = turned;
@@ -214,15 +214,15 @@ impl Polytope {
     }
 }
 
-/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all points within the reach of the edge
-/// lie outside; `None` if the edge is too near.
+/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all points within `room` of the edge lie
+/// outside; `None` if the edge is too near.
 ///
 /// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x of the edge, so that the
-/// unit vector n cos a - c / |c| sin a with sin a = reach / |c| has a product of -reach with it at most.
-fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, reach: f64) -> Option<DVec3> {
+/// unit vector n cos a - c / |c| sin a with sin a = room / |c| has a product of -room with it at most.
+fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: f64) -> Option<DVec3> {
     let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
     let distance = nearest.length();
-    let sine = reach / distance + REACH_SINE;
+    let sine = room / distance + REACH_SINE;
     // Also not if it is not a number.
     (sine < REACH_STEEPEST).then(|| normal * (1.0 - sine * sine).sqrt() - nearest * (sine / distance))
 }

@@ -5,12 +5,12 @@ use std::ops::Range;
 use crate::numeric::occlusion::below;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::PixelRect;
-use crate::occlusion::surface::Viewpoint;
 use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, Raster};
 use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch, WholeSide};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Draws the patches of one component, a range of the order of drawing. Returns whether they hide more than

@@ -2,13 +2,13 @@
 
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
-use crate::occlusion::surface::Viewpoint;
 use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::LANES;
 use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly all of those pixels,
 /// so that they cover none alone, and hardly any with their neighbours.

@@ -7,6 +7,10 @@
 //! sum to zero at their middles, at the depth of the farthest patch there. The sign of a patch's winding numbers
 //! is free: turning all patches to the eye keeps folds from cancelling.
 //!
+//! If the eye may go some way (a reach), the sides of a component that no two of its patches share are its rim. Pixels with
+//! rays within the reach of the rim stay open, and are marked before the component covers any ([`rim`]). Only patches that are
+//! wholly turned to the eye are joined then.
+//!
 //! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`] joins
 //! patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that [`back`] gives.
 //!
@@ -24,24 +28,13 @@ pub(crate) mod projector;
 pub(crate) mod raster;
 mod rim;
 pub(crate) mod scratch;
-
-use glam::DVec3;
+pub(crate) mod viewpoint;
 
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
-
-/// How surfaces are seen.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Viewpoint {
-    /// The origin of the rays.
-    pub(crate) origin: DVec3,
-    /// Surfaces are cut at this depth: nothing nearer is drawn.
-    pub(crate) limit: f64,
-    /// How far the eye may go from the origin.
-    pub(crate) reach: f64,
-}
+use crate::occlusion::surface::viewpoint::Viewpoint;
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all

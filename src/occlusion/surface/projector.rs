@@ -7,12 +7,12 @@ use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
-use crate::occlusion::surface::Viewpoint;
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::raster::{Edges, LANES, Lanes, each};
 use crate::occlusion::surface::rim::Rims;
 use crate::occlusion::surface::scratch::{NO_TWIN, SeenSides, Sides, WholeSide};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Projects points to the pixels of a window.

@@ -97,3 +97,80 @@ fn step(wide: f64) -> f64 {
         _ => f64::INFINITY,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::occlusion::surface::raster::Area;
+
+    struct Random(u64);
+
+    impl Random {
+        fn within(&mut self, lo: f64, hi: f64) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            lo + (hi - lo) * (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        }
+
+        fn point(&mut self, reach: f64) -> DVec3 {
+            DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
+        }
+    }
+
+    /// The distance of a ray from an edge, from many points of that.
+    fn distance([p, q]: [DVec3; 2], ray: DVec3) -> f64 {
+        let ray = ray.normalize();
+        let far = |i: i32| {
+            let y = p.lerp(q, f64::from(i) / 400.0);
+            (y - ray * y.dot(ray).max(0.0)).length()
+        };
+        (0..=400).map(far).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn every_pixel_with_a_ray_within_the_reach_of_a_side_is_marked_and_few_others() {
+        const SIZE: i64 = 256;
+        let half = SIZE as f64 / 2.0;
+        let area = Area { x: 0, y: 0, nx: SIZE / 8, ny: SIZE / 8 };
+        let mut random = Random(9);
+        let (mut checked, mut marked, mut near) = (0, 0, 0);
+        for round in 0..60 {
+            let reach = [0.02, 0.1, 0.4][round % 3];
+            let slack = if round % 4 == 0 { 0.03 } else { 0.0 };
+            let limit = 0.01;
+            let clearance = 8.0 * (limit + slack) + 3.0 * reach;
+            let ends = [random.point(6.0), random.point(6.0) + DVec3::Z * 6.0];
+            if (0..=400).any(|i| ends[0].lerp(ends[1], f64::from(i) / 400.0).length() < clearance) {
+                continue;
+            }
+            let sides = DeepSides { per_unit: half, middle: (half, half), limit };
+            let mut raster = Raster::default();
+            raster.begin(area, (0, 0));
+            let side = WholeSide { group: 0, lane: 0, ends, pixels: [(0.0, 0.0); 2], slack };
+            Rims { sides, reach }.draw(&mut raster, &side);
+            let is_marked = |x: i64, y: i64| {
+                let tile = (y / 8 * area.nx + x / 8) as usize;
+                raster.marks(tile).open() >> (y % 8 * 8 + x % 8) & 1 == 1
+            };
+            for _ in 0..3000 {
+                let by = random.point(1.0).normalize_or_zero() * (reach * 0.9999) + random.point(slack);
+                let x = ends[0].lerp(ends[1], random.within(0.0, 1.0)) + by;
+                let (u, v) = (x.x / x.z, x.y / x.z);
+                if x.z > 0.0 && u.abs() < 1.0 && v.abs() < 1.0 {
+                    checked += 1;
+                    let pixel = |c: f64| (c * half + half) as i64;
+                    assert!(is_marked(pixel(u), pixel(v)), "{round}: {x} {ends:?}");
+                }
+            }
+            if slack > 0.0 {
+                continue;
+            }
+            for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+                let middle = |c: i64| (c as f64 + 0.5) / half - 1.0;
+                marked += u32::from(is_marked(x, y));
+                near += u32::from(distance(ends, DVec3::new(middle(x), middle(y), 1.0)) <= reach);
+            }
+        }
+        assert!(checked > 20_000 && near > 10_000, "{checked} {near}");
+        assert!(marked < near * 3 / 2, "{marked} {near}");
+    }
+}

@@ -93,12 +93,16 @@ impl Walk<'_> {
 
     /// Draws the solid inside a closed mesh in place of its triangles, if it covers nearly the same pixels, the eye is
     /// known and rays start outside of the box around the mesh. Returns whether it did.
+    ///
+    /// If the eye may go some way, it is also drawn beside the triangles. Those of round meshes hide less then, since many of them
+    /// are not known to be turned to the eye.
     fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
         let buffers = &self.scratch.buffers;
-        let (sure, radius) = (buffers.uncertainty() == 0.0, MOST_RIM / inner.rim);
-        if !sure || !self.is_small(&buffers.relative(&block), radius) || self.starts_near(&block) {
+        let suffices = self.is_small(&buffers.relative(&block), MOST_RIM / inner.rim);
+        let is_wanted = suffices || buffers.reach() > 0.0;
+        if buffers.uncertainty() > 0.0 || !is_wanted || self.starts_near(&block) {
             return false;
         }
         let buffers = &mut self.scratch.buffers;
@@ -108,7 +112,7 @@ impl Walk<'_> {
             return false;
         };
         self.stats.occluders_useful += u32::from(buffers.draw(solid, slot));
-        true
+        suffices
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &

@@ -13,9 +13,6 @@ use crate::query::point::scratch::DrawnPatch;
 /// their outlines touch do not count.
 const SMALLEST_PATCH: f64 = 4.0;
 
-/// The same for an eye that may go some way: the hole that a small patch would leave is widened on all sides.
-const SMALLEST_JOINED: f64 = 1.0;
-
 /// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
 /// share as large as its distance.
 const THIN: f64 = 0.35;
@@ -133,8 +130,7 @@ impl<'a> Walk<'a> {
         let patch = &source.surface.patches[number as usize];
         let has_parts = patch.next > number + 1;
         let block = self.scratch.buffers.relative(world);
-        let least = if self.scratch.buffers.reach() > 0.0 { SMALLEST_JOINED } else { SMALLEST_PATCH };
-        if self.is_small(&block, least) {
+        if self.is_small(&block, SMALLEST_PATCH) {
             return Next::Done;
         }
         if !batch.see(&self.scratch.buffers, &block) {
