@@ -128,6 +128,17 @@ fn solids_narrower_than_the_reach_hide_nothing() {
 }
 
 #[test]
+fn walls_thinner_than_the_reach_hide_what_is_behind_them() {
+    let wall = Solid::Box(Aabb::new(Vec3::new(2.0, 2.0, 16.0), Vec3::new(30.0, 30.0, 16.1)));
+    let targets = [16.0, 28.0].map(|x| Sphere::new(Vec3::new(x, 16.0, 24.0), 0.1));
+    let world = World::new(&[wall], &targets);
+    let view = View::omnidirectional(Vec3::new(16.0, 16.0, 6.0)).unwrap();
+    let mut query = Query::new();
+    let pvs = query.run(&world.scene, &view.with_reach(0.5).unwrap());
+    assert!(!pvs.contains(world.targets[0].0) && !pvs.contains(world.targets[1].0));
+}
+
+#[test]
 fn a_reach_is_a_length() {
     let view = View::omnidirectional(Vec3::ONE).unwrap();
     for bad in [f32::NAN, f32::INFINITY, -1.0] {

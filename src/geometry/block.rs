@@ -56,6 +56,11 @@ impl Block {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
+    /// The box larger by a length on all sides.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        Self { min: self.min - by, max: self.max + by }
+    }
+
     /// The volume of a box that is not inverted.
     pub(crate) fn volume(&self) -> f64 {
         (self.max - self.min).element_product()

@@ -13,6 +13,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
 use crate::numeric::greater;
+use crate::numeric::occlusion::{REACH_SINE, REACH_STEEPEST};
 use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
 
 /// A convex shape relative to the origin of the rays. Lives on the stack.
@@ -161,7 +162,9 @@ impl Polytope {
     }
 
     /// The silhouette. `Everything` where it is not known well enough.
-    pub(crate) fn outline(&self, direction: Option<DVec3>) -> Outline {
+    ///
+    /// With `room`, only the directions whose rays keep farther than that from all edges of the silhouette.
+    pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
         let mut planes = SmallVec::new();
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
         for &[a, b, f, g] in &self.edges {
@@ -198,14 +201,30 @@ impl Polytope {
             if side.abs() < NO_WIDTH * reach {
                 return Outline::Everything;
             }
-            planes.push(if side < 0.0 {
-                HalfSpace { normal: -n, offset: -h }
-            } else {
-                HalfSpace { normal: n, offset: h }
-            });
+            let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
+            if room > 0.0 {
+                let Some(turned) = turned_past(normal, p, edge, room) else {
+                    return Outline::Everything;
+                };
+                normal = turned;
+            }
+            planes.push(HalfSpace { normal, offset });
         }
         if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
     }
+}
+
+/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all points within `room` of the edge lie
+/// outside; `None` if the edge is too near.
+///
+/// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x of the edge, so that the
+/// unit vector n cos a - c / |c| sin a with sin a = room / |c| has a product of -room with it at most.
+fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: f64) -> Option<DVec3> {
+    let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+    let distance = nearest.length();
+    let sine = room / distance + REACH_SINE;
+    // Also not if it is not a number.
+    (sine < REACH_STEEPEST).then(|| normal * (1.0 - sine * sine).sqrt() - nearest * (sine / distance))
 }
 
 #[cfg(test)]
@@ -230,7 +249,7 @@ mod tests {
             let (outline, fronts) = outline_of_block(&block);
             let general = Polytope::block(&block);
             assert_eq!(fronts, general.fronts(None));
-            match (outline, general.outline(None)) {
+            match (outline, general.outline(None, 0.0)) {
                 (Outline::Cone(own), Outline::Cone(other)) => {
                     cones += 1;
                     assert_eq!(own.len(), other.len());

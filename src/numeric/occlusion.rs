@@ -140,6 +140,30 @@ pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 /// rounding of slacks and quotients in single precision, below 1e-6.
 pub(crate) const SLACK_ROOM: f32 = 2.001;
 
+/// A patch that hides from all eyes within the reach is farther from the eye than this many reaches, beside the distance
+/// that all patches keep.
+///
+/// Let no point of a patch be nearer than D, and let its outline be known to s along each axis. A point of the outline within
+/// the reach r of a ray is drawn within R = r + sqrt(3) s of a point of the ray, which is farther away than D - R - sqrt(3) s.
+/// Its share along the axis of the face is 1 / sqrt(3) at least, so the depth of the drawn point is more than
+/// (D - R - sqrt(3) s) / sqrt(3) - R. That is above the near limit n if D is at least sqrt(3) n + 2.8 r + 7 s; it is
+/// 8 n + 8 s + 3 r.
+pub(crate) const REACH_CLEARANCE: f64 = 3.0;
+
+/// A point of an outline at depth z that lies within the reach r of a ray of the face comes within this many times r / z of
+/// it along each axis of the face: sqrt(1 + u^2) with |u| <= 1, and room for rounding in single precision.
+pub(crate) const REACH_ROOM: f32 = 1.4143;
+
+/// Silhouettes are turned inwards for an eye that may go as far as r by the sine r / d, for an edge at the distance d. This is
+/// added to the sine: planes of cones of directions are known to [`CONE_MARGIN`](crate::numeric::shape::CONE_MARGIN).
+pub(crate) const REACH_SINE: f64 = 1e-8;
+
+/// Edges with a greater sine are too near: the cosine would keep fewer digits than its sine.
+pub(crate) const REACH_STEEPEST: f64 = 0.99;
+
+/// A piece of a rim that is shorter on the face has no direction: that of a longer one is known to 1e-9.
+pub(crate) const RIM_SHORTEST: f64 = 1e-6;
+
 /// The slab of a patch whose normal is nearer than this to a right angle with parallel rays (the cosine) does
 /// not bound its depth; its box does.
 pub(crate) const SLAB_EDGE_ON: f64 = 1e-3;

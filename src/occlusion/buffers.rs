@@ -12,12 +12,17 @@ use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::{MIDDLE_DEPTH, Pitch};
 use crate::occlusion::solid::{Shadow, Solid};
 use crate::occlusion::surface::scratch::SurfaceScratch;
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::target::Target;
 use crate::view::{Origin, View};
 
 /// A side of a view across parallel rays whose cosine with them is less than this serves as the first axis
 /// of the plane.
 const ACROSS: f64 = 1e-3;
+
+/// Objects nearer than this many times the distance that the eye may go are visible without a test. Larger numbers make more
+/// objects visible, smaller ones the buffers wider: the frustum grows by one reach at this distance.
+const NEAREST_IN_REACHES: f64 = 8.0;
 
 /// The answer to a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +46,8 @@ pub(crate) struct OcclusionBuffers {
     reach: f64,
     direction: Option<DVec3>,
     nearest: f64,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    limit: f64,
     /// Along each face.
     pixels: i64,
 }
@@ -49,8 +56,10 @@ impl OcclusionBuffers {
     /// Clears the windows that a view looks through.
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
-        self.nearest = pitch.nearest;
         self.reach = if view.eye().is_some() { view.reach() } else { 0.0 };
+        self.limit = pitch.nearest * 0.5;
+        self.nearest = pitch.nearest.max(NEAREST_IN_REACHES * self.reach);
+        let pitch = &Pitch { nearest: self.nearest, ..*pitch };
         let wanted = self.set_origin(view, pitch);
         self.faces.truncate(wanted.len());
         for (i, face) in wanted.into_iter().enumerate() {
@@ -135,14 +144,9 @@ impl OcclusionBuffers {
         self.reach
     }
 
-    /// Occluders are smaller by this on all sides: an eye may lie so far from the origin.
-    pub(crate) fn shrinking(&self) -> f64 {
-        self.uncertainty() + self.reach
-    }
-
-    /// Surfaces are cut at this depth: nothing nearer is drawn.
-    pub(crate) fn near_limit(&self) -> f64 {
-        self.nearest * 0.5
+    /// How surfaces are seen.
+    pub(crate) fn viewpoint(&self) -> Viewpoint {
+        Viewpoint { origin: self.origin, limit: self.limit, reach: self.reach }
     }
 
     /// Where a convex occluder hides, by its number in the order of drawing.
@@ -164,6 +168,12 @@ impl OcclusionBuffers {
     pub(crate) fn relative(&self, block: &Block) -> Block {
         let grow = self.uncertainty();
         Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
+    }
+
+    /// A box around all places from which an eye that goes as far as the reach would see a box, in space that stays: rays
+    /// that miss it keep farther than the reach from the box. Both are relative to the origin.
+    pub(crate) fn within_reach(&self, block: &Block) -> Block {
+        if self.reach > 0.0 { block.grown(self.reach) } else { *block }
     }
 
     /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
@@ -295,7 +305,7 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::block(occluder, None) else { continue };
+            let Some(solid) = Solid::block(occluder, None, 0.0) else { continue };
             buffers.draw(solid, 0);
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);

@@ -243,7 +243,7 @@ mod tests {
             buffers.begin(&view, &pitch);
             let occluders: Vec<Block> = (0..60).map(|_| random.block((2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
-                let solid = Solid::polytope(Polytope::block(block), None).unwrap();
+                let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
                 buffers.draw(solid.clone(), i as u32);
             }
             magnifier.begin(&buffers);

@@ -293,13 +293,12 @@ impl Magnifier {
         }
         let scratch = &mut self.scratch;
         let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
-            let (near, pixels) = fine.sight(&d.block)?;
+            let (near, pixels) = fine.sight(&buffers.within_reach(&d.block))?;
             Some(Sighting { face: 0, patch, near, pixels })
         });
         let sights: Vec<Sighting> = sights.collect();
-        let (origin, limit) = (buffers.origin(), buffers.near_limit());
         scratch.useful.clear();
-        draw_surfaces(fine, &batch, sights.into_iter(), origin, limit, patches.count, scratch);
+        draw_surfaces(fine, &batch, sights.into_iter(), buffers.viewpoint(), patches.count, scratch);
         self.used.patches.extend(scratch.useful.iter().map(|&index| batch[index as usize].id));
         for (x, y) in each() {
             let tile = fine.window().tile_index(x, y);

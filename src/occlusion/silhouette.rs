@@ -251,8 +251,8 @@ mod tests {
             &glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2),
         );
         let outlines = [
-            Polytope::block(&block).outline(None),
-            slanted.outline(None),
+            Polytope::block(&block).outline(None, 0.0),
+            slanted.outline(None, 0.0),
             Outline::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
         ];
         let mut partly = 0;

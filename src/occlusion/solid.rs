@@ -43,19 +43,24 @@ pub(crate) struct Seen {
 
 impl Solid {
     /// A body to draw; `None` if the eye is in it or too close to tell.
-    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Option<Self> {
+    ///
+    /// With a `reach`, it hides only what it hides from all eyes within that distance, each of which is outside of it.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>, reach: f64) -> Option<Self> {
         match body {
-            Body::Sphere { center, radius } => Self::sphere(center, radius, direction),
-            Body::Block(block) => Self::block(block, direction),
-            Body::Oriented { center, axes } => Self::polytope(Polytope::boxed(center, &axes), direction),
-            Body::Polytope(polytope) => Self::polytope(polytope, direction),
+            // A smaller sphere covers nearly the same directions.
+            Body::Sphere { center, radius } => Self::sphere(center, radius - reach, direction),
+            Body::Block(block) => Self::block(block, direction, reach),
+            Body::Oriented { center, axes } => {
+                Self::polytope(Polytope::boxed(center, &axes), direction, reach)
+            }
+            Body::Polytope(polytope) => Self::polytope(polytope, direction, reach),
         }
     }
 
-    /// A box along the axes; `None` if the eye is in it or too close to tell.
-    pub(crate) fn block(block: Block, direction: Option<DVec3>) -> Option<Self> {
-        if direction.is_some() {
-            return Self::polytope(Polytope::block(&block), direction);
+    /// A box along the axes, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
+    pub(crate) fn block(block: Block, direction: Option<DVec3>, reach: f64) -> Option<Self> {
+        if direction.is_some() || reach > 0.0 {
+            return Self::polytope(Polytope::block(&block), direction, reach);
         }
         let (outline, planes) = outline_of_block(&block);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
@@ -82,9 +87,9 @@ impl Solid {
         })
     }
 
-    /// A polytope; `None` if the eye is in it or too close to tell.
-    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>) -> Option<Self> {
-        let outline = polytope.outline(direction);
+    /// A polytope, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
+    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>, reach: f64) -> Option<Self> {
+        let outline = polytope.outline(direction, reach);
         let shadow = Shadow { planes: polytope.fronts(direction), ball: None };
         let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
         let block = polytope.bounds();

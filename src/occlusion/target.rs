@@ -87,7 +87,7 @@ impl Target {
     }
 
     pub(crate) fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
-        let (outline, fronts) = (polytope.outline(direction), polytope.fronts(direction));
+        let (outline, fronts) = (polytope.outline(direction, 0.0), polytope.fronts(direction));
         Self { outline, fronts, vertices: polytope.vertices, block }
     }
 

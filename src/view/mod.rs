@@ -241,8 +241,10 @@ impl View {
     /// ([`crate::Pvs::is_valid_for`]), or for a client whose eye is known with delay.
     ///
     /// The planes of the view go along with the eye. Objects nearer than eight times the reach are visible without a test.
-    /// Occluders are smaller by the reach on all sides (Wonka, Wimmer & Schmalstieg 2000), so that each hides what
-    /// it hides from all of these eyes; objects are tested as they are. Meshes hide nothing from a view with a reach yet.
+    /// Occluders hide less around their rims, as far as one of these eyes sees past them (after Wonka, Wimmer & Schmalstieg
+    /// 2000, and Voglreiter et al. 2023); those nearer than about three times the reach hide nothing. Objects are tested as they
+    /// are. Where parts that abut share no edges, each opens a gap of the reach: make them one mesh, or let static ones share their
+    /// vertices.
     /// The reach replaces that of an earlier call; 0 is the view as it was.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 
 mod forms;
 mod rays;
+mod reach;
 mod solids;
 mod walls;
 

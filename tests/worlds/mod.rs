@@ -111,6 +111,11 @@ pub fn solid() -> impl Strategy<Value = Solid> {
             Solid::Box(Aabb::new(p - half, p + half))
         }),
         (point(), 0.5f32..6.0).prop_map(|(p, radius)| Solid::Ball(Sphere::new(p, radius))),
+        // Boxes on whole numbers stand on each other, abut and lie inside each other.
+        (prop::array::uniform3(0u8..32), prop::array::uniform3(1u8..16)).prop_map(|(p, size)| {
+            let min = Vec3::from_array(p.map(f32::from));
+            Solid::Box(Aabb::new(min, min + Vec3::from_array(size.map(f32::from))))
+        }),
     ]
 }
 

@@ -161,7 +161,7 @@ impl Query {
 
 /// Buffers of a light's view that hide all that lies before no piece.
 fn mask(scene: &Scene, view: &View, pieces: &[Block], buffers: &mut OcclusionBuffers) {
-    buffers.begin(view, &pitch(scene, view, &PointOptions::default()));
+    buffers.begin(view, &pitch(scene, &PointOptions::default()));
     buffers.keep_before(pieces, view.is_ordered());
 }
 

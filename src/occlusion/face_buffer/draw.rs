@@ -106,7 +106,7 @@ mod tests {
         let block = Block { min: DVec3::new(-1.1, -0.7, 4.0), max: DVec3::new(1.3, 0.9, 5.0) };
         let ball = (DVec3::new(0.3, 0.2, 5.0), 1.5);
         let solids = [
-            Solid::polytope(Polytope::block(&block), None).unwrap(),
+            Solid::polytope(Polytope::block(&block), None, 0.0).unwrap(),
             Solid::sphere(ball.0, ball.1, None).unwrap(),
         ];
         for (i, solid) in solids.iter().enumerate() {

@@ -157,7 +157,7 @@ mod tests {
         buffer.clear(Some(Rect::FACE), 64);
         // Covers u < 0 but for a little.
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
-        buffer.draw(&Solid::polytope(Polytope::block(&wall), None).unwrap(), 0, 0);
+        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, 0);
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
             Target::block(Block { min: c - h, max: c + h }, None)

@@ -35,8 +35,9 @@ impl<'a> Batch<'a> {
     /// Without such a patch call [`Batch::drop_sights`].
     pub(crate) fn see(&mut self, buffers: &OcclusionBuffers, block: &Block) -> bool {
         let (patch, before) = (self.drawables.len() as u32, self.sights.len());
+        let block = buffers.within_reach(block);
         for (buffer, face) in buffers.faces().zip(0..) {
-            if let Some((near, pixels)) = buffer.sight(block) {
+            if let Some((near, pixels)) = buffer.sight(&block) {
                 self.sights.push(Sighting { face, patch, near, pixels });
             }
         }

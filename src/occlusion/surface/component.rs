@@ -9,7 +9,8 @@ use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, Raster};
-use crate::occlusion::surface::scratch::{DeepSide, Joint, Seen, SurfaceScratch};
+use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch, WholeSide};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Draws the patches of one component, a range of the order of drawing. Returns whether they hide more than
@@ -18,22 +19,29 @@ pub(super) fn draw_component(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
     range: Range<usize>,
-    limit: f64,
+    viewpoint: Viewpoint,
     scratch: &mut SurfaceScratch,
 ) -> bool {
-    let SurfaceScratch { seen, sides, order, raster, joint, useful, .. } = scratch;
+    let SurfaceScratch { seen, sides, order, raster, rims, joint, useful, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
+    let area = Area::around(&members().fold(PixelRect::EMPTY, |around, s| around.join(&s.pixels)));
     let mut joint = (range.len() > 1).then(|| {
-        let mut around = PixelRect::EMPTY;
-        for s in members() {
-            around = around.join(&s.pixels);
-        }
-        joint.clear(Area::around(&around));
+        joint.clear(area);
         joint
     });
     let mut changed = false;
-    let projector = Projector::new(buffer, limit);
+    let projector = Projector::new(buffer, viewpoint);
     let (first, deep) = (projector.first(), projector.deep_sides());
+    let is_seam = |side: &WholeSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
+    // Nothing is covered before all rims of the component are known.
+    let rims = projector.rims().map(|widened| {
+        rims.begin(area, first);
+        for s in members() {
+            let own = &sides.rims[s.sides.0.rims as usize..s.sides.1.rims as usize];
+            own.iter().filter(|side| !is_seam(side)).for_each(|side| widened.draw(rims, side));
+        }
+        &*rims
+    });
     for s in members() {
         let d = &batch[s.drawable as usize];
         raster.begin(Area::around(&s.pixels), first);
@@ -41,16 +49,15 @@ pub(super) fn draw_component(
         let groups = &sides.groups[begin.groups as usize..end.groups as usize];
         groups.iter().for_each(|sides| raster.edges(&sides.edges, d.turned));
         let own = &sides.deep[begin.deep as usize..end.deep as usize];
-        let is_seam = |side: &DeepSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
         deep.draw(raster, own, d.turned, is_seam);
         raster.finish();
-        if cover_patch(buffer, raster, s, d, joint.as_deref_mut()) {
+        if cover_patch(buffer, raster, s, d, rims, joint.as_deref_mut()) {
             changed = true;
             useful.push(s.drawable);
         }
     }
     if let Some(joint) = joint
-        && cover_seams(buffer, joint)
+        && cover_seams(buffer, rims, joint)
     {
         changed = true;
         useful.extend(members().map(|s| s.drawable));
@@ -65,6 +72,7 @@ fn cover_patch(
     raster: &Raster,
     seen: &Seen,
     drawable: &Drawable,
+    rims: Option<&Raster>,
     mut joint: Option<&mut Joint>,
 ) -> bool {
     let area = raster.area();
@@ -72,9 +80,7 @@ fn cover_patch(
     let mut back = None;
     for ty in 0..area.ny {
         let row = buffer.window().tile_index(area.x / TILE, area.y / TILE + ty);
-        let joint_row = joint.as_ref().map_or(0, |joint| {
-            (((area.y - joint.area.y) / TILE + ty) * joint.area.nx + (area.x - joint.area.x) / TILE) as usize
-        });
+        let joint_row = joint.as_ref().map_or(0, |joint| joint.area.tile(&area, ty, 0));
         for tx in 0..area.nx as usize {
             let marks = raster.marks(ty as usize * area.nx as usize + tx);
             if marks.is_empty() {
@@ -89,7 +95,7 @@ fn cover_patch(
                 }
                 continue;
             }
-            let mask = marks.covered();
+            let mask = marks.covered() & !open_rims(rims, &area, (tx as i64, ty));
             if mask == 0 && joint.is_none() {
                 continue;
             }
@@ -109,8 +115,14 @@ fn cover_patch(
     changed
 }
 
+/// The pixels that rims touch in a tile, given by its column and row in an area.
+#[inline]
+fn open_rims(rims: Option<&Raster>, area: &Area, (column, row): (i64, i64)) -> u64 {
+    rims.map_or(0, |rims| rims.marks(rims.area().tile(area, row, column)).open())
+}
+
 /// Covers the pixels that only seams between the patches of a component touch.
-fn cover_seams(buffer: &mut FaceBuffer, joint: &Joint) -> bool {
+fn cover_seams(buffer: &mut FaceBuffer, rims: Option<&Raster>, joint: &Joint) -> bool {
     let area = joint.area;
     let mut changed = false;
     for ty in 0..area.ny {
@@ -118,6 +130,7 @@ fn cover_seams(buffer: &mut FaceBuffer, joint: &Joint) -> bool {
         for tx in 0..area.nx as usize {
             let at = ty as usize * area.nx as usize + tx;
             let (mask, near) = (joint.tiles[at].covered_seams(), joint.nears[at]);
+            let mask = mask & !open_rims(rims, &area, (tx as i64, ty));
             if mask != 0 && buffer.coverage().closed(row + tx) < near {
                 changed |= buffer.coverage_mut().cover(row + tx, mask, near);
             }

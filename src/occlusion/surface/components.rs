@@ -1,7 +1,5 @@
 //! The patches of a batch that a face sees, joined to components and put in order of drawing.
 
-use glam::DVec3;
-
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::Sighting;
@@ -10,25 +8,25 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::LANES;
 use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly all of those pixels,
 /// so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
 
-/// Draws patches together on one face, those that it sees. `patches` is greater than all their numbers; surfaces are cut at the
-/// depth `limit`. Returns whether they hide more than before.
+/// Draws patches together on one face, those that it sees. `patches` is greater than all their numbers. Returns whether they
+/// hide more than before.
 pub(crate) fn draw_surfaces(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
-    origin: DVec3,
-    limit: f64,
+    viewpoint: Viewpoint,
     patches: usize,
     scratch: &mut SurfaceScratch,
 ) -> bool {
     scratch.begin(patches);
-    see(buffer, batch, sights, origin, limit, scratch);
-    join(batch, scratch);
+    see(buffer, batch, sights, viewpoint, scratch);
+    join(batch, viewpoint.reach, scratch);
     order(scratch);
     let mut changed = false;
     let mut first = 0;
@@ -40,7 +38,7 @@ pub(crate) fn draw_surfaces(
             buffer.hides_pixels(&s.pixels, s.near)
         };
         if !scratch.order[first..last].iter().all(hidden) {
-            changed |= draw_component(buffer, batch, first..last, limit, scratch);
+            changed |= draw_component(buffer, batch, first..last, viewpoint, scratch);
         }
         first = last;
     }
@@ -67,11 +65,12 @@ fn see(
     buffer: &FaceBuffer,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
-    origin: DVec3,
-    limit: f64,
+    viewpoint: Viewpoint,
     scratch: &mut SurfaceScratch,
 ) {
-    let projector = Projector::new(buffer, limit);
+    let projector = Projector::new(buffer, viewpoint);
+    // The rims around a hole are wide if the eye may go far, however narrow the hole is.
+    let is_narrow = |pixels: &PixelRect| viewpoint.reach == 0.0 && is_narrow(pixels);
     for Sighting { patch: drawable, near, pixels, .. } in sights {
         if is_narrow(&pixels) {
             scratch.narrow.push((drawable, near, pixels));
@@ -79,7 +78,7 @@ fn see(
         }
         let d = &batch[drawable as usize];
         let first = scratch.sides.reached();
-        let Some(pixels) = projector.project(d, origin, pixels, &mut scratch.sides) else {
+        let Some(pixels) = projector.project(d, pixels, &mut scratch.sides) else {
             scratch.sides.truncate(first);
             continue;
         };
@@ -102,7 +101,11 @@ fn see(
 }
 
 /// Joins patches that share sides, and marks those sides as seams.
-fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
+///
+/// If the eye may go some way, only patches that are wholly turned to it are joined, and those that were drawn before take
+/// part as all others: the rims of a component must be known wherever it covers pixels.
+fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
+    let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
         let seen = &scratch.seen[i as usize];
         let (first, last) = (seen.sides.0.groups, seen.sides.1.groups);
@@ -116,15 +119,22 @@ fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
                 }
                 let Some(place) = scratch.find(number).filter(|&place| place != i) else { continue };
                 let other = &batch[scratch.seen[place as usize].drawable as usize];
-                // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
-                if (opposite >> lane & 1 == 1) != (d.turned == other.turned) || (d.again && other.again) {
+                if (opposite >> lane & 1 == 1) != (d.turned == other.turned) {
+                    continue;
+                }
+                let joins = match in_part {
+                    // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
+                    true => !(d.again && other.again),
+                    false => d.faces_eye && other.faces_eye,
+                };
+                if !joins {
                     continue;
                 }
                 if scratch.seen[i as usize].parent != scratch.seen[place as usize].parent {
                     scratch.unite(i, place);
                 }
                 seams |= 1 << lane;
-                if !d.again && other.again {
+                if in_part && !d.again && other.again {
                     let pixels = scratch.seen[i as usize].pixels;
                     let around = &mut scratch.seen[place as usize].around;
                     *around = around.join(&pixels);
@@ -132,6 +142,9 @@ fn join(batch: &[Drawable], scratch: &mut SurfaceScratch) {
             }
             scratch.sides.groups[group as usize].edges.seams = seams;
         }
+    }
+    if !in_part {
+        return;
     }
     // A patch that was drawn before is new only around its seams with patches that were not.
     for s in scratch.seen.iter_mut().filter(|s| batch[s.drawable as usize].again) {

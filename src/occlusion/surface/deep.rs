@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING};
 use crate::occlusion::surface::raster::Raster;
-use crate::occlusion::surface::scratch::DeepSide;
+use crate::occlusion::surface::scratch::WholeSide;
 
 /// Where an edge passes the near limit.
-struct Cut {
-    at: DVec3,
+pub(super) struct Cut {
+    pub(super) at: DVec3,
     /// Whether the edge goes to lesser depths there.
-    leaves: bool,
+    pub(super) leaves: bool,
 }
 
 /// Draws the sides of one patch that are not drawn as single edges.
@@ -28,9 +28,9 @@ impl DeepSides {
     pub(super) fn draw(
         &self,
         raster: &mut Raster,
-        sides: &[DeepSide],
+        sides: &[WholeSide],
         falls: bool,
-        is_seam: impl Fn(&DeepSide) -> bool,
+        is_seam: impl Fn(&WholeSide) -> bool,
     ) {
         let mut base = None;
         for side in sides {
@@ -50,7 +50,7 @@ impl DeepSides {
     fn draw_side(
         &self,
         raster: &mut Raster,
-        side: &DeepSide,
+        side: &WholeSide,
         cut: Option<&Cut>,
         mut falls: bool,
         seam: bool,
@@ -102,13 +102,13 @@ impl DeepSides {
     }
 
     /// The pixel of a point of the face.
-    fn pixel(&self, p: DVec3) -> (f64, f64) {
+    pub(super) fn pixel(&self, p: DVec3) -> (f64, f64) {
         let scale = self.per_unit / p.z;
         (p.x * scale + self.middle.0, p.y * scale + self.middle.1)
     }
 
     /// Where an edge passes the near limit.
-    fn cut(&self, [p, q]: [DVec3; 2]) -> Option<Cut> {
+    pub(super) fn cut(&self, [p, q]: [DVec3; 2]) -> Option<Cut> {
         if (p.z < self.limit) == (q.z < self.limit) {
             return None;
         }

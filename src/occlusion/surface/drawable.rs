@@ -31,6 +31,9 @@ pub(crate) struct Drawable<'a> {
     pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
+    /// Whether every triangle of it is known to be turned to the eye with the same side. Without meaning where the eye may
+    /// not go from its place.
+    pub(crate) faces_eye: bool,
     /// Its points may be this far from where the surface says.
     pub(crate) error: f64,
 }

@@ -7,6 +7,10 @@
 //! sum to zero at their middles, at the depth of the farthest patch there. The sign of a patch's winding numbers
 //! is free: turning all patches to the eye keeps folds from cancelling.
 //!
+//! If the eye may go some way (a reach), the sides of a component that no two of its patches share are its rim. Pixels with
+//! rays within the reach of the rim stay open, and are marked before the component covers any ([`rim`]). Only patches that are
+//! wholly turned to the eye are joined then.
+//!
 //! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`] joins
 //! patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that [`back`] gives.
 //!
@@ -22,23 +26,27 @@ pub(crate) mod deep;
 pub(crate) mod drawable;
 pub(crate) mod projector;
 pub(crate) mod raster;
+mod rim;
 pub(crate) mod scratch;
+pub(crate) mod viewpoint;
 
+use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
     /// their numbers; `listed` tells whether they are listed by place. Returns whether they hide more than before.
     pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) -> bool {
-        let (origin, limit) = (self.origin(), self.near_limit());
+        let viewpoint = self.viewpoint();
         let (faces, scratch) = self.surfaces_mut();
         let mut changed = false;
         scratch.useful.clear();
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            changed |= draw_surfaces(buffer, &batch.drawables, sights, origin, limit, patches, scratch);
+            changed |= draw_surfaces(buffer, &batch.drawables, sights, viewpoint, patches, scratch);
             if listed {
                 list(buffer, &batch.drawables, scratch);
             }
@@ -56,6 +64,7 @@ impl OcclusionBuffers {
     /// Farther patches are neither cut at the near limit nor widened without bound: where a straight edge is less
     /// deep than twice the slack, neither it nor the chain that it replaces reaches into the face.
     pub(crate) fn clearance(&self, slack: f64) -> f64 {
-        8.0 * (self.near_limit() + slack)
+        let Viewpoint { limit, reach, .. } = self.viewpoint();
+        8.0 * (limit + slack) + REACH_CLEARANCE * reach
     }
 }

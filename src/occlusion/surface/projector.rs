@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, SLACK_ROOM};
+use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -10,7 +10,9 @@ use crate::occlusion::pixels::{PixelRect, floor};
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::raster::{Edges, LANES, Lanes, each};
-use crate::occlusion::surface::scratch::{DeepSide, NO_TWIN, SeenSides, Sides};
+use crate::occlusion::surface::rim::Rims;
+use crate::occlusion::surface::scratch::{NO_TWIN, SeenSides, Sides, WholeSide};
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Projects points to the pixels of a window.
@@ -23,6 +25,9 @@ pub(super) struct Projector<'a> {
     middle: (f32, f32),
     /// Edges are cut off where they are less deep.
     limit: f32,
+    origin: DVec3,
+    /// How far the eye may go from the origin.
+    reach: f64,
 }
 
 /// How the points of a drawable come to the face.
@@ -108,8 +113,8 @@ impl Frame {
 }
 
 impl<'a> Projector<'a> {
-    /// `limit` is the depth at which surfaces are cut off.
-    pub(super) fn new(buffer: &'a FaceBuffer, limit: f64) -> Self {
+    pub(super) fn new(buffer: &'a FaceBuffer, viewpoint: Viewpoint) -> Self {
+        let Viewpoint { origin, limit, reach } = viewpoint;
         let (face, per_unit) = (buffer.face(), buffer.window().per_unit());
         let (tx, ty) = buffer.window().first_tile();
         let first = (tx * TILE, ty * TILE);
@@ -119,6 +124,8 @@ impl<'a> Projector<'a> {
             per_unit: per_unit as f32,
             middle: ((per_unit - first.0 as f64) as f32, (per_unit - first.1 as f64) as f32),
             limit: if face.parallel { 0.0 } else { (limit as f32).max(f32::MIN_POSITIVE) },
+            origin,
+            reach,
         }
     }
 
@@ -133,9 +140,15 @@ impl<'a> Projector<'a> {
         DeepSides { per_unit: self.per_unit.into(), middle, limit: self.limit.into() }
     }
 
+    /// Draws the rims of components, if the eye may go some way.
+    pub(super) fn rims(&self) -> Option<Rims> {
+        (self.reach > 0.0).then(|| Rims { sides: self.deep_sides(), reach: self.reach })
+    }
+
     /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere, and lengths in units of
     /// the face.
-    fn frame(&self, d: &Drawable, origin: DVec3) -> Frame {
+    fn frame(&self, d: &Drawable) -> Frame {
+        let origin = self.origin;
         let Face { right, up, forward, parallel } = *self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
         let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
@@ -171,14 +184,8 @@ impl<'a> Projector<'a> {
     /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the patch may
     /// touch; `None` if there are none, or if it cannot be drawn.
     #[inline]
-    pub(super) fn project(
-        &self,
-        d: &Drawable,
-        origin: DVec3,
-        within: PixelRect,
-        out: &mut SeenSides,
-    ) -> Option<PixelRect> {
-        let frame = self.frame(d, origin);
+    pub(super) fn project(&self, d: &Drawable, within: PixelRect, out: &mut SeenSides) -> Option<PixelRect> {
+        let frame = self.frame(d);
         let mut extent = Extent::EMPTY;
         let (mut ends, mut finite) = (Ends::default(), true);
         let mut outline = d.outline();
@@ -205,8 +212,12 @@ impl<'a> Projector<'a> {
             if deep != 0 {
                 let group = out.groups.len() as u32;
                 for lane in (0..LANES).filter(|lane| deep >> lane & 1 == 1) {
-                    out.deep.push(deep_side(&placed, &edges, group, lane));
+                    out.deep.push(whole_side(&placed, &edges, group, lane));
                 }
+            }
+            if self.reach > 0.0 {
+                let group = out.groups.len() as u32;
+                out.rims.extend((0..count).map(|lane| whole_side(&placed, &edges, group, lane)));
             }
             out.groups.push(Sides { edges, twins, opposite });
         }
@@ -271,6 +282,10 @@ impl<'a> Projector<'a> {
         extent.most[0] = each(|i| greater(greater(x0[i], x1[i]), extent.most[0][i]));
         extent.most[1] = each(|i| greater(greater(y0[i], y1[i]), extent.most[1][i]));
         extent.wide = each(|i| greater(wide[i], extent.wide[i]));
+        if self.reach > 0.0 {
+            let room = REACH_ROOM * self.reach as f32 * self.per_unit;
+            extent.wide = each(|i| greater(wide[i] + room * greater(a[i], b[i]), extent.wide[i]));
+        }
         extent.known = each(|i| {
             let near = lesser(p.from[2][i], p.to[2][i]);
             extent.known[i] & (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small[i]
@@ -281,9 +296,9 @@ impl<'a> Projector<'a> {
 }
 
 /// A side that is not drawn as one edge.
-fn deep_side(p: &Placed, e: &Edges, group: u32, lane: usize) -> DeepSide {
+fn whole_side(p: &Placed, e: &Edges, group: u32, lane: usize) -> WholeSide {
     let at = |of: &[Lanes; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
-    DeepSide {
+    WholeSide {
         group,
         lane: lane as u32,
         ends: [at(&p.from), at(&p.to)],
@@ -357,7 +372,7 @@ mod tests {
             let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
             let surface = Surface::new(&corners, &triangles, &rules);
-            let projector = Projector::new(&buffer, 0.01);
+            let projector = Projector::new(&buffer, Viewpoint { origin: eye, limit: 0.01, reach: 0.0 });
             for (patch, _) in (0..).zip(&surface.patches).filter(|(i, p)| p.next == i + 1) {
                 let drawable = Drawable {
                     surface: &surface,
@@ -372,10 +387,11 @@ mod tests {
                     again: false,
                     alone: false,
                     turned: false,
+                    faces_eye: true,
                     error: 0.0,
                 };
                 let mut out = SeenSides::default();
-                projector.project(&drawable, eye, *buffer.window().pixels(), &mut out);
+                projector.project(&drawable, *buffer.window().pixels(), &mut out);
                 let place = |v: Vec3| {
                     let v = v.as_dvec3();
                     placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye

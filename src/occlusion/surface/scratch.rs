@@ -40,9 +40,9 @@ pub(super) struct Sides {
     pub(super) opposite: u8,
 }
 
-/// A side that reaches over a large range of depths, or behind the near limit.
+/// A side that is drawn in pieces.
 #[derive(Debug, Clone)]
-pub(super) struct DeepSide {
+pub(super) struct WholeSide {
     /// Its place among the sides.
     pub(super) group: u32,
     pub(super) lane: u32,
@@ -56,19 +56,27 @@ pub(super) struct DeepSide {
 #[derive(Debug, Clone, Default)]
 pub(super) struct SeenSides {
     pub(super) groups: Vec<Sides>,
-    pub(super) deep: Vec<DeepSide>,
+    /// Those that reach over a large range of depths, or behind the near limit.
+    pub(super) deep: Vec<WholeSide>,
+    /// All of them, if the eye may go some way: each may be a part of a rim.
+    pub(super) rims: Vec<WholeSide>,
 }
 
 impl SeenSides {
     /// How many there are.
     pub(super) fn reached(&self) -> Reached {
-        Reached { groups: self.groups.len() as u32, deep: self.deep.len() as u32 }
+        Reached {
+            groups: self.groups.len() as u32,
+            deep: self.deep.len() as u32,
+            rims: self.rims.len() as u32,
+        }
     }
 
     /// Drops those from a place on.
     pub(super) fn truncate(&mut self, reached: Reached) {
         self.groups.truncate(reached.groups as usize);
         self.deep.truncate(reached.deep as usize);
+        self.rims.truncate(reached.rims as usize);
     }
 }
 
@@ -77,6 +85,7 @@ impl SeenSides {
 pub(super) struct Reached {
     pub(super) groups: u32,
     pub(super) deep: u32,
+    pub(super) rims: u32,
 }
 
 /// The pixels around the patches of one component.
@@ -115,6 +124,8 @@ pub(crate) struct SurfaceScratch {
     pub(super) sides: SeenSides,
     pub(super) order: Vec<Place>,
     pub(super) raster: Raster,
+    /// The pixels that rims touch, widened by the distance that the eye may go.
+    pub(super) rims: Raster,
     pub(super) joint: Joint,
     /// Indices of patches of the last batch that hid more than before; some of them repeat.
     pub(crate) useful: Vec<u32>,

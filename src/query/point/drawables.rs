@@ -93,6 +93,8 @@ impl<'a> Walk<'a> {
             Some(d) => -normal.dot(d),
             None => -(slab.0 + slab.1) * 0.5,
         };
+        let faces_eye = buffers.reach() == 0.0
+            || keeps_angles && is_turned_to_eye(normal, slab, &block, f64::from(own.sine));
         Some(Drawable {
             surface,
             placement,
@@ -106,6 +108,7 @@ impl<'a> Walk<'a> {
             again: false,
             alone: false,
             turned: height < 0.0,
+            faces_eye,
             error,
         })
     }
@@ -137,6 +140,18 @@ impl<'a> Walk<'a> {
                 && region.may_see_block(world)
         })
     }
+}
+
+/// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side: the directions from its
+/// points to the eye differ from its normal, or from the opposite one, by less than a right angle less the greatest angle of its
+/// triangles, whose sine is given.
+fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bool {
+    let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
+    // How far the eye lies above all of the patch, or below.
+    let (along, across) = (normal.dot(middle), normal.abs().dot(half));
+    let height = (along - across).max(slab.0).max(-(along + across)).max(-slab.1);
+    let farthest = block.min.abs().max(block.max.abs()).length();
+    height > (sine + FRONT_SINE) * farthest
 }
 
 /// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range of numbers.

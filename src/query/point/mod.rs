@@ -34,10 +34,6 @@ use crate::walk::{ShellBegins, Shells, Start};
 /// Objects nearer to the eye than this share of a cell are visible without a test.
 const NEAREST: f64 = 0.02;
 
-/// So are those nearer than this many times the distance that the eye may go. Larger numbers make more objects visible, smaller
-/// ones the buffers wider: the frustum grows by one reach at this distance.
-const NEAREST_IN_REACHES: f64 = 8.0;
-
 /// One run of the point method.
 pub(crate) struct Walk<'a> {
     scene: &'a Scene,
@@ -70,12 +66,12 @@ pub(crate) struct Walk<'a> {
 }
 
 /// How finely the buffers of a view of the scene are divided.
-pub(crate) fn pitch(scene: &Scene, view: &View, options: &PointOptions) -> Pitch {
+pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     let (min, max) = scene.extent();
     Pitch {
         pixels: 90.0 / f64::from(options.pixel_degrees),
         least: f64::from(options.min_pixels),
-        nearest: (NEAREST * scene.grid().cell_size()).max(NEAREST_IN_REACHES * view.reach()),
+        nearest: NEAREST * scene.grid().cell_size(),
         reach: (max - min).length() * 0.5,
         middle: (min + max) * 0.5,
     }
@@ -145,7 +141,7 @@ impl<'a> Walk<'a> {
 
     /// Fills the set.
     pub(crate) fn run(mut self) {
-        let pitch = pitch(self.scene, self.view, self.options);
+        let pitch = pitch(self.scene, self.options);
         self.scratch.buffers.begin(self.view, &pitch);
         if let Some(receivers) = self.receivers {
             self.scratch.buffers.keep_before(receivers, self.view.is_ordered());

@@ -39,8 +39,7 @@ impl Walk<'_> {
         if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
             let done = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
-            // Outlines are not yet widened by the distance that the eye may go.
-            if !done && self.scratch.buffers.reach() == 0.0 {
+            if !done {
                 self.list_surface(slot);
             }
             return;
@@ -68,7 +67,7 @@ impl Walk<'_> {
     fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
         let origin = buffers.origin();
-        if buffers.shrinking() > 0.0 {
+        if buffers.uncertainty() > 0.0 {
             return false;
         }
         let Some((polytope, beyond)) = occluder.convex_mesh(origin) else { return false };
@@ -81,12 +80,14 @@ impl Walk<'_> {
         };
         let starts_outside = match buffers.direction() {
             Some(d) => !self.view.cuts_front(d, &occluder.block()),
-            None => outside(&Block { min: origin, max: origin }),
+            None => outside(&Block { min: origin, max: origin }.grown(buffers.reach())),
         };
         if !(starts_outside && self.cut.iter().all(|(_, region)| outside(region))) {
             return false;
         }
-        let Some(solid) = Solid::polytope(polytope, buffers.direction()) else { return false };
+        let Some(solid) = Solid::polytope(polytope, buffers.direction(), buffers.reach()) else {
+            return false;
+        };
         let changed = buffers.draw(solid, slot);
         self.drew_solid(slot, changed);
         true
@@ -99,13 +100,14 @@ impl Walk<'_> {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
         let buffers = &self.scratch.buffers;
-        if buffers.shrinking() > 0.0 || self.starts_near(&block) {
+        if buffers.uncertainty() > 0.0 || self.starts_near(&block) {
             return false;
         }
         let is_alike = self.is_like_solid(&block, inner.rim);
         let buffers = &mut self.scratch.buffers;
         let polytope = occluder.inner_from(buffers.origin());
-        let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction())) else {
+        let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction(), buffers.reach()))
+        else {
             return false;
         };
         let changed = buffers.draw(solid, slot);
@@ -140,11 +142,11 @@ impl Walk<'_> {
     pub(super) fn draw_cells(&mut self, cells: &CellBox) {
         let buffers = &mut self.scratch.buffers;
         let (min, max) = self.scene.grid().range_bounds(cells.lo, cells.hi);
-        let (origin, shrink) = (buffers.origin(), buffers.shrinking());
+        let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
-            && let Some(solid) = Solid::block(block, buffers.direction())
+            && let Some(solid) = Solid::block(block, buffers.direction(), buffers.reach())
         {
             self.stats.cells_drawn += 1;
             buffers.draw(solid, NOBODY);
@@ -158,7 +160,8 @@ impl Walk<'_> {
     }
 }
 
-/// A convex occluder, shrunk by how far the eye may be from the origin; `None` if nothing is left.
+/// A convex occluder, smaller by how far the origin may be from the eye; `None` if nothing is left.
 pub(super) fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
-    Solid::new(occluder.kind().inner(buffers.origin(), buffers.shrinking())?, buffers.direction())
+    let inner = occluder.kind().inner(buffers.origin(), buffers.uncertainty())?;
+    Solid::new(inner, buffers.direction(), buffers.reach())
 }

@@ -105,7 +105,7 @@ impl Raster {
 
 /// A number clamped between -1 and a greatest one; -1 if it is not a number.
 #[inline]
-fn within(v: f64, most: f64) -> f64 {
+pub(super) fn within(v: f64, most: f64) -> f64 {
     let v = if v > -1.0 { v } else { -1.0 };
     if v < most { v } else { most }
 }

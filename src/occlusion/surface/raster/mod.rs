@@ -7,7 +7,7 @@
 //! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area, [`Raster::edges`] with eight edges
 //! at a time or [`Raster::edge`] with one, [`Raster::finish`], then [`Raster::marks`] tile by tile. The first is in
 //! single precision ([`lanes`]), the other, for edges that reach far beyond the view, in double precision ([`edge`]).
-//! Both keep three rules:
+//! Both keep three rules (pixels around a line can be marked with [`Raster::strip`], too):
 //!
 //! - every pixel that comes within the edge's width of it is marked as touched;
 //! - a pixel that no edge touches has the winding number of the outline around its middle;
@@ -16,6 +16,7 @@
 
 mod edge;
 mod lanes;
+mod strip;
 mod tiles;
 
 use crate::occlusion::surface::raster::tiles::TileMarks;

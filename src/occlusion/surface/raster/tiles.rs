@@ -21,6 +21,12 @@ impl Area {
         Self { x, y, nx: (pixels.x.1 - 1 - x) / TILE + 1, ny: (pixels.y.1 - 1 - y) / TILE + 1 }
     }
 
+    /// The place of a tile, counted in rows and columns from the first one of another area that lies inside this one.
+    #[inline]
+    pub(crate) fn tile(&self, inside: &Self, row: i64, column: i64) -> usize {
+        (((inside.y - self.y) / TILE + row) * self.nx + (inside.x - self.x) / TILE + column) as usize
+    }
+
     pub(crate) fn tile_count(&self) -> usize {
         (self.nx * self.ny) as usize
     }
@@ -53,6 +59,12 @@ impl Marks {
     pub(crate) fn is_empty(&self) -> bool {
         let [open, seam, ones, twos] = self.0;
         open | seam | ones | twos == 0
+    }
+
+    /// The pixels touched by open edges.
+    #[inline]
+    pub(crate) fn open(&self) -> u64 {
+        self.0[Self::OPEN]
     }
 
     /// The pixels that the outline covers as a whole.

@@ -1,0 +1,176 @@
+//! The rims of components, for an eye that may go some way: pixels that the eye may see past a rim are marked.
+//!
+//! A ray of a pixel that keeps farther than the reach from every point of a rim passes the same triangles, counted with
+//! signs, as the segments from all places of the eye to a point of the ray. So the pixels are marked that contain a ray within the
+//! reach of a side of the rim.
+
+use glam::DVec3;
+
+use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING, RIM_SHORTEST};
+use crate::occlusion::surface::deep::{Cut, DeepSides};
+use crate::occlusion::surface::raster::Raster;
+use crate::occlusion::surface::scratch::WholeSide;
+
+/// The depths of a piece of a side differ at most by the first factor where its strip is wider than so many pixels, elsewhere
+/// by the second one. Strips narrower than the least width are not divided.
+const STEP_WIDE: f64 = 1.25;
+const STEP: f64 = 2.0;
+const WIDE: f64 = 2.0;
+const NARROW: f64 = 0.25;
+
+/// Draws the sides of rims.
+pub(super) struct Rims {
+    pub(super) sides: DeepSides,
+    /// How far the eye may go.
+    pub(super) reach: f64,
+}
+
+impl Rims {
+    /// Marks the pixels with rays that come within the reach of a side. Points of the side that are less deep than the near limit
+    /// are not near any ray of the face: see [`REACH_CLEARANCE`](crate::numeric::occlusion::REACH_CLEARANCE).
+    pub(super) fn draw(&self, raster: &mut Raster, side: &WholeSide) {
+        let [mut p, mut q] = side.ends;
+        let limit = self.sides.limit;
+        if p.z < limit && q.z < limit {
+            return;
+        }
+        match self.sides.cut(side.ends) {
+            Some(Cut { at, leaves: true }) => q = at,
+            Some(Cut { at, leaves: false }) => p = at,
+            None => {}
+        }
+        let (near, far) = if p.z > q.z { (q, p) } else { (p, q) };
+        let [a, b] = side.ends.map(|end| end.abs().max_element());
+        let rounding = PIECE_ROUNDING * (a + b);
+        // The slack bounds each coordinate.
+        let reach = self.reach + 3f64.sqrt() * side.slack;
+        let mut start = near;
+        loop {
+            let end = start.z * step(reach / start.z * self.sides.per_unit);
+            let is_last = end.is_nan() || end >= far.z;
+            let mut stop = far;
+            if !is_last {
+                stop = near + (far - near) * ((end - near.z) / (far.z - near.z));
+                stop.z = end;
+            }
+            self.piece(raster, start, stop, reach, rounding);
+            if is_last {
+                break;
+            }
+            start = stop;
+        }
+    }
+
+    /// Draws a piece of a side, from its lesser to its greater depth.
+    ///
+    /// Let a point at depth z lie within the reach r of a ray through p = (u, v). Then it lies at p + d on the face, with
+    /// d = A x / z, where |x| <= r and A has the rows (1, 0, -u) and (0, 1, -v). Along a unit vector n that is at most
+    /// r / z sqrt(1 + (n . p)^2).
+    fn piece(&self, raster: &mut Raster, start: DVec3, stop: DVec3, reach: f64, rounding: f64) {
+        let per_unit = self.sides.per_unit;
+        let ratio = reach / start.z;
+        let ([u0, v0], [u1, v1]) = ([start, stop].map(|p| [p.x / p.z, p.y / p.z])).into();
+        let length = (u1 - u0).hypot(v1 - v0);
+        // How far the line of the piece passes from the middle of the face.
+        let beside = if length > RIM_SHORTEST { (u0 * v1 - u1 * v0).abs() / length } else { f64::INFINITY };
+        let most = [u0, v0, u1, v1].map(f64::abs).into_iter().fold(0.0, f64::max);
+        let unsure = EDGE + rounding / start.z * per_unit;
+        let across = widening(ratio, beside, 2f64.sqrt()) * per_unit + 2f64.sqrt() * unsure;
+        let around = widening(ratio, most, 1.0) * per_unit + unsure;
+        raster.strip(self.sides.pixel(start), self.sides.pixel(stop), across, around);
+    }
+}
+
+/// How far points of the face move along a direction, for points of space that move by `ratio` of their depth: the rays are
+/// those of the face, where that coordinate is at most `most`, and the points have up to `at` of it.
+fn widening(ratio: f64, at: f64, most: f64) -> f64 {
+    // A ray is no farther than that from the point: sqrt(1 + most^2) is less than two.
+    let coordinate = (at + 2.0 * ratio).min(most);
+    ratio * (1.0 + coordinate * coordinate).sqrt()
+}
+
+/// The ratio of the depths of a piece whose strip is so many pixels wide.
+fn step(wide: f64) -> f64 {
+    match wide {
+        wide if wide > WIDE => STEP_WIDE,
+        wide if wide > NARROW => STEP,
+        _ => f64::INFINITY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::occlusion::surface::raster::Area;
+
+    struct Random(u64);
+
+    impl Random {
+        fn within(&mut self, lo: f64, hi: f64) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            lo + (hi - lo) * (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        }
+
+        fn point(&mut self, reach: f64) -> DVec3 {
+            DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
+        }
+    }
+
+    /// The distance of a ray from an edge, from many points of that.
+    fn distance([p, q]: [DVec3; 2], ray: DVec3) -> f64 {
+        let ray = ray.normalize();
+        let far = |i: i32| {
+            let y = p.lerp(q, f64::from(i) / 400.0);
+            (y - ray * y.dot(ray).max(0.0)).length()
+        };
+        (0..=400).map(far).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn every_pixel_with_a_ray_within_the_reach_of_a_side_is_marked_and_few_others() {
+        const SIZE: i64 = 256;
+        let half = SIZE as f64 / 2.0;
+        let area = Area { x: 0, y: 0, nx: SIZE / 8, ny: SIZE / 8 };
+        let mut random = Random(9);
+        let (mut checked, mut marked, mut near) = (0, 0, 0);
+        for round in 0..60 {
+            let reach = [0.02, 0.1, 0.4][round % 3];
+            let slack = if round % 4 == 0 { 0.03 } else { 0.0 };
+            let limit = 0.01;
+            let clearance = 8.0 * (limit + slack) + 3.0 * reach;
+            let ends = [random.point(6.0), random.point(6.0) + DVec3::Z * 6.0];
+            if (0..=400).any(|i| ends[0].lerp(ends[1], f64::from(i) / 400.0).length() < clearance) {
+                continue;
+            }
+            let sides = DeepSides { per_unit: half, middle: (half, half), limit };
+            let mut raster = Raster::default();
+            raster.begin(area, (0, 0));
+            let side = WholeSide { group: 0, lane: 0, ends, pixels: [(0.0, 0.0); 2], slack };
+            Rims { sides, reach }.draw(&mut raster, &side);
+            let is_marked = |x: i64, y: i64| {
+                let tile = (y / 8 * area.nx + x / 8) as usize;
+                raster.marks(tile).open() >> (y % 8 * 8 + x % 8) & 1 == 1
+            };
+            for _ in 0..3000 {
+                let by = random.point(1.0).normalize_or_zero() * (reach * 0.9999) + random.point(slack);
+                let x = ends[0].lerp(ends[1], random.within(0.0, 1.0)) + by;
+                let (u, v) = (x.x / x.z, x.y / x.z);
+                if x.z > 0.0 && u.abs() < 1.0 && v.abs() < 1.0 {
+                    checked += 1;
+                    let pixel = |c: f64| (c * half + half) as i64;
+                    assert!(is_marked(pixel(u), pixel(v)), "{round}: {x} {ends:?}");
+                }
+            }
+            if slack > 0.0 {
+                continue;
+            }
+            for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+                let middle = |c: i64| (c as f64 + 0.5) / half - 1.0;
+                marked += u32::from(is_marked(x, y));
+                near += u32::from(distance(ends, DVec3::new(middle(x), middle(y), 1.0)) <= reach);
+            }
+        }
+        assert!(checked > 20_000 && near > 10_000, "{checked} {near}");
+        assert!(marked < near * 3 / 2, "{marked} {near}");
+    }
+}

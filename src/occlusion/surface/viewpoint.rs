@@ -1,0 +1,14 @@
+//! The place of the eye, as drawing surfaces needs it.
+
+use glam::DVec3;
+
+/// How surfaces are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Viewpoint {
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) limit: f64,
+    /// How far the eye may go from the origin.
+    pub(crate) reach: f64,
+}

@@ -1,0 +1,299 @@
+//! Views with a reach: meshes hide only what no eye within the reach sees.
+
+use std::sync::Arc;
+
+use casca::{
+    Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View,
+};
+use casca_lab::cases;
+use casca_lab::world::Camera;
+use glam::{Affine3A, DVec3, Mat4, UVec3, Vec3};
+use proptest::prelude::*;
+
+use crate::forms::{self, Recipe};
+use crate::rays::{Eye, Random};
+use crate::{
+    Frame, SIZE, Solid, Tested, Thing, World, eye_at, eye_of, frame, look, lost, options, solid, targets,
+    view_of, world,
+};
+
+/// An eye moved by a step, without turning.
+fn moved(eye: &Eye, step: Vec3) -> Eye {
+    let camera =
+        |c: &Camera| Camera { eye: c.eye + step, view: c.view * Mat4::from_translation(-step), ..*c };
+    match eye {
+        Eye::Around(at) => Eye::Around(*at + step),
+        Eye::Camera(c) => Eye::Camera(camera(c)),
+        Eye::Parallel(c, forward) => Eye::Parallel(camera(c), *forward),
+    }
+}
+
+/// Steps in and on a ball.
+fn steps(reach: f64, count: usize, seed: u64) -> Vec<Vec3> {
+    let mut random = Random(seed);
+    let mut step = |i: usize| {
+        let d = random.vector(-1.0, 1.0);
+        let d = if i.is_multiple_of(4) { d.clamp_length_max(1.0) } else { d.normalize_or(DVec3::Y) };
+        (d * reach * 0.999).as_vec3()
+    };
+    (0..count).map(&mut step).collect()
+}
+
+/// Small boxes behind the edges, holes and triangles that eyes on a ball see.
+fn add_targets(world: &mut World, at: Vec3, steps: &[Vec3], frame: Frame, count: usize, seed: u64) {
+    for (step, i) in steps.iter().zip(0..) {
+        for (min, max) in targets(at + *step, &world.things, &world.made, frame, count, seed ^ i) {
+            let id = world.scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
+            world.things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
+        }
+    }
+}
+
+fn reach() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.01), 0.0..0.3f64, 0.0..1.0f64, 0.0..3.0f64]
+}
+
+proptest! {
+    #![proptest_config(cases(160))]
+
+    #[test]
+    fn meshes_hide_from_all_eyes_within_reach(
+        solids in prop::collection::vec(solid(), 1..7),
+        look in look(),
+        reach in reach(),
+        frame in frame(),
+        methods in options(),
+        seed in any::<u64>(),
+    ) {
+        let mut world = world(&solids, frame, 16);
+        let at = eye_at(&look.stand, &world.things, solids.len(), frame);
+        let (eye, reach) = (eye_of(&look, at, frame), reach * frame.scale);
+        let steps = steps(reach, 12, seed);
+        add_targets(&mut world, at, &steps, frame, 12, seed);
+        // Far from the origin a matrix may be no camera any more.
+        if let Ok(view) = view_of(&eye) {
+            let view = view.with_reach(reach as f32).unwrap();
+            let mut query = Query::with_method(methods[0]).unwrap();
+            let pvs = query.run(&world.scene, &view);
+            for (step, i) in steps.iter().zip(0..) {
+                let eye = moved(&eye, *step);
+                let lost = lost(&world.things, &eye, |id| !pvs.contains(id), 12, seed ^ i);
+                prop_assert!(lost.is_none(), "{lost:?} from {eye:?}, {reach} around {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn sheets_drawn_in_many_batches_hide_from_all_eyes_within_reach(
+        n in 6..24u32, rough in any::<u64>(), share in 0.0..0.2f64, angle in 0.0..80.0f32,
+        size in 3.0..8.0f64, axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..6.0f64,
+        degrees in 0.5..4.0f32, eye in prop::array::uniform3(0.0..16.0f64), seed in any::<u64>(),
+        cells in prop_oneof![Just(64u32), Just(128)], reach in reach(),
+        form in prop_oneof![2 => Just(0), 1 => Just(1), 1 => Just(2)],
+    ) {
+        let form = [forms::Form::Terrain(n), forms::Form::Curved(n), forms::Form::Ball(n % 4)][form];
+        let recipe = Recipe { form, center: [8.0; 3], size: [size; 3], axis, angle: turn,
+            damage: vec![forms::Damage::Holes(share)], seed: rough };
+        let frame = Frame { scale: 1.0, offset: 0.0 };
+        let solids = vec![Solid { recipe, how: (Some(0.0), Some(0.0), Some(angle), false), boxed: false, occludes: true, moves: None }];
+        let mut world = world(&solids, frame, cells);
+        let at = Vec3::from_array(eye.map(|v| v as f32));
+        let steps = steps(reach, 12, seed);
+        add_targets(&mut world, at, &steps, frame, 24, seed);
+        let options = PointOptions::default().pixel_degrees(degrees).min_pixels(0);
+        let mut query = Query::with_method(Method::Point(options)).unwrap();
+        let view = View::omnidirectional(at).unwrap().with_reach(reach as f32).unwrap();
+        let pvs = query.run(&world.scene, &view);
+        for (step, i) in steps.iter().zip(0..) {
+            let lost = lost(&world.things, &Eye::Around(at + *step), |id| !pvs.contains(id), 6, seed ^ i);
+            prop_assert!(lost.is_none(), "{lost:?} from {} and {reach} around", at + *step);
+        }
+    }
+}
+
+const EYE: Vec3 = Vec3::new(16.0, 16.0, 6.0);
+
+/// A scene around [`EYE`].
+struct Room {
+    scene: Scene,
+    query: Query,
+}
+
+impl Room {
+    fn new() -> Self {
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
+        Self { scene: Scene::new(&spec).unwrap(), query: Query::new() }
+    }
+
+    fn wall(&mut self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) {
+        let mesh = Arc::new(TriMesh::new(positions, triangles).unwrap());
+        self.scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+    }
+
+    /// A wall of rectangles across z, each with its own corners: two of x, two of y.
+    fn rectangles(&mut self, z: f32, all: &[[f32; 4]]) {
+        let corners = |&[x0, x1, y0, y1]: &[f32; 4]| [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+        let positions = all.iter().flat_map(corners).map(|[x, y]| Vec3::new(x, y, z)).collect();
+        let triangles =
+            (0..all.len() as u32).map(|i| 4 * i).flat_map(|i| [[i, i + 1, i + 2], [i, i + 2, i + 3]]);
+        self.wall(positions, triangles.collect());
+    }
+
+    fn ball(&mut self, at: Vec3) -> ObjectId {
+        self.scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.05))).unwrap()
+    }
+
+    fn sees(&mut self, id: ObjectId, reach: f32) -> bool {
+        let view = View::omnidirectional(EYE).unwrap().with_reach(reach).unwrap();
+        self.query.run(&self.scene, &view).contains(id)
+    }
+}
+
+/// Rectangles of a wall from 2 to 30 around a square hole.
+fn around_hole(half: f32) -> [[f32; 4]; 8] {
+    let (a, b) = (16.0 - half, 16.0 + half);
+    // Corners meet corners.
+    let (low, middle, high) = ([2.0, a], [a, b], [b, 30.0]);
+    let at = |x: [f32; 2], y: [f32; 2]| [x[0], x[1], y[0], y[1]];
+    [
+        at(low, low),
+        at(middle, low),
+        at(high, low),
+        at(low, middle),
+        at(high, middle),
+        at(low, high),
+        at(middle, high),
+        at(high, high),
+    ]
+}
+
+#[test]
+fn one_sees_past_the_rim_of_a_hole_as_wide_as_the_reach() {
+    let mut room = Room::new();
+    room.rectangles(16.0, &around_hole(0.5));
+    let beside = [17.2, 19.4].map(|x| room.ball(Vec3::new(x, 16.0, 24.0)));
+    assert_eq!(beside.map(|id| room.sees(id, 0.0)), [false, false]);
+    assert_eq!(beside.map(|id| room.sees(id, 0.5)), [true, false], "the rest of the wall hides as before");
+}
+
+#[test]
+fn a_sheet_nearer_than_the_reach_hides_nothing() {
+    for (z, tilt) in [(6.3, 0.0), (6.45, 0.2), (5.7, 0.0)] {
+        let mut room = Room::new();
+        let corner = |x: f32, y: f32| Vec3::new(x, y, z + tilt * (x - 16.0));
+        room.wall(
+            vec![corner(2.0, 2.0), corner(30.0, 2.0), corner(30.0, 30.0), corner(2.0, 30.0)],
+            vec![[0, 1, 2], [0, 2, 3]],
+        );
+        let behind = [20.0, 1.0].map(|z| room.ball(Vec3::new(16.0, 16.0, z)));
+        assert_eq!(behind.map(|id| room.sees(id, 0.5)), [true, true], "{z}");
+        assert!(behind.iter().any(|&id| !room.sees(id, 0.01)), "{z}: a smaller reach ends before the sheet");
+    }
+}
+
+#[test]
+fn walls_that_share_an_edge_hide_what_is_behind_it() {
+    // The edge is nearer than the far ends of the walls, or farther away.
+    for edge in [12.0, 20.0] {
+        for objects in [1, 2] {
+            let mut room = Room::new();
+            let [a, b, c] = [(4.0, 16.0), (16.0, edge), (28.0, 16.0)];
+            let column = |(x, z): (f32, f32)| [Vec3::new(x, 2.0, z), Vec3::new(x, 30.0, z)];
+            if objects == 1 {
+                let all = [a, b, c].map(column).concat();
+                room.wall(all, vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]]);
+            } else {
+                for pair in [[a, b], [b, c]] {
+                    room.wall(pair.map(column).concat(), vec![[0, 2, 3], [0, 3, 1]]);
+                }
+            }
+            let behind = [14.5, 16.0, 17.5].map(|x| room.ball(Vec3::new(x, 16.0, 26.0)));
+            assert_eq!(behind.map(|id| room.sees(id, 0.4)), [false; 3], "{edge} {objects}");
+            // An eye that goes by one unit sees it past the outer rim.
+            let beside = room.ball(Vec3::new(29.65, 16.0, 17.5));
+            assert!(room.sees(beside, 1.0), "{edge} {objects}");
+        }
+    }
+}
+
+#[test]
+fn a_crack_without_width_opens_nothing() {
+    let mut room = Room::new();
+    room.rectangles(16.0, &[[2.0, 16.1, 2.0, 30.0], [16.1, 30.0, 2.0, 30.0]]);
+    let behind = [15.9, 16.1, 16.3, 16.7].map(|x| room.ball(Vec3::new(x, 16.0, 20.0)));
+    assert_eq!(behind.map(|id| room.sees(id, 0.5)), [false; 4]);
+}
+
+#[test]
+fn a_narrow_strip_along_a_rim_moves_the_rim_by_its_width_only() {
+    // The strip is bent, so that it is a patch of its own.
+    for bend in [0.0, 0.04, -0.04] {
+        let mut room = Room::new();
+        let column = |x: f32, z: f32| [Vec3::new(x, 2.0, z), Vec3::new(x, 30.0, z)];
+        let all = [column(2.0, 16.0), column(18.0, 16.0), column(18.05, 16.0 + bend)].concat();
+        room.wall(all, vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]]);
+        // From an eye that goes by half a unit to the right, the rim hides less.
+        let at = |x: f32, reach: f32| EYE.x + reach + (x - EYE.x - reach) / 10.0 * 18.0;
+        let seen = room.ball(Vec3::new(at(18.05, 0.5) + 0.1, 16.0, 24.0));
+        let past = [-0.5, 0.5].map(|by| room.ball(Vec3::new(at(18.05, by), 16.0, 24.0)));
+        let hidden = room.ball(Vec3::new(at(16.8, 0.0), 16.0, 24.0));
+        assert!(room.sees(seen, 0.5) && past.iter().all(|&id| room.sees(id, 0.5)), "{bend}");
+        assert!(!room.sees(hidden, 0.5), "{bend}");
+    }
+}
+
+#[test]
+fn panels_of_many_objects_hide_as_one_wall() {
+    let options = PointOptions::default().pixel_degrees(1.0).min_pixels(0);
+    let count = |gap: f32, reach: f32, instances: bool| {
+        let mut room = Room { query: Query::with_method(Method::Point(options)).unwrap(), ..Room::new() };
+        for i in 0..196u8 {
+            let (x, y) = (2.0 + 2.0 * f32::from(i % 14), 2.0 + 2.0 * f32::from(i / 14));
+            let corners = [[x, y], [x + 2.0 - gap, y], [x + 2.0 - gap, y + 2.0 - gap], [x, y + 2.0 - gap]];
+            let positions = corners.map(|[x, y]| Vec3::new(x, y, 16.0)).to_vec();
+            let mesh = Arc::new(TriMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap());
+            if instances {
+                let panel = Instance::new(mesh, Affine3A::IDENTITY).unwrap();
+                room.scene.insert(ObjectDesc::fixed(panel.clone()).occluder(panel)).unwrap();
+            } else {
+                room.scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+            }
+        }
+        let row: Vec<ObjectId> =
+            (0..40u8).map(|i| room.ball(Vec3::new(12.0 + 0.2 * f32::from(i), 15.1, 20.0))).collect();
+        let view = View::omnidirectional(EYE).unwrap().with_reach(reach).unwrap();
+        let pvs = room.query.run(&room.scene, &view);
+        row.iter().filter(|&&id| pvs.contains(id)).count()
+    };
+    for reach in [0.0, 0.01, 0.3, 1.0] {
+        assert_eq!(count(0.0, reach, false), 0, "{reach}");
+    }
+    assert!(count(0.05, 0.3, false) > 10 && count(0.05, 0.3, true) > 10);
+}
+
+#[test]
+fn sets_grow_with_the_reach() {
+    let mut random = Random(7);
+    const REACHES: [f32; 6] = [0.0, 0.01, 0.1, 0.3, 1.0, 3.0];
+    let mut sizes = [0; REACHES.len()];
+    let mut query = Query::new();
+    for _ in 0..12 {
+        let mut room = Room::new();
+        for i in 0..24 {
+            let (center, size) = (random.vector(0.0, 2.0 * SIZE), random.vector(1.0, 4.0));
+            let (points, triangles) = if i % 2 == 0 { forms::cuboid() } else { forms::ball(2) };
+            room.wall(points.iter().map(|p| (*p * size + center).as_vec3()).collect(), triangles);
+        }
+        for _ in 0..80 {
+            room.ball(random.vector(0.0, 2.0 * SIZE).as_vec3());
+        }
+        let view = View::omnidirectional(random.vector(0.0, 2.0 * SIZE).as_vec3()).unwrap();
+        let plain = query.run(&room.scene, &view).visible().to_vec();
+        for (reach, size) in REACHES.iter().zip(&mut sizes) {
+            let pvs = query.run(&room.scene, &view.clone().with_reach(*reach).unwrap());
+            assert!(*reach > 0.0 || pvs.visible() == plain, "without a reach nothing changes");
+            *size += pvs.len();
+        }
+    }
+    assert!(sizes.is_sorted() && sizes[5] > sizes[0] * 3 / 2, "{sizes:?}");
+}
