@@ -74,8 +74,14 @@ fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
 #[test]
 fn the_named_options_find_ever_fewer_objects() {
     let named = [PointOptions::fast(), PointOptions::balanced(), PointOptions::tight()];
-    for kind in [SceneKind::Spheres, SceneKind::City, SceneKind::Forest, SceneKind::Terrain, SceneKind::Rocks]
-    {
+    for kind in [
+        SceneKind::Spheres,
+        SceneKind::City,
+        SceneKind::Forest,
+        SceneKind::Terrain,
+        SceneKind::Rocks,
+        SceneKind::SpheresMeshes,
+    ] {
         let mut world = build(kind, &SceneOptions { frames: 6, ..SceneOptions::default() });
         world.set_frame(0);
         let settled = Settled::new(&world, Method::default()).unwrap();

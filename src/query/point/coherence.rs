@@ -43,6 +43,7 @@ impl<'a> Walk<'a> {
         self.scene.living_at(slot).is_some_and(|object| {
             object.occluder().is_some()
                 && object.is_shown(self.view)
+                && (object.is_static() || !self.fixed_only)
                 && !object.is_unlocated()
                 && !object.is_hidden_unreported()
         })

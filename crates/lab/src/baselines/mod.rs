@@ -10,10 +10,13 @@
 //!   hierarchy, and tests all objects in the same way (as Godot does).
 //!
 //! Both are given the objects inside the frustum; finding those is not part of their time.
+//!
+//! - [`NineRays`]: the question whether a box is in sight, answered by rays to its corners and its centre.
 
 mod depth;
 mod hzb;
 mod models;
+mod nine_rays;
 mod rays;
 mod screen;
 #[cfg(test)]
@@ -21,4 +24,5 @@ mod tests;
 
 pub use depth::{DepthPyramid, PixelRect};
 pub use hzb::{Hzb, Work};
+pub use nine_rays::NineRays;
 pub use rays::RayBuffer;

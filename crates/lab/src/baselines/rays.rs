@@ -15,9 +15,9 @@ use super::models::Models;
 use super::screen::{Boxes, Screen};
 use crate::world::{Camera, Motion, Object, Shape};
 
-/// What a ray can hit.
+/// A part of an object that a ray can hit.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+pub(super) enum Part {
     Sphere { center: Vec3A, radius: f32 },
     Box { min: Vec3A, max: Vec3A },
     Triangle([Vec3A; 3]),
@@ -35,7 +35,7 @@ pub struct RayBuffer {
     order: Vec<u64>,
 }
 
-fn parts(object: &Object, out: &mut Vec<Part>) {
+pub(super) fn parts(object: &Object, out: &mut Vec<Part>) {
     match &object.shape {
         Shape::Sphere { center, radius } => {
             out.push(Part::Sphere { center: (*center).into(), radius: *radius });
@@ -48,7 +48,7 @@ fn parts(object: &Object, out: &mut Vec<Part>) {
     }
 }
 
-fn tree(parts: Vec<Part>, params: BvhBuildParams) -> (Bvh2, Vec<Part>) {
+pub(super) fn tree(parts: Vec<Part>, params: BvhBuildParams) -> (Bvh2, Vec<Part>) {
     let boxes: Vec<Aabb> = parts
         .iter()
         .map(|part| match *part {
@@ -67,7 +67,7 @@ fn tree(parts: Vec<Part>, params: BvhBuildParams) -> (Bvh2, Vec<Part>) {
 
 impl Part {
     /// Where a ray enters from outside; infinity if it does not.
-    fn hit(&self, ray: &Ray) -> f32 {
+    pub(super) fn hit(&self, ray: &Ray) -> f32 {
         match *self {
             Self::Sphere { center, radius } => {
                 let to = center - ray.origin;

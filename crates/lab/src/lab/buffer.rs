@@ -128,7 +128,7 @@ impl Sums {
 }
 
 /// The least seconds of so many calls.
-fn least(repeats: usize, mut call: impl FnMut()) -> f64 {
+pub(super) fn least(repeats: usize, mut call: impl FnMut()) -> f64 {
     (0..repeats.max(1)).map(|_| timed(&mut call).1.as_secs_f64()).fold(f64::INFINITY, f64::min)
 }
 

@@ -16,6 +16,7 @@ mod report;
 mod scaling;
 mod section;
 mod shadows;
+pub mod sight;
 mod stability;
 mod stage;
 mod thesis;
@@ -55,6 +56,7 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("scaling", scaling),
     ("reach", reach::reach),
     ("coherence", coherence::coherence),
+    ("sight", sight::sight),
     ("shadows", shadows),
     ("aggressive", aggressive),
 ];

@@ -74,7 +74,7 @@ enum Seen {
 /// [`BallOracle::begin`] looks from the centre, [`BallOracle::look`] from eyes in a ball; balls of one frame that are asked
 /// for from the smallest to the greatest share their sightings. Of the eyes, half are on the surface of the ball beside
 /// the rims of occluders, so that they look past them; the others are anywhere on the surface or inside. The camera
-/// moves without turning.
+/// moves without turning, and through walls: a solid that holds an eye hides nothing from it.
 pub struct BallOracle {
     oracle: Oracle,
     options: BallOptions,

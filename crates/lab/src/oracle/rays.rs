@@ -329,6 +329,13 @@ impl RayOracle {
         self.blocker(&sure_segment(origin, target, own, own_is_mesh)).is_none()
     }
 
+    /// Whether a camera sees a point of space, which is on no object, beyond the doubt of rounding, as in
+    /// [`Self::probe_camera`].
+    pub fn surely_shows(&self, frustum: &Frustum, point: DVec3) -> bool {
+        frustum.surely_contains(point)
+            && self.surely_sees(frustum.start(point), point, u32::MAX as usize, false)
+    }
+
     /// Looks from `origin` at points on the surface of each candidate, up to
     /// `samples_per_object`, until one is seen.
     ///

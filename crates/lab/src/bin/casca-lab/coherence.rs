@@ -2,14 +2,13 @@
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
 use casca_lab::lab::LabError;
-use casca_lab::lab::coherence::{Effort, MOVERS, WalkScore, measure, table};
-use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_lab::lab::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
+use casca_lab::scenes::SceneOptions;
 use clap::{Parser, value_parser};
 
 use crate::progress;
+use crate::report::files_in;
 
-/// The scenes that are walked unless others are given.
-const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Rooms, SceneKind::Town];
 /// Movers of a scene, at most.
 const MOST_MOVERS: i64 = 1_000_000;
 
@@ -20,7 +19,7 @@ const MOST_MOVERS: i64 = 1_000_000;
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: city, rooms, town]
+    /// Scenes: procedural ones or glTF files [default: city, rooms, town and the files in ../shared/scenes]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<SceneName>,
     /// Objects that move, one run for each number
@@ -72,7 +71,10 @@ fn print(score: &WalkScore) {
 /// Walks, prints, and tells whether an answer was wrong.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let names = match &options.scenes[..] {
-        [] => SCENES.map(SceneName::Built).to_vec(),
+        [] => {
+            let files = files_in("../shared/scenes").into_iter().map(SceneName::File);
+            SCENES.into_iter().map(SceneName::Built).chain(files).collect()
+        }
         given => given.to_vec(),
     };
     names.iter().try_for_each(SceneName::check)?;

@@ -2,7 +2,7 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
@@ -19,6 +19,8 @@ mod reach;
 mod report;
 #[cfg(feature = "experiments")]
 mod scaling;
+#[cfg(feature = "experiments")]
+mod sight;
 #[cfg(feature = "experiments")]
 mod tradeoff;
 mod walk;
@@ -41,7 +43,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  report     Runs the experiments and writes the report\n\n"
+     answer them\n  sight      Times questions about boxes and points\n  report     Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -68,6 +70,8 @@ enum Command {
     Reach(reach::Options),
     #[cfg(feature = "experiments")]
     Coherence(coherence::Options),
+    #[cfg(feature = "experiments")]
+    Sight(sight::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -97,6 +101,8 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Coherence(options) => coherence::run(options),
             #[cfg(feature = "experiments")]
+            Self::Sight(options) => sight::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -119,9 +125,18 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in
-            ["walk", "tradeoff", "buffer", "scaling", "reach", "coherence", "report", "prepare", "level"]
-        {
+        for name in [
+            "walk",
+            "tradeoff",
+            "buffer",
+            "scaling",
+            "reach",
+            "coherence",
+            "sight",
+            "report",
+            "prepare",
+            "level",
+        ] {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

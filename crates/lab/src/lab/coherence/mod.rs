@@ -10,8 +10,8 @@ use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};
 use crate::scenes::SceneKind;
 
-/// The scenes of the report, beside the files.
-const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Rooms, SceneKind::Town];
+/// The scenes that are walked, beside files.
+pub const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Rooms, SceneKind::Town];
 /// How many objects move.
 pub const MOVERS: [usize; 3] = [0, 200, 10_000];
 

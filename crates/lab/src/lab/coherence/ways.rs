@@ -41,7 +41,8 @@ pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
         Box::new(EachFrame::new("coherent", options.coherent(true))?),
     ];
     for (reach, turn) in [(0.05, 5.0), (0.1, 6.0), (0.2, 10.0)] {
-        all.push(Box::new(Kept::new(reach, turn)?));
+        all.push(Box::new(Kept::new(reach, turn, false)?));
+        all.push(Box::new(Kept::new(reach, turn, true)?));
     }
     // A visible object that moves ends the validity of any set.
     if movers == 0 {
@@ -115,18 +116,21 @@ impl Way for Reuse {
 struct Kept {
     query: KeptQuery,
     options: KeptOptions,
+    coherent: bool,
 }
 
 impl Kept {
-    fn new(reach: f32, turn: f32) -> Result<Self, LabError> {
+    fn new(reach: f32, turn: f32, coherent: bool) -> Result<Self, LabError> {
         let options = KeptOptions::new().reach(reach).turn(turn.to_radians());
-        Ok(Self { query: KeptQuery::with_options(options)?, options })
+        let mut query = KeptQuery::with_options(options)?;
+        query.set_point_options(PointOptions::default().coherent(coherent))?;
+        Ok(Self { query, options, coherent })
     }
 }
 
 impl Way for Kept {
     fn name(&self) -> String {
-        format!("kept, {} m, {:.0} degrees", self.options.reach, self.options.turn.to_degrees())
+        format!("kept{}, {} m, {:.0} degrees", if self.coherent { " coherent" } else { "" }, self.options.reach, self.options.turn.to_degrees())
     }
 
     fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {

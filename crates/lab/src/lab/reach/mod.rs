@@ -63,7 +63,7 @@ fn text(effort: &Effort, scores: &[ReachScore]) -> String {
         "PVS(r) is the set of `point` for all eyes within r metres of a place (`View::with_reach(r)`), EVS(r) the set of objects that one of \
          these eyes sees: {} eyes for each r in each of {} frames of a walk. Half of them are on the surface of the ball, beside the rims of near occluders; \
          {} of them get an item buffer of {}x{} pixels, and all look along rays at objects that none has seen yet and past the rims of occluders. \
-         EVS(r) is a lower bound, since no finite number of eyes finds all. **{lost}, by {:.0} million rays aimed and {:.0} million pixels.** The table gives PVS(r)/EVS(0) \
+         EVS(r) is a lower bound, since no finite number of eyes finds all. The ball goes through walls: an eye inside of a solid sees all that the solid hid before. **{lost}, by {:.0} million rays aimed and {:.0} million pixels.** The table gives PVS(r)/EVS(0) \
          by r, and the time of a query over that without a reach. A reach pays as long as the set is larger than that of r = 0 by at most a quarter: \
          the last column.",
         effort.balls.eyes,

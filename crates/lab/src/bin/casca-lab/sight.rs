@@ -1,0 +1,104 @@
+//! Questions about boxes and points to the buffers of a query, beside exact rays and nine rays to each box, as a table (CSV).
+
+use std::path::PathBuf;
+
+use casca_lab::command_line::{
+    EXIT_CODES, FRAMES, MOST_SAMPLES, Outcome, PathError, SceneName, say, try_writing,
+};
+use casca_lab::lab::LabError;
+use casca_lab::lab::sight::{Effort, measure, table};
+use casca_lab::scenes::{SceneKind, SceneOptions};
+use clap::{Parser, value_parser};
+
+use crate::progress;
+
+/// The options.
+#[derive(Debug, Parser)]
+#[command(
+    about = "Times questions about boxes and points, and compares the answers with exact rays",
+    after_help = EXIT_CODES, allow_negative_numbers = true
+)]
+pub struct Options {
+    /// Scenes: procedural ones or glTF files [default: all procedural ones]
+    #[arg(long, value_delimiter = ',')]
+    scenes: Vec<SceneName>,
+    /// Frames of each walk in which questions are asked, evenly spread
+    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(FRAMES))]
+    frames: u32,
+    /// Boxes that are asked for in a frame, and points
+    #[arg(long, default_value_t = 10_000, value_parser = value_parser!(u32).range(1..=1_000_000))]
+    questions: u32,
+    /// Exact rays to a box, at most
+    #[arg(long, default_value_t = 64, value_parser = value_parser!(u32).range(1..=MOST_SAMPLES))]
+    samples: u32,
+    /// Times the questions of a frame are asked; the least time counts
+    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
+    repeats: u32,
+    /// Seed of procedural scenes and of the questions
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where the table goes
+    #[arg(long, default_value = "target/sight.csv")]
+    out: PathBuf,
+    /// No progress bar
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Measures, prints the table and writes it.
+pub fn run(options: &Options) -> Result<Outcome, LabError> {
+    let names = match &options.scenes[..] {
+        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
+        given => given.to_vec(),
+    };
+    names.iter().try_for_each(SceneName::check)?;
+    try_writing(&options.out)?;
+    let effort = Effort {
+        frames: options.frames as usize,
+        questions: options.questions as usize,
+        samples: options.samples as usize,
+        repeats: options.repeats as usize,
+        seed: options.seed,
+    };
+    let mut costs = Vec::new();
+    for name in &names {
+        let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
+        let frames = effort.frames.min(world.frames);
+        let bar = progress::bar(options.quiet, frames, &world.name, "frame");
+        costs.push(measure(world, &effort, |done| bar.set_position(done as u64))?);
+        bar.finish_and_clear();
+    }
+    let table = table(&costs);
+    say(table.markdown());
+    std::fs::write(&options.out, table.csv()).map_err(PathError::write(&options.out))?;
+    say(options.out.display());
+    let wrong = costs.iter().any(|c| c.wrong > 0);
+    Ok(if wrong { Outcome::Lost } else { Outcome::Well })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_is_asked_and_absurd_values_are_refused() {
+        let options = |line: &str| {
+            Options::try_parse_from(std::iter::once("sight").chain(line.split_whitespace()))
+                .map_err(|e| e.to_string())
+        };
+        for (line, word) in
+            [("--questions 0", "1..=1000000"), ("--samples 0", "1..="), ("--scenes house", "spheres, city")]
+        {
+            let said = options(line).expect_err(line);
+            assert!(said.contains(word), "{line}: {said}");
+        }
+        let folder = std::env::temp_dir().join(format!("casca-sight-{}", std::process::id()));
+        let file = folder.join("sight.csv");
+        let line =
+            format!("--scenes rooms --frames 1 --questions 50 --repeats 1 --quiet --out {}", file.display());
+        assert_eq!(run(&options(&line).unwrap()).unwrap(), Outcome::Well);
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(text.lines().count(), 2, "{text}");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
