@@ -32,8 +32,11 @@ proptest! {
         (reach, turn) in (prop_oneof![Just(0.0f32), 0.0f32..0.5], prop_oneof![Just(0.0f32), 0.0f32..0.4]),
         start in prop::collection::vec((point(), 0.1f32..0.9, any::<bool>(), any::<bool>()), 6),
         frames in prop::collection::vec(prop::collection::vec(event(), 0..2), 1..60),
+        coherent in any::<bool>(),
     ) {
-        let mut game = Game::new(&walls, &targets, kept(reach, turn));
+        let mut query = kept(reach, turn);
+        query.set_point_options(PointOptions::new().coherent(coherent)).unwrap();
+        let mut game = Game::new(&walls, &targets, query);
         for (at, radius, hides, on_expiry) in start {
             game.apply(&Event::Insert(at, radius, (at - SIZE * 0.5) * 0.1, hides, on_expiry));
         }

@@ -130,7 +130,12 @@ impl Kept {
 
 impl Way for Kept {
     fn name(&self) -> String {
-        format!("kept{}, {} m, {:.0} degrees", if self.coherent { " coherent" } else { "" }, self.options.reach, self.options.turn.to_degrees())
+        format!(
+            "kept{}, {} m, {:.0} degrees",
+            if self.coherent { " coherent" } else { "" },
+            self.options.reach,
+            self.options.turn.to_degrees()
+        )
     }
 
     fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
