@@ -134,7 +134,6 @@ impl<'a> Walk<'a> {
 
     /// Passes over dynamic objects.
     pub(crate) fn with_fixed_only(mut self, fixed_only: bool) -> Self {
-        // Slots of the last run may have dynamic objects now.
         self.fixed_only = fixed_only;
         self
     }

@@ -170,8 +170,8 @@ mod tests {
             (0.0, 0.0, false),
             (0.2, 10.0, true),
             (-0.2, -14.0, true),
-            (0.0, 16.0, false),
-            (0.3, 16.0, false),
+            (0.0, 20.0, false),
+            (0.3, 20.0, false),
         ] {
             let camera = camera(step, turn);
             let view = view_of(&camera).unwrap();
