@@ -134,7 +134,7 @@ impl KeptQuery {
     pub fn new() -> Self {
         Self {
             options: KeptOptions::new(),
-            fresh: Query::new(),
+            fresh: Query::with_method(Method::Point(PointOptions::new().coherent(true))).unwrap_or_default(),
             spare: None,
             now: None,
             next: None,
@@ -159,7 +159,8 @@ impl KeptQuery {
         self.options
     }
 
-    /// Changes the options of the queries that find new results. The present result is forgotten.
+    /// Changes the options of the queries that find new results: by default [`PointOptions::new`], but
+    /// [coherent](PointOptions::coherent). The present result is forgotten.
     ///
     /// # Errors
     /// [`Error::Setting`] if one of the options is out of its range. The query then stays as it is.

@@ -200,7 +200,7 @@ pub fn measure(
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     let driver = Driver::new(&world, &grid, |_| ())?;
     let mut entries = Vec::new();
-    for way in ways(movers)? {
+    for way in ways()? {
         let (driver, ms) = (driver.clone(), Vec::new());
         entries.push(Entry { way, driver, ms, upkeep: 0.0, found: 0, wrong: 0 });
     }

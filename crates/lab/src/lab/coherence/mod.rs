@@ -53,9 +53,7 @@ fn text(scores: &[WalkScore]) -> String {
         "A person walks through each scene at 1.5 m/s and looks around, turning by at most 90 degrees a second, at 60 frames a second. The \
          scene stands still, but for spheres that float about (*movers*; every second one hides others). `fresh` runs a query of `point` in every \
          frame, `coherent` the same with `PointOptions::coherent`. `kept` is a `KeptQuery`: it answers frames from one result about static objects \
-         until the camera has gone or turned too far. `reuse` runs a query for all eyes within some metres and for turns of some \
-         degrees (`View::with_reach`, `View::with_turn`), and a new one once \
-         `Pvs::is_valid_for` says no; it is left out where something moves, since a visible object that moves ends the validity of every set. Cells give, over \
+         until the camera has gone or turned too far. Cells give, over \
          those of `fresh` in the same run: the mean time of a frame, its 99th percentile, and the objects of the set that are in the frustum of the frame. **Of {} sets \
          compared with exact visibility, {lost} visible objects.**",
         grouped(judged)
@@ -133,7 +131,7 @@ mod tests {
             let mut done = 0;
             let score = measure(world, movers, &effort, |n| done = n).unwrap();
             assert_eq!((done, score.frames, score.judged, score.movers), (40, 30, 14, movers));
-            assert_eq!(score.ways.len(), ways(movers).unwrap().len());
+            assert_eq!(score.ways.len(), ways().unwrap().len());
             for way in &score.ways {
                 assert_eq!(way.wrong, 0, "{}", way.name);
                 assert!(way.found >= score.visible, "{way:?}");

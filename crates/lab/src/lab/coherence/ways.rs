@@ -30,25 +30,18 @@ pub trait Way {
     fn pvs(&self) -> &Pvs;
 }
 
-/// The ways that are compared; the others are measured against the first. `movers` tells how many objects move.
+/// The ways that are compared; the others are measured against the first.
 ///
 /// # Errors
 /// If the library refuses the options of one.
-pub fn ways(movers: usize) -> Result<Vec<Box<dyn Way>>, LabError> {
+pub fn ways() -> Result<Vec<Box<dyn Way>>, LabError> {
     let options = PointOptions::default();
     let mut all: Vec<Box<dyn Way>> = vec![
         Box::new(EachFrame::new("fresh", options)?),
         Box::new(EachFrame::new("coherent", options.coherent(true))?),
     ];
     for (reach, turn) in [(0.05, 5.0), (0.1, 6.0), (0.2, 10.0)] {
-        all.push(Box::new(Kept::new(reach, turn, false)?));
-        all.push(Box::new(Kept::new(reach, turn, true)?));
-    }
-    // A visible object that moves ends the validity of any set.
-    if movers == 0 {
-        for (reach, turn) in [(0.05, 3.0), (0.1, 6.0), (0.25, 15.0)] {
-            all.push(Box::new(Reuse::new(reach, turn)?));
-        }
+        all.push(Box::new(Kept::new(reach, turn)?));
     }
     Ok(all)
 }
@@ -80,62 +73,22 @@ impl Way for EachFrame {
     }
 }
 
-/// A query for all eyes within a reach and all turns up to an angle, run again once its set is no longer valid.
-struct Reuse {
-    query: Query,
-    reach: f32,
-    /// In degrees.
-    turn: f32,
-}
-
-impl Reuse {
-    fn new(reach: f32, turn: f32) -> Result<Self, LabError> {
-        Ok(Self { query: Query::with_method(Method::point())?, reach, turn })
-    }
-}
-
-impl Way for Reuse {
-    fn name(&self) -> String {
-        format!("reuse, {} m, {} degrees", self.reach, self.turn)
-    }
-
-    fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
-        if !self.query.pvs().is_valid_for(scene, frame.view) {
-            let view = frame.view.clone().with_reach(self.reach)?.with_turn(self.turn.to_radians())?;
-            self.query.run(scene, &view);
-        }
-        Ok(())
-    }
-
-    fn pvs(&self) -> &Pvs {
-        self.query.pvs()
-    }
-}
-
 /// A query that keeps what it found about static objects.
 struct Kept {
     query: KeptQuery,
     options: KeptOptions,
-    coherent: bool,
 }
 
 impl Kept {
-    fn new(reach: f32, turn: f32, coherent: bool) -> Result<Self, LabError> {
+    fn new(reach: f32, turn: f32) -> Result<Self, LabError> {
         let options = KeptOptions::new().reach(reach).turn(turn.to_radians());
-        let mut query = KeptQuery::with_options(options)?;
-        query.set_point_options(PointOptions::default().coherent(coherent))?;
-        Ok(Self { query, options, coherent })
+        Ok(Self { query: KeptQuery::with_options(options)?, options })
     }
 }
 
 impl Way for Kept {
     fn name(&self) -> String {
-        format!(
-            "kept{}, {} m, {:.0} degrees",
-            if self.coherent { " coherent" } else { "" },
-            self.options.reach,
-            self.options.turn.to_degrees()
-        )
+        format!("kept, {} m, {:.0} degrees", self.options.reach, self.options.turn.to_degrees())
     }
 
     fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
@@ -145,39 +98,5 @@ impl Way for Kept {
 
     fn pvs(&self) -> &Pvs {
         self.query.pvs()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use casca::{GridSpec, ObjectDesc, Sphere};
-    use glam::{UVec3, Vec3};
-
-    use crate::drive::view_of;
-
-    #[test]
-    fn a_set_is_reused_until_the_camera_has_gone_or_turned_too_far() {
-        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
-        scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(16.0), 1.0))).unwrap();
-        let camera = |step: f32, turn: f32| {
-            let eye = Vec3::new(16.0, 16.0, 4.0 + step);
-            let (sin, cos) = turn.to_radians().sin_cos();
-            Camera::look_at(eye, eye + Vec3::new(sin, 0.0, cos), 60.0, 1.5, 0.1, 100.0)
-        };
-        let mut reuse = Reuse::new(0.25, 15.0).unwrap();
-        for (step, turn, valid) in [
-            (0.0, 0.0, false),
-            (0.2, 10.0, true),
-            (-0.2, -14.0, true),
-            (0.0, 20.0, false),
-            (0.3, 20.0, false),
-        ] {
-            let camera = camera(step, turn);
-            let view = view_of(&camera).unwrap();
-            assert_eq!(reuse.pvs().is_valid_for(&scene, &view), valid, "{step} {turn}");
-            reuse.frame(&scene, &FrameView { view: &view, camera: &camera }).unwrap();
-            assert!(reuse.pvs().is_valid_for(&scene, &view));
-        }
     }
 }
