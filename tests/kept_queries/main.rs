@@ -328,6 +328,7 @@ fn without_a_reach_sets_are_those_of_a_query() {
         .collect();
     let world = World::new(&walls, &targets);
     let (mut query, mut kept) = (Query::new(), kept(0.0, 0.0));
+    kept.set_point_options(PointOptions::new()).unwrap();
     for i in 0..10 {
         let view = View::omnidirectional(Vec3::new(1.0 + 3.0 * i as f32, 16.5, 1.5)).unwrap();
         let found = query.run(&world.scene, &view).len();

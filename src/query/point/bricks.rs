@@ -64,6 +64,9 @@ impl Walk<'_> {
                 break;
             }
         }
+        if self.scratch.buffers.reach() > 0.0 {
+            self.draw_all_patches(shells.farthest);
+        }
     }
 
     /// Tests and draws the objects found in the bricks up to shell `m`, and those of their volumes.
@@ -115,7 +118,7 @@ impl Walk<'_> {
             }
         }
         self.settle();
-        self.draw_patches(0);
+        self.draw_all_patches(0);
     }
 
     /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.

@@ -182,7 +182,7 @@ impl<'a> Walk<'a> {
             !draws
         });
         self.scratch.coherence.waiting_solids = solids;
-        self.draw_patches(i32::MAX);
+        self.draw_all_patches(i32::MAX);
         let patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
         self.draw_patches_of(&patches, |walk, block| walk.is_before(block, &tiles));
         self.scratch.coherence.waiting_patches = patches;

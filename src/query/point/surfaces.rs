@@ -18,6 +18,10 @@ const SMALLEST_PATCH: f64 = 4.0;
 /// share as large as its distance.
 const THIN: f64 = 0.35;
 
+/// If the eye may go some way, a batch has at least one patch for so many that were drawn before, those at the end of the
+/// walk excepted: so the number of batches grows like the logarithm of the number of patches.
+const BATCH_SHARE: u64 = 3;
+
 /// How the walk goes on with a patch.
 enum Next {
     /// Drawn, or of no use: its parts are not looked at.
@@ -59,9 +63,41 @@ impl<'a> Walk<'a> {
     pub(super) fn draw_patches(&mut self, m: i32) {
         let last = self.scratch.waiting.len().min(m.max(0) as usize + 1);
         let count = self.scratch.waiting[..last].iter().map(Vec::len).sum();
-        if count == 0 {
+        if count == 0 || self.defers_patches(last) {
             return;
         }
+        self.draw_waiting(last, count);
+    }
+
+    /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a batch was not worth.
+    pub(super) fn draw_all_patches(&mut self, m: i32) {
+        let last = self.scratch.waiting.len().min(m.max(0) as usize + 1);
+        let count = self.scratch.waiting[..last].iter().map(Vec::len).sum();
+        if count > 0 {
+            self.draw_waiting(last, count);
+        }
+    }
+
+    /// Whether the patches that wait in the first shells are too few for a batch of their own: if the eye may go some way,
+    /// a batch draws the neighbours of its patches again, as wholes.
+    fn defers_patches(&self, shells: usize) -> bool {
+        if self.scratch.buffers.reach() == 0.0 {
+            return false;
+        }
+        let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
+        let mut waiting = 0;
+        for &(slot, patch) in self.scratch.waiting[..shells].iter().flatten() {
+            let patches = self.source(slot).map_or(&[][..], |source| &source.surface.patches);
+            waiting += patches.get(patch as usize).map_or(0, |whole| u64::from(whole.next - patch));
+            if waiting >= enough {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Draws patches that wait in the first shells, together.
+    fn draw_waiting(&mut self, last: usize, count: usize) {
         let mut batch = Batch::with_capacity(count);
         self.scratch.batches += 1;
         for shell in 0..last {
