@@ -36,7 +36,8 @@
 //!
 //! Data flows one way:
 //! [`Scene`] (objects, and the matrices of the [grid](GridSpec)) ->
-//! [`Query`] (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen).
+//! [`Query`] (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers many frames of a
+//! camera that moves little from one such walk.
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a
