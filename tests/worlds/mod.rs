@@ -71,6 +71,9 @@ impl World {
     }
 }
 
+/// The half-spaces of a matrix are smaller by this, for its rounding.
+const INWARDS: f64 = 1e-4;
+
 /// As [`World::seen`], of some targets before some solids.
 pub fn seen(
     solids: &[Solid],
@@ -84,8 +87,9 @@ pub fn seen(
             && !hiding.iter().any(|s| {
                 // Rays start at the near plane.
                 let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
-                    let (a, b) = (n.dot(eye) + offset, n.dot(p) + offset);
-                    if a < 0.0 { t.max(a / (a - b)) } else { t }
+                    // The sides of a camera pass through its eye, but for the room by which they were moved.
+                    let (a, b) = (n.dot(eye) + offset + INWARDS, n.dot(p) + offset + INWARDS);
+                    if a < -INWARDS { t.max(a / (a - b)) } else { t }
                 });
                 s.cuts(eye + (p - eye) * start, p)
             })
@@ -151,7 +155,7 @@ pub fn planes_of(matrix: Mat4) -> Vec<(DVec3, f64)> {
     let (x, y, z, w) = (m.row(0), m.row(1), m.row(2), m.row(3));
     let inwards = |plane: DVec4| {
         let length = plane.truncate().length();
-        (plane.truncate() / length, plane.w / length - 1e-4)
+        (plane.truncate() / length, plane.w / length - INWARDS)
     };
     [w + x, w - x, w + y, w - y, z, w - z].map(inwards).to_vec()
 }
