@@ -4,6 +4,7 @@ mod segments;
 
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
 use casca_lab::cases;
+use glam::camera::rh::{proj::directx::orthographic, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -120,4 +121,19 @@ fn doubt_means_visible() {
     scene.insert(ObjectDesc::fixed(Sphere::new(eye + 3.0, 1.0))).unwrap();
     let sight = query.sight(&scene).unwrap();
     assert!(!sight.has_occlusion() && sight.may_see_point(behind));
+}
+
+/// Boxes beyond the objects and the grid of a scene, seen along parallel rays.
+#[test]
+fn parallel_rays_beyond_the_scene_are_free() {
+    let scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+    let look = look_to_mat4(Vec3::new(16.0, 16.0, -20.0), Vec3::Z, Vec3::Y);
+    let matrix = orthographic(-100.0, 100.0, -100.0, 100.0, 0.1, 80.0) * look;
+    let mut query = Query::new();
+    query.run(&scene, &View::orthographic(Vec3::Z, matrix).unwrap());
+    let sight = query.sight(&scene).unwrap();
+    for x in [16.0, 40.0, 44.5, 60.0, -50.0] {
+        let at = Vec3::new(x, 16.0, 16.0);
+        assert!(sight.may_see_point(at) && sight.may_see_bounds(&Sphere::new(at, 1.0).into()), "{x}");
+    }
 }

@@ -251,7 +251,12 @@ impl KeptQuery {
 
     /// A query with the memory of an earlier one, if there is one.
     fn take_query(&mut self) -> Box<Query> {
-        self.spare.take().unwrap_or_else(|| Box::new(self.fresh.clone()))
+        let mut query = self.spare.take().unwrap_or_else(|| Box::new(self.fresh.clone()));
+        // An old result may have brought a query with other options. These are in their ranges.
+        if query.set_method(self.fresh.method()).is_err() {
+            return Box::new(self.fresh.clone());
+        }
+        query
     }
 
     /// Empties the set for a view.

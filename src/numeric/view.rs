@@ -68,3 +68,7 @@ pub(crate) const TURN: f64 = 1e-7;
 /// of that plane. The near planes of one camera in two places differ by up to four times that, and at the corners by
 /// as much more as these are farther away. Nothing rests on the exact value.
 pub(crate) const NEAR_ROUNDINGS: f64 = 8.0;
+
+/// The ball in which rays of a view that may turn start is larger by this share: then a view serves itself, for which
+/// [`REGION`](crate::numeric::shape::REGION) is asked for.
+pub(crate) const NEAR_ROOM: f64 = 4e-9;

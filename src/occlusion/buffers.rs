@@ -234,11 +234,15 @@ impl OcclusionBuffers {
         self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
     }
 
-    /// Whether a box reaches so close to the eye that directions to it are not told apart.
+    /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions to it are not told apart, or,
+    /// along parallel rays, beyond the plane around the scene.
     pub(crate) fn is_close(&self, block: &Block) -> bool {
+        if self.direction.is_some() {
+            return self.faces.first().is_none_or(|buffer| buffer.face().leaves(block));
+        }
         let distance = block.min.max(-block.max).max_element();
         // A distance that is not a number is close.
-        self.direction.is_none() && (distance.is_nan() || distance <= self.nearest)
+        distance.is_nan() || distance <= self.nearest
     }
 
     /// Whether all pixels are covered for targets farther than `distance` along some axis.

@@ -37,9 +37,10 @@ impl View {
     /// The view of the same camera after a motion.
     pub(crate) fn moved(&self, by: &Motion) -> Self {
         let Origin::Eye { at, error } = self.origin else { return self.clone() };
-        let (turn, next) = (DQuat::from_axis_angle(by.axis, by.angle), at + by.step);
+        let next = at + by.step;
         // A camera that did not turn has no axis.
-        let turn = if by.axis == DVec3::ZERO { DQuat::IDENTITY } else { turn };
+        let turned = by.axis != DVec3::ZERO;
+        let turn = if turned { DQuat::from_axis_angle(by.axis, by.angle) } else { DQuat::IDENTITY };
         let moved = |plane: &HalfSpace| {
             let normal = (turn * plane.normal).normalize();
             HalfSpace { normal, offset: plane.distance(at) - normal.dot(next) }

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 use crate::error::{Error, not_negative};
 use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::{DISTANCE, LENGTH_OF_ERROR, REGION};
-use crate::numeric::view::{NEAR_ROUNDINGS, TURN};
+use crate::numeric::view::{NEAR_ROOM, NEAR_ROUNDINGS, TURN};
 use crate::view::cone::Cone;
 use crate::view::cut::cube;
 use crate::view::{Origin, Turned, View};
@@ -118,7 +118,8 @@ impl View {
     pub(super) fn before_turned(&self) -> Option<Self> {
         let near = self.turned.as_ref().map(|turned| turned.near).filter(|near| *near > 0.0)?;
         let Origin::Eye { at, error } = self.origin else { return None };
-        let ball = cube(at, near + self.reach + LENGTH_OF_ERROR * error).filter(|p| p.offset.is_finite());
+        let ball = cube(at, near * (1.0 + NEAR_ROOM) + self.reach + LENGTH_OF_ERROR * error)
+            .filter(|p| p.offset.is_finite());
         Some(self.region(self.planes.iter().copied().chain(ball).collect()))
     }
 
@@ -132,7 +133,7 @@ impl View {
             |turned| turned.near,
         );
         let away = (eye - at).length() + LENGTH_OF_ERROR * (unsure + error) + other.reach;
-        (away + straight.max(0.0)) * (1.0 + REGION) <= own.near + self.reach
+        (away + straight.max(0.0)) * (1.0 + REGION) <= own.near * (1.0 + NEAR_ROOM) + self.reach
     }
 }
 

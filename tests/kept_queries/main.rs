@@ -248,6 +248,25 @@ fn orthographic_views_are_served_while_they_stay() {
     }
 }
 
+/// The buffers of a kept result reach as far as the scene did when it was found.
+#[test]
+fn movers_beyond_the_scene_are_seen_along_parallel_rays() {
+    let (mut scene, _) = wall();
+    let look = look_to_mat4(Vec3::new(16.0, 16.0, -20.0), Vec3::Z, Vec3::Y);
+    let matrix = directx::orthographic(-100.0, 100.0, -100.0, 100.0, 0.1, 80.0) * look;
+    let view = View::orthographic(Vec3::Z, matrix).unwrap();
+    let mut query = kept(0.0, 0.0);
+    query.run(&scene, &view);
+    let ball = |x: f32| Sphere::new(Vec3::new(x, 16.0, 16.0), 1.0);
+    let mover = scene.insert(ObjectDesc::dynamic(ball(60.0)).max_speed(5.0)).unwrap();
+    for (frame, x) in [60.0, 44.0, -40.0].into_iter().enumerate() {
+        scene.begin_frame(frame as f64).unwrap();
+        scene.update(mover, ball(x), None).unwrap();
+        assert!(query.run(&scene, &view).contains(mover), "{x}");
+        assert_eq!(query.refreshes(), 1);
+    }
+}
+
 #[test]
 fn a_result_found_on_another_thread_serves_if_it_still_fits() {
     let (mut scene, [wall, behind, _]) = wall();
@@ -333,5 +352,23 @@ fn without_a_reach_sets_are_those_of_a_query() {
         let view = View::omnidirectional(Vec3::new(1.0 + 3.0 * i as f32, 16.5, 1.5)).unwrap();
         let found = query.run(&world.scene, &view).len();
         assert_eq!(kept.run(&world.scene, &view).len(), found);
+    }
+}
+
+/// A result for no reach and no turn holds for the view that it was found for, whatever that has for a near plane.
+#[test]
+fn a_result_without_reach_serves_its_own_view() {
+    let (scene, _) = wall();
+    let eye = Vec3::new(16.0, 16.0, 6.0);
+    let matrix = directx::perspective(1.0, 1.5, 0.3, 60.0) * look_to_mat4(eye, Vec3::Z, Vec3::Y);
+    let camera = View::perspective(eye, matrix).unwrap();
+    let planes = worlds::camera(eye, 2, 0.3);
+    for view in [View::from_planes(eye, &planes).unwrap(), camera.clone().with_turn(0.1).unwrap(), camera] {
+        let mut query = kept(0.0, 0.0);
+        for _ in 0..3 {
+            query.run(&scene, &view);
+            assert!(query.is_valid_for(&scene, &view));
+        }
+        assert_eq!(query.refreshes(), 1);
     }
 }

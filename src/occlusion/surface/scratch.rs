@@ -147,6 +147,7 @@ impl SurfaceScratch {
 
     /// Appends a patch, by its number in the scene and those of its parts.
     pub(super) fn push(&mut self, numbers: Range<u32>, seen: Seen) {
+        debug_assert!(numbers.clone().all(|n| self.find(n).is_none()), "patches of a batch share triangles");
         let place = (self.drawing, self.seen.len() as u32);
         self.places.fill(numbers, place);
         self.seen.push(seen);

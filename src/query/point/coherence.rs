@@ -19,6 +19,7 @@ use crate::occlusion::examine::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::Walk;
+use crate::query::point::drawables::Source;
 use crate::query::point::occluders::NOBODY;
 use crate::query::point::recall::{Coherence, Recall, Role, Usage};
 use crate::query::point::scratch::Candidate;
@@ -54,18 +55,48 @@ impl<'a> Walk<'a> {
         if patches.is_empty() || !self.view.is_ordered() {
             return;
         }
+        let mut sorted = patches.to_vec();
+        sorted.sort_unstable();
         let mut batch = Batch::with_capacity(patches.len());
         self.scratch.batches += 1;
-        for &(slot, patch) in patches {
-            if !self.may_draw(slot) {
-                continue;
-            }
-            let Some(source) = self.source(slot) else { continue };
-            if (patch as usize) < source.surface.patches.len() && wanted(self, &source.block(patch)) {
-                self.collect_alone(&source, patch, &mut batch);
+        for of_object in sorted.chunk_by(|a, b| a.0 == b.0) {
+            let slot = of_object[0].0;
+            if self.may_draw(slot)
+                && let Some(source) = self.source(slot)
+            {
+                self.collect_some(&source, of_object, &wanted, &mut batch);
             }
         }
         self.draw_batch(batch);
+    }
+
+    /// Appends some patches of an object to a batch, in order of their numbers. The groups around them are drawn in parts from now
+    /// on, and the patches in them not again: no two patches drawn in a run have triangles in common.
+    fn collect_some(
+        &mut self,
+        source: &Source<'a>,
+        patches: &[(u32, u32)],
+        wanted: &impl Fn(&Self, &Block) -> bool,
+        batch: &mut Batch<'a>,
+    ) {
+        let (surface, base) = (source.surface, source.place.base);
+        let mut at = 0;
+        for &(_, patch) in patches {
+            // Groups come before their parts: those that end before the patch are passed by, the others contain it.
+            while at < patch && (at as usize) < surface.patches.len() {
+                let next = surface.patches[at as usize].next;
+                if next > patch {
+                    self.went_into(base + at);
+                }
+                at = if next > patch { at + 1 } else { next };
+            }
+            let Some(whole) = surface.patches.get(patch as usize).filter(|_| at == patch) else { continue };
+            at = whole.next;
+            let drawn = self.scratch.drawn.get(base + patch).epoch == self.marks.epoch();
+            if !drawn && wanted(self, &source.block(patch)) {
+                self.collect_alone(source, patch, batch);
+            }
+        }
     }
 
     /// Draws the occluder of an object in sight, unless it waits.

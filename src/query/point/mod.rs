@@ -96,7 +96,10 @@ impl<'a> Walk<'a> {
     ) -> Self {
         marks.begin(scene.slot_count());
         scratch.begin(scene.seams().patches(), marks.epoch());
-        if options.coherent {
+        // Limits choose by rules of their own among all occluders.
+        let coherent =
+            options.coherent && options.max_occluders == u32::MAX && options.min_solid_angle == 0.0;
+        if coherent {
             scratch.coherence.begin(scene.tag(), scene.slot_count(), scene.seams().patches());
         }
         let (min, max) = scene.extent();
@@ -120,7 +123,7 @@ impl<'a> Walk<'a> {
             around,
             receivers: None,
             fixed_only: false,
-            coherent: options.coherent,
+            coherent,
             stats: Stats::default(),
         }
     }

@@ -117,11 +117,14 @@ impl Coherence {
     /// is listed.
     pub(super) fn patch(&mut self, slot: u32, patch: u32, number: u32) -> Role {
         let Recall { run, usage } = self.patches.get(number);
+        if run == self.run && usage == Usage::Parts {
+            return Role::InParts;
+        }
         if run == 0 || run + 1 != self.run {
             return Role::Fresh;
         }
         match usage {
-            Usage::Parts => Role::InParts,
+            Usage::Parts if !self.is_turn(number) => Role::InParts,
             Usage::Idle if !self.is_turn(number) => {
                 self.waiting_patches.push((slot, patch));
                 Role::Waits
