@@ -1,12 +1,14 @@
 //! Coherent queries: they lose nothing, whatever the camera and the objects do between runs; they draw less than queries
 //! that know nothing of the run before; and their sets are little larger.
 
-use casca::{Method, PointOptions, Query, Scene};
+use std::sync::Arc;
+
+use casca::{GridSpec, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View};
 use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::oracle::{Oracle, OracleOptions};
 use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use casca_lab::world::{Camera, FRAME_SECONDS, World};
-use glam::{Mat3, Quat, Vec3};
+use glam::{DVec3, Mat3, Quat, UVec3, Vec3};
 
 const ASPECT: f32 = 16.0 / 9.0;
 
@@ -144,4 +146,76 @@ fn other_scenes_and_free_slots_are_no_trap() {
             query.pvs().iter().all(|id| all.contains(id) && !first.iter().step_by(3).any(|&gone| gone == id))
         );
     }
+}
+
+/// Rolling ground: `n` squares along each side of 40 m.
+struct Ground {
+    mesh: Arc<TriMesh>,
+    triangles: Vec<[DVec3; 3]>,
+}
+
+impl Ground {
+    fn new(n: u32, wave: f32) -> Self {
+        let at = |i: u32| (i as f32 / n as f32 - 0.5) * 40.0;
+        let corner = |k: u32| {
+            let (x, z) = (at(k % (n + 1)), at(k / (n + 1)));
+            Vec3::new(x, 1.5 * (x * wave).sin() * (z * wave * 0.8).cos(), z)
+        };
+        let square = |k: u32| {
+            let a = k / n * (n + 1) + k % n;
+            [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+        };
+        let corners: Vec<Vec3> = (0..(n + 1) * (n + 1)).map(corner).collect();
+        let triangles: Vec<[u32; 3]> = (0..n * n).flat_map(square).collect();
+        let placed = triangles.iter().map(|t| t.map(|i| corners[i as usize].as_dvec3())).collect();
+        Self { mesh: Arc::new(TriMesh::new(corners, triangles).unwrap()), triangles: placed }
+    }
+
+    /// Whether the segment between two points passes a triangle.
+    fn hides(&self, from: DVec3, to: DVec3) -> bool {
+        let way = to - from;
+        self.triangles.iter().any(|&[a, b, c]| {
+            let normal = (b - a).cross(c - a);
+            let t = normal.dot(a - from) / normal.dot(way);
+            let p = from + way * t;
+            let inside = |u: DVec3, v: DVec3| (v - u).cross(p - u).dot(normal) >= -1e-9;
+            (0.0..=1.0).contains(&t) && inside(a, b) && inside(b, c) && inside(c, a)
+        })
+    }
+}
+
+/// Patches are remembered by slot and number, also where a slot has another mesh now. In debug builds the library checks that no two
+/// patches of a batch have triangles in common: a group and a part of it would hide more than their triangles.
+#[test]
+fn a_slot_with_another_mesh_is_no_trap() {
+    let grounds = [Ground::new(12, 0.5), Ground::new(40, 0.31), Ground::new(24, 0.9)];
+    let mut scene =
+        Scene::new(&GridSpec { min: Vec3::splat(-24.0), cell: 1.0, dims: UVec3::splat(48) }).unwrap();
+    let spot = |i: u32| {
+        Vec3::new((i * 7 % 39) as f32 - 19.0, (i % 5) as f32 * 0.5 - 1.0, (i * 11 % 37) as f32 - 18.0)
+    };
+    let balls: Vec<(ObjectId, Vec3)> = (0..300)
+        .map(spot)
+        .map(|at| (scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.1))).unwrap(), at))
+        .collect();
+    let mut query = coherent();
+    let mut hidden = 0;
+    for round in 0..24 {
+        let ground = &grounds[round * 7 % 3];
+        let id = scene.insert(ObjectDesc::fixed(ground.mesh.clone()).occluder(ground.mesh.clone())).unwrap();
+        for step in 0..4 {
+            let away = [3.0, 9.0, 20.0][(round + step) % 3];
+            let eye = Vec3::new(away, 1.0 + 0.1 * away, -away);
+            let found = query.run(&scene, &View::omnidirectional(eye).unwrap());
+            for &(ball, at) in balls.iter().filter(|b| !found.contains(b.0)) {
+                hidden += 1;
+                for d in [DVec3::ZERO, DVec3::Y, DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z] {
+                    let point = at.as_dvec3() + d * 0.0999;
+                    assert!(ground.hides(eye.as_dvec3(), point), "{round}.{step}: {ball} at {at} from {eye}");
+                }
+            }
+        }
+        scene.remove(id).unwrap();
+    }
+    assert!(hidden > 1000, "{hidden}");
 }
