@@ -115,6 +115,8 @@ mod object;
 mod occlusion;
 mod pvs;
 mod query;
+#[cfg(test)]
+mod random;
 #[cfg(feature = "internals")]
 mod reference;
 mod scene;

@@ -148,6 +148,9 @@ fn other_scenes_and_free_slots_are_no_trap() {
     }
 }
 
+/// A segment through the line of a side by less than this, in m^4, passes the triangle: neighbours leave no gap between them.
+const ON_SIDE: f64 = 1e-9;
+
 /// Rolling ground: `n` squares along each side of 40 m.
 struct Ground {
     mesh: Arc<TriMesh>,
@@ -178,7 +181,7 @@ impl Ground {
             let normal = (b - a).cross(c - a);
             let t = normal.dot(a - from) / normal.dot(way);
             let p = from + way * t;
-            let inside = |u: DVec3, v: DVec3| (v - u).cross(p - u).dot(normal) >= -1e-9;
+            let inside = |u: DVec3, v: DVec3| (v - u).cross(p - u).dot(normal) >= -ON_SIDE;
             (0.0..=1.0).contains(&t) && inside(a, b) && inside(b, c) && inside(c, a)
         })
     }

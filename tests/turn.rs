@@ -164,11 +164,14 @@ fn occluders_before_the_near_plane_of_a_turned_camera_hide_nothing() {
     }
 }
 
+/// The radius of targets that show where a view ends: a hundredth of the angle by which it is turned, seen from so far.
+const SPECK: f32 = 1e-3;
+
 #[test]
 fn an_opened_view_is_little_larger_than_the_turns_of_the_camera() {
     let view = LENS.view(EYE, ahead());
     let sees = |view: &View, d: Vec3| {
-        let world = World::new(&[], &[Sphere::new(EYE + d * 10.0, 1e-3)]);
+        let world = World::new(&[], &[Sphere::new(EYE + d * 10.0, SPECK)]);
         Query::with_method(Method::Frustum).unwrap().run(&world.scene, view).contains(world.targets[0].0)
     };
     let half_wide = (0.5f32.tan() * LENS.aspect).atan();

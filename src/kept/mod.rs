@@ -68,7 +68,8 @@ impl KeptOptions {
     }
 }
 
-/// Finds the objects that a camera can see, frame after frame, and keeps what it found about static objects.
+/// Finds the objects that a camera can see, frame after frame, and answers most frames from an earlier result about static
+/// objects.
 ///
 /// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen from anywhere near the eye
 /// ([`KeptOptions`]), by [`Method::Point`], and answers frames from that while the camera is there and no static object changes. In

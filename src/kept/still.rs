@@ -5,7 +5,8 @@
 //! - *Static objects*: one that the view sees is in the set of the widened view.
 //! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within reach the space behind static
 //!   occluders. These objects are tested where they are now.
-//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, smaller by the reach as all occluders are. All objects
+//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, shrunk by the reach as the
+//!   query shrinks convex solids. All objects
 //!   in sight are tested again against that.
 //! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside. The volumes that the widened view
 //!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
@@ -15,7 +16,8 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
-use crate::query::point::overlay::{Overlay, Starts};
+use crate::query::point::overlay::Overlay;
+use crate::query::start::Starts;
 use crate::query::{Extras, Query};
 use crate::scene::{Object, Scene};
 use crate::view::View;
@@ -169,7 +171,7 @@ impl Still {
         self.overlay.reset();
         if occluders.peek().is_some() {
             self.overlay.begin(self.query.drawn());
-            let starts = Starts::of(&self.view, Block::new(scene.extent()));
+            let starts = Starts::of(scene, &self.view);
             occluders.for_each(|(slot, occluder)| self.overlay.draw(&self.view, &starts, occluder, slot));
         }
     }

@@ -84,7 +84,8 @@ impl OcclusionBuffers {
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.shadows.clear();
         (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
-        (self.direction, self.nearest, self.pixels) = (from.direction, from.nearest, from.pixels);
+        (self.direction, self.nearest, self.limit) = (from.direction, from.nearest, from.limit);
+        self.pixels = from.pixels;
         self.faces.truncate(from.faces.len());
         for (i, face) in from.faces.iter().enumerate() {
             if self.faces.len() == i {
@@ -264,23 +265,7 @@ impl OcclusionBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) as f64 / (1u64 << 31) as f64
-        }
-
-        fn within(&mut self, lo: f64, hi: f64) -> f64 {
-            lo + (hi - lo) * self.next()
-        }
-
-        fn point(&mut self, reach: f64) -> DVec3 {
-            DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
-        }
-    }
+    use crate::random::Random;
 
     fn pitch(pixels: f64) -> Pitch {
         Pitch { pixels, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO }

@@ -201,27 +201,20 @@ mod tests {
     use crate::geometry::polytope::Polytope;
     use crate::occlusion::pitch::Pitch;
     use crate::occlusion::solid::Solid;
+    use crate::random::Random;
     use crate::view::View;
 
-    struct Random(u64);
+    /// Three shares of one.
+    fn shares(random: &mut Random) -> DVec3 {
+        DVec3::new(random.next(), random.next(), random.next())
+    }
 
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) as f64 / (1u64 << 31) as f64
-        }
-
-        fn point(&mut self) -> DVec3 {
-            DVec3::new(self.next(), self.next(), self.next())
-        }
-
-        /// A box in front of the eye, between two depths.
-        fn block(&mut self, (near, far): (f64, f64), size: f64) -> Block {
-            let depth = near + (far - near) * self.next();
-            let at = (self.point() - 0.5) * DVec3::new(0.8, 0.8, 0.0) * depth + DVec3::Z * depth;
-            let half = self.point() * size * depth + 0.001;
-            Block { min: at - half, max: at + half }
-        }
+    /// A box in front of the eye, between two depths.
+    fn block_at(random: &mut Random, (near, far): (f64, f64), size: f64) -> Block {
+        let depth = random.within(near, far);
+        let at = (shares(random) - 0.5) * DVec3::new(0.8, 0.8, 0.0) * depth + DVec3::Z * depth;
+        let half = shares(random) * size * depth + 0.001;
+        Block { min: at - half, max: at + half }
     }
 
     /// Whether a segment from the origin meets a box before its end.
@@ -241,7 +234,7 @@ mod tests {
         let (mut hidden, mut gained) = (0, 0);
         for _ in 0..30 {
             buffers.begin(&view, &pitch);
-            let occluders: Vec<Block> = (0..60).map(|_| random.block((2.0, 6.0), 0.12)).collect();
+            let occluders: Vec<Block> = (0..60).map(|_| block_at(&mut random, (2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
                 let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
                 buffers.draw(solid.clone(), i as u32);
@@ -249,7 +242,7 @@ mod tests {
             magnifier.begin(&buffers);
             let mut budget = Budget { squares: 1 << 20, patches: 0 };
             for _ in 0..200 {
-                let block = random.block((6.5, 12.0), 0.03);
+                let block = block_at(&mut random, (6.5, 12.0), 0.03);
                 let target = Target::block(block, None);
                 let coarse = buffers.test(&target) == crate::occlusion::buffers::Verdict::Hidden;
                 let mut examination = Examination {
@@ -267,7 +260,7 @@ mod tests {
                 hidden += 1;
                 gained += u32::from(!coarse);
                 for _ in 0..40 {
-                    let end = block.min + random.point() * (block.max - block.min);
+                    let end = block.min + shares(&mut random) * (block.max - block.min);
                     assert!(occluders.iter().any(|o| meets(o, end)), "{block:?} {end}");
                 }
             }

@@ -44,7 +44,7 @@ pub(crate) struct Seen {
 impl Solid {
     /// A body to draw; `None` if the eye is in it or too close to tell.
     ///
-    /// With a `reach`, it hides only what it hides from all eyes within that distance, each of which is outside of it.
+    /// With a `reach`, it hides a point only if it hides it from all eyes within that distance, which all lie outside of it.
     pub(crate) fn new(body: Body, direction: Option<DVec3>, reach: f64) -> Option<Self> {
         match body {
             // A smaller sphere covers nearly the same directions.

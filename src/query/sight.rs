@@ -8,8 +8,8 @@ use crate::numeric::view::ALONG_RAYS;
 use crate::object::{Bounds, Occluder};
 use crate::query::Query;
 use crate::query::point::scratch::PointScratch;
+use crate::query::start::Starts;
 use crate::scene::Scene;
-use crate::view::cut::may_start_in;
 use crate::view::{Origin, View};
 
 /// Answers whether the view of a query's last run can see a box, a point or some bounds, which need not be objects of the scene:
@@ -43,10 +43,8 @@ pub struct Sight<'a> {
     pub(crate) view: &'a View,
     /// The occlusion buffers, as long as they are true.
     buffers: Option<&'a PointScratch>,
-    /// Regions between the eye and the near plane.
-    cut: Vec<(View, Block)>,
-    /// The region where an eye may be that is not known exactly.
-    unsure: Option<(View, Block)>,
+    /// Where rays start beside the eye.
+    starts: Starts,
 }
 
 impl Query {
@@ -57,13 +55,7 @@ impl Query {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
         let drawn = matches!(pvs.method, Method::Point(_)) && pvs.is_valid_for(scene, view);
-        let (min, max) = scene.extent();
-        Some(Sight {
-            view,
-            buffers: drawn.then_some(&self.point),
-            cut: view.cut_regions(min, max).collect(),
-            unsure: view.eye_region(),
-        })
+        Some(Sight { view, buffers: drawn.then_some(&self.point), starts: Starts::of(scene, view) })
     }
 }
 
@@ -103,7 +95,7 @@ impl Sight<'_> {
 
     /// Whether one may see an occluder from its inside.
     pub(crate) fn may_start_in(&self, occluder: &Occluder) -> bool {
-        !self.view.is_ordered() || may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder)
+        !self.view.is_ordered() || self.starts.may_be_in(self.view, occluder)
     }
 
     /// Whether rays may run into the side of a box with a normal along an axis (`sign` 1) or against it (-1), at a

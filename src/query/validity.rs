@@ -2,6 +2,7 @@
 
 use crate::method::Method;
 use crate::pvs::Pvs;
+use crate::query::start::Starts;
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -41,7 +42,8 @@ impl Pvs {
             Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
             Method::Point(_) => {
-                own.reaches(view) && (own.covers_starts(view) || !scene.near_plane_cuts(view))
+                own.reaches(view)
+                    && (own.covers_starts(view) || !Starts::of(scene, view).touch_occluder(scene))
             }
             // Nothing was taken to be hidden.
             Method::Cell(_) if self.stats.eye_in_occluder => true,
@@ -53,7 +55,7 @@ impl Pvs {
                 cell_of(at - error) == self.cell
                     && cell_of(at + error) == self.cell
                     && !scene.inside_occluder(at)
-                    && !scene.near_plane_cuts(view)
+                    && !Starts::of(scene, view).touch_occluder(scene)
             }
         }
     }

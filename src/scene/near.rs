@@ -28,20 +28,6 @@ impl Scene {
                 && (self.is_opaque(cell) || self.ids.in_brick(cell >> 3i32).any(contains))
     }
 
-    /// Whether the near plane of a view may cut into an occluder: then one sees
-    /// through it, since its front is cut away. So one does where an eye that is not known exactly may lie
-    /// inside.
-    pub(crate) fn near_plane_cuts(&self, view: &View) -> bool {
-        self.start_regions(view).any(|(region, around)| self.occluder_touches(&region, &around))
-    }
-
-    /// Where rays of a view may start beside the eye: between the eye and the near plane, and where an eye that is not
-    /// known exactly may lie.
-    pub(crate) fn start_regions(&self, view: &View) -> impl Iterator<Item = (View, Block)> {
-        let (min, max) = self.extent();
-        view.cut_regions(min, max).chain(view.eye_region())
-    }
-
     /// Whether an occluder, or an opaque cell, may touch a convex region inside the box `around`.
     pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
         let touches =

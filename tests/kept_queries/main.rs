@@ -1,5 +1,5 @@
 //! Kept queries: every frame's set has all that the eye sees, while objects move, come and go, volumes expire, walls come
-//! and go, and the camera walks, turns and jumps. Segments cut by the shapes themselves say what it sees.
+//! and go, and the camera walks, turns and jumps. The oracle cuts segments by the shapes themselves.
 
 mod game;
 #[path = "../worlds/mod.rs"]

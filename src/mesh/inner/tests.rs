@@ -11,21 +11,9 @@ use crate::grid::GridSpec;
 use crate::mesh::{Facing, MeshOptions, TriMesh};
 use crate::object::ObjectDesc;
 use crate::query::Query;
+use crate::random::Random;
 use crate::scene::Scene;
 use crate::view::View;
-
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
-    }
-}
 
 type Made = (Vec<Vec3>, Vec<[u32; 3]>);
 
@@ -53,7 +41,7 @@ fn torus(bumps: f64, thick: f64, random: &mut Random) -> Made {
 
 /// A ball with bumps and dents, along its axes as large as `size`.
 fn ball(bumps: f64, size: DVec3, random: &mut Random) -> Made {
-    let waves: Vec<(DVec3, f64)> = (0..6).map(|_| (random.vector() * 5.0, random.next() * 6.0)).collect();
+    let waves: Vec<(DVec3, f64)> = (0..6).map(|_| (random.point(1.0) * 5.0, random.next() * 6.0)).collect();
     let bump = |d: DVec3| waves.iter().map(|(k, phase)| (k.dot(d) + phase).sin()).sum::<f64>() / 6.0;
     let (rows, columns) = (12u32, 16u32);
     let at = |i: u32, j: u32| {
@@ -127,7 +115,7 @@ fn check(made: Made, facing: Facing, random: &mut Random) -> Option<f64> {
         let weights: Vec<f64> = solid.vertices.iter().map(|_| random.next().powi(8)).collect();
         let sum: DVec3 = solid.vertices.iter().zip(&weights).map(|(v, w)| *v * *w).sum();
         let p = sum / weights.iter().sum::<f64>();
-        let wound = (0..8).find_map(|_| winding_along(&mesh, p, random.vector().normalize()))?;
+        let wound = (0..8).find_map(|_| winding_along(&mesh, p, random.point(1.0).normalize()))?;
         assert!(wound != 0 && (facing == Facing::Both || wound > 0), "{p}: {wound}");
     }
     Some(solid.volume() / Moments::of(mesh.all_corners())?.volume)
@@ -151,7 +139,7 @@ fn meshes_wind_around_their_solids() {
     let mut found = [0; 6];
     for round in 0..40 {
         let bumps = f64::from(round) / 40.0;
-        let size = (random.vector().abs() + 0.05) * 2.0;
+        let size = (random.point(1.0).abs() + 0.05) * 2.0;
         let made = [
             ball(bumps, size, &mut random),
             torus(bumps, 0.2 + 0.7 * random.next(), &mut random),

@@ -122,10 +122,11 @@ fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
                 if (opposite >> lane & 1 == 1) != (d.turned == other.turned) {
                     continue;
                 }
-                let joins = match in_part {
+                let joins = if in_part {
                     // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
-                    true => !(d.again && other.again),
-                    false => d.faces_eye && other.faces_eye,
+                    !(d.again && other.again)
+                } else {
+                    d.faces_eye && other.faces_eye
                 };
                 if !joins {
                     continue;

@@ -316,18 +316,11 @@ mod tests {
     use crate::geometry::placement::Placement;
     use crate::mesh::surface::{Rules, Surface};
     use crate::occlusion::face::Rect;
+    use crate::random::Random;
 
-    struct Random(u64);
-
-    impl Random {
-        fn within(&mut self, lo: f32, hi: f32) -> f32 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            lo + (hi - lo) * (self.0 >> 40) as f32 / (1u64 << 24) as f32
-        }
-
-        fn point(&mut self, reach: f32) -> Vec3 {
-            Vec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
-        }
+    /// A point with coordinates in single precision.
+    fn single(random: &mut Random, reach: f32) -> Vec3 {
+        random.point(f64::from(reach)).as_vec3()
     }
 
     /// The pixel of a point in double precision.
@@ -350,25 +343,25 @@ mod tests {
             buffer.clear(Some(Rect { u0: -0.4, v0: -0.9, u1: 0.7, v1: 0.2 }), [360, 2880][round % 2]);
             // Far from the middle of the world coordinates lose digits.
             let far = [0.0, 3e3][round / 2 % 2];
-            let eye = (random.point(far).as_dvec3() + random.point(1.0).as_dvec3() * 1e-3)
+            let eye = (single(&mut random, far).as_dvec3() + single(&mut random, 1.0).as_dvec3() * 1e-3)
                 * f64::from(far.min(1.0));
             let placement = (round % 3 == 1).then(|| {
                 let turn = Quat::from_euler(
                     glam::EulerRot::XYZ,
-                    random.within(-3.0, 3.0),
-                    random.within(-3.0, 3.0),
+                    random.within(-3.0, 3.0) as f32,
+                    random.within(-3.0, 3.0) as f32,
                     1.0,
                 );
-                let to = eye.as_vec3() + random.point(20.0);
-                let scale = Vec3::splat(random.within(0.5, 3.0));
+                let to = eye.as_vec3() + single(&mut random, 20.0);
+                let scale = Vec3::splat(random.within(0.5, 3.0) as f32);
                 Placement::new("a test", Affine3A::from_scale_rotation_translation(scale, turn, to), 10.0)
                     .unwrap()
             });
             let (around, reach) = match &placement {
                 Some(_) => (Vec3::ZERO, 6.0),
-                None => (eye.as_vec3() + random.point(8.0), 12.0),
+                None => (eye.as_vec3() + single(&mut random, 8.0), 12.0),
             };
-            let corners: Vec<Vec3> = (0..60).map(|_| around + random.point(reach)).collect();
+            let corners: Vec<Vec3> = (0..60).map(|_| around + single(&mut random, reach)).collect();
             let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
             let surface = Surface::new(&corners, &triangles, &rules);

@@ -102,19 +102,7 @@ fn step(wide: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::occlusion::surface::raster::Area;
-
-    struct Random(u64);
-
-    impl Random {
-        fn within(&mut self, lo: f64, hi: f64) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            lo + (hi - lo) * (self.0 >> 33) as f64 / (1u64 << 31) as f64
-        }
-
-        fn point(&mut self, reach: f64) -> DVec3 {
-            DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
-        }
-    }
+    use crate::random::Random;
 
     /// The distance of a ray from an edge, from many points of that.
     fn distance([p, q]: [DVec3; 2], ray: DVec3) -> f64 {

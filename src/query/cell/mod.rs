@@ -17,7 +17,7 @@ use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
 use crate::query::cell::spans::{next_clear, next_set};
 use crate::query::marks::Marks;
-use crate::query::start::rays_start_in_occluder;
+use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
@@ -128,7 +128,7 @@ impl<'a> Walk<'a> {
         let (at, error) = (self.view.eye()?, self.view.eye_room());
         let grid = self.scene.grid();
         self.stats.eye_in_occluder =
-            rays_start_in_occluder(self.scene, self.view, self.scene.start_regions(self.view));
+            rays_start_in_occluder(self.scene, self.view, &Starts::of(self.scene, self.view));
         let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
         let slack = if sure { 0.0 } else { error / grid.cell_size() };
         (!self.stats.eye_in_occluder && self.from_eye && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)

@@ -34,8 +34,8 @@ impl<'a> Walk<'a> {
             }
         }
         self.scratch.coherence.useful_solids = solids;
-        let patches = std::mem::take(&mut self.scratch.coherence.useful_patches);
-        self.draw_patches_of(&patches, |_, _| true);
+        let mut patches = std::mem::take(&mut self.scratch.coherence.useful_patches);
+        self.draw_patches_of(&mut patches, |_, _| true);
         self.scratch.coherence.useful_patches = patches;
     }
 
@@ -51,15 +51,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
-    fn draw_patches_of(&mut self, patches: &[(u32, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
+    fn draw_patches_of(&mut self, patches: &mut [(u32, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
         if patches.is_empty() || !self.view.is_ordered() {
             return;
         }
-        let mut sorted = patches.to_vec();
-        sorted.sort_unstable();
+        patches.sort_unstable();
         let mut batch = Batch::with_capacity(patches.len());
         self.scratch.batches += 1;
-        for of_object in sorted.chunk_by(|a, b| a.0 == b.0) {
+        for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;
             if self.may_draw(slot)
                 && let Some(source) = self.source(slot)
@@ -214,8 +213,8 @@ impl<'a> Walk<'a> {
         });
         self.scratch.coherence.waiting_solids = solids;
         self.draw_all_patches(i32::MAX);
-        let patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
-        self.draw_patches_of(&patches, |walk, block| walk.is_before(block, &tiles));
+        let mut patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
+        self.draw_patches_of(&mut patches, |walk, block| walk.is_before(block, &tiles));
         self.scratch.coherence.waiting_patches = patches;
         before != (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len())
     }

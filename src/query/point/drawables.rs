@@ -130,7 +130,7 @@ impl<'a> Walk<'a> {
     /// Whether the near plane may cut into a patch: then one sees through it.
     fn near_plane_cuts_slab(&self, world: &Block, normal: DVec3, slab: (f64, f64), room: f64) -> bool {
         let eye = self.scratch.buffers.origin();
-        self.cut.iter().any(|(region, around)| {
+        self.starts.cut().iter().any(|(region, around)| {
             let middle = normal.dot((around.min + around.max) * 0.5 - eye);
             let reach = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
             around.min.cmple(world.max).all()

@@ -18,8 +18,6 @@ pub(crate) mod scratch;
 mod surfaces;
 mod volumes;
 
-use glam::DVec3;
-
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::method::PointOptions;
@@ -27,6 +25,7 @@ use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
 use crate::query::point::scratch::PointScratch;
+use crate::query::start::Starts;
 use crate::scene::Scene;
 use crate::view::{Origin, View};
 use crate::walk::{ShellBegins, Shells, Start};
@@ -42,12 +41,10 @@ pub(crate) struct Walk<'a> {
     pvs: &'a mut Pvs,
     marks: &'a mut Marks,
     scratch: &'a mut PointScratch,
-    /// Regions between the eye and the near plane.
-    cut: Vec<(View, Block)>,
-    /// The region where an eye may be that is not known exactly.
-    unsure: Option<(View, Block)>,
+    /// Where rays start beside the eye.
+    starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
-    starts: Option<Block>,
+    around_starts: Option<Block>,
     /// The grid of bricks.
     grid: Grid,
     /// Whether boxes of opaque cells may be drawn, once that was found out.
@@ -77,14 +74,6 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     }
 }
 
-/// A box around an eye and some regions in which rays start.
-fn around_starts<'r>(eye: DVec3, regions: impl Iterator<Item = &'r (View, Block)>) -> Block {
-    regions.fold(Block { min: eye, max: eye }, |all, (_, around)| Block {
-        min: all.min.min(around.min),
-        max: all.max.max(around.max),
-    })
-}
-
 impl<'a> Walk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
@@ -102,10 +91,8 @@ impl<'a> Walk<'a> {
         if coherent {
             scratch.coherence.begin(scene.tag(), scene.slot_count(), scene.seams().patches());
         }
-        let (min, max) = scene.extent();
         let grid = scene.grid().bricks();
-        let cut: Vec<(View, Block)> = view.cut_regions(min, max).collect();
-        let unsure = view.eye_region();
+        let starts = Starts::of(scene, view);
         let around = Shells::around_eye(&grid, view, Start::Eye);
         Self {
             scene,
@@ -114,9 +101,8 @@ impl<'a> Walk<'a> {
             pvs,
             marks,
             scratch,
-            starts: view.eye().map(|eye| around_starts(eye, cut.iter().chain(&unsure))),
-            cut,
-            unsure,
+            around_starts: view.eye().map(|eye| starts.around(eye)),
+            starts,
             grid,
             fuses: None,
             begins: around.as_ref().map(|shells| shells.begins(&grid)),

@@ -9,7 +9,6 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
-use crate::view::cut::may_start_in;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer pixels they hide too
 /// little for the time that they take: scenes of thousands lose less than one object of a thousand.
@@ -44,9 +43,7 @@ impl Walk<'_> {
             }
             return;
         }
-        if self.starts_near(&occluder.block())
-            && may_start_in(self.view, &self.cut, self.unsure.as_ref(), occluder)
-        {
+        if self.starts_near(&occluder.block()) && self.starts.may_be_in(self.view, occluder) {
             self.stats.eye_in_occluder = true;
             return;
         }
@@ -60,7 +57,7 @@ impl Walk<'_> {
 
     /// Whether a box reaches the places where rays start; in doubt, yes.
     fn starts_near(&self, block: &Block) -> bool {
-        self.starts.as_ref().is_none_or(|starts| starts.may_meet(block))
+        self.around_starts.as_ref().is_none_or(|around| around.may_meet(block))
     }
 
     /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
@@ -82,7 +79,7 @@ impl Walk<'_> {
             Some(d) => !self.view.cuts_front(d, &occluder.block()),
             None => outside(&Block { min: origin, max: origin }.grown(buffers.reach())),
         };
-        if !(starts_outside && self.cut.iter().all(|(_, region)| outside(region))) {
+        if !(starts_outside && self.starts.cut().iter().all(|(_, region)| outside(region))) {
             return false;
         }
         let Some(solid) = Solid::polytope(polytope, buffers.direction(), buffers.reach()) else {
@@ -155,8 +152,8 @@ impl Walk<'_> {
 
     /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
     pub(super) fn may_fuse(&mut self) -> bool {
-        let regions = || self.cut.iter().chain(&self.unsure);
-        *self.fuses.get_or_insert_with(|| !rays_start_in_occluder(self.scene, self.view, regions()))
+        let in_occluder = || rays_start_in_occluder(self.scene, self.view, &self.starts);
+        *self.fuses.get_or_insert_with(|| !in_occluder())
     }
 }
 

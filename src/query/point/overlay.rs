@@ -1,11 +1,10 @@
 //! More occluders, drawn over a copy of the buffers of a query.
 
-use crate::geometry::Block;
 use crate::object::{Bounds, Occluder};
 use crate::query::point::occluders::{SMALLEST_OCCLUDER, solid};
 use crate::query::point::scratch::PointScratch;
+use crate::query::start::Starts;
 use crate::view::View;
-use crate::view::cut::may_start_in;
 
 /// Buffers of a view with more occluders than its query drew.
 #[derive(Debug, Clone, Default)]
@@ -14,27 +13,14 @@ pub(crate) struct Overlay {
     drawn: u32,
 }
 
-/// Where rays of a view may start beside its eye.
-pub(crate) struct Starts {
-    cut: Vec<(View, Block)>,
-    unsure: Option<(View, Block)>,
-}
-
-impl Starts {
-    /// The regions as far as they lie in a box.
-    pub(crate) fn of(view: &View, Block { min, max }: Block) -> Self {
-        Self { cut: view.cut_regions(min, max).collect(), unsure: view.eye_region() }
-    }
-}
-
 impl Overlay {
-    /// Starts with what a query drew.
+    /// Starts with the coverage of a query's buffers.
     pub(crate) fn begin(&mut self, base: &PointScratch) {
         self.scratch.buffers.copy_coverage(&base.buffers);
         self.drawn = 0;
     }
 
-    /// Forgets what was drawn.
+    /// Counts the occluders from none again.
     pub(crate) fn reset(&mut self) {
         self.drawn = 0;
     }
@@ -50,7 +36,7 @@ impl Overlay {
         if occluder.surface().is_some()
             || !view.is_ordered()
             || self.scratch.is_small(&block, SMALLEST_OCCLUDER)
-            || may_start_in(view, &starts.cut, starts.unsure.as_ref(), occluder)
+            || starts.may_be_in(view, occluder)
         {
             return;
         }

@@ -34,6 +34,22 @@ pub(super) struct Candidate {
     pub(super) occludes: bool,
 }
 
+/// Patches of one shell that wait.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Waiting {
+    /// Object and patch.
+    pub(super) listed: Vec<(u32, u32)>,
+    /// The number of patches in those listed.
+    pub(super) count: u64,
+}
+
+impl Waiting {
+    pub(super) fn clear(&mut self) {
+        self.listed.clear();
+        self.count = 0;
+    }
+}
+
 /// The memory of the point method, reused from query to query.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointScratch {
@@ -49,8 +65,8 @@ pub(crate) struct PointScratch {
     pub(super) found: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<Candidate>,
-    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in: object and patch.
-    pub(super) waiting: Vec<Vec<(u32, u32)>>,
+    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
+    pub(super) waiting: Vec<Waiting>,
     /// For each patch of the scene, how it was drawn last.
     pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
@@ -65,7 +81,7 @@ impl PointScratch {
     /// query, which starts at 1 again when it has reached its greatest value.
     pub(super) fn begin(&mut self, patches: usize, epoch: u32) {
         self.candidates.clear();
-        self.waiting.iter_mut().for_each(Vec::clear);
+        self.waiting.iter_mut().for_each(Waiting::clear);
         self.patches.clear();
         self.drawn.grow(patches);
         if epoch == 1 {

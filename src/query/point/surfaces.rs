@@ -8,7 +8,7 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
 use crate::query::point::drawables::Source;
 use crate::query::point::recall::Role;
-use crate::query::point::scratch::DrawnPatch;
+use crate::query::point::scratch::{DrawnPatch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
 /// their outlines touch do not count.
@@ -36,17 +36,19 @@ impl<'a> Walk<'a> {
         if let Some(source) = self.source(slot)
             && !source.surface.patches.is_empty()
         {
-            self.wait(self.shell_of(&source.block(0)), slot, 0);
+            self.wait(self.shell_of(&source.block(0)), slot, 0, source.surface.patches[0].next);
         }
     }
 
-    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached.
-    fn wait(&mut self, shell: usize, slot: u32, patch: u32) {
+    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count` is the number of patches in
+    /// it, with itself.
+    fn wait(&mut self, shell: usize, slot: u32, patch: u32, count: u32) {
         let waiting = &mut self.scratch.waiting;
         if waiting.len() <= shell {
-            waiting.resize_with(shell + 1, Vec::new);
+            waiting.resize_with(shell + 1, Waiting::default);
         }
-        waiting[shell].push((slot, patch));
+        waiting[shell].listed.push((slot, patch));
+        waiting[shell].count += u64::from(count);
     }
 
     /// The shell of bricks around the eye that a box begins in.
@@ -59,41 +61,33 @@ impl<'a> Walk<'a> {
         self.scratch.is_small(b, pixels)
     }
 
-    /// Draws the visible parts of surfaces that begin up to shell `m`, together.
+    /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are too few for a batch.
     pub(super) fn draw_patches(&mut self, m: i32) {
-        let last = self.scratch.waiting.len().min(m.max(0) as usize + 1);
-        let count = self.scratch.waiting[..last].iter().map(Vec::len).sum();
-        if count == 0 || self.defers_patches(last) {
-            return;
+        if !self.defers_patches(m) {
+            self.draw_all_patches(m);
         }
-        self.draw_waiting(last, count);
     }
 
     /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a batch was not worth.
     pub(super) fn draw_all_patches(&mut self, m: i32) {
-        let last = self.scratch.waiting.len().min(m.max(0) as usize + 1);
-        let count = self.scratch.waiting[..last].iter().map(Vec::len).sum();
+        let last = self.waiting_up_to(m);
+        let count = self.scratch.waiting[..last].iter().map(|shell| shell.listed.len()).sum();
         if count > 0 {
             self.draw_waiting(last, count);
         }
     }
 
-    /// Whether the patches that wait in the first shells are too few for a batch of their own: if the eye may go some way,
-    /// a batch draws the neighbours of its patches again, as wholes.
-    fn defers_patches(&self, shells: usize) -> bool {
-        if self.scratch.buffers.reach() == 0.0 {
-            return false;
-        }
+    /// The number of shells up to `m` with room for patches that wait.
+    fn waiting_up_to(&self, m: i32) -> usize {
+        self.scratch.waiting.len().min(m.max(0) as usize + 1)
+    }
+
+    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the eye may go some way, a batch
+    /// draws the neighbours of its patches again, as wholes.
+    fn defers_patches(&self, m: i32) -> bool {
+        let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
         let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
-        let mut waiting = 0;
-        for &(slot, patch) in self.scratch.waiting[..shells].iter().flatten() {
-            let patches = self.source(slot).map_or(&[][..], |source| &source.surface.patches);
-            waiting += patches.get(patch as usize).map_or(0, |whole| u64::from(whole.next - patch));
-            if waiting >= enough {
-                return false;
-            }
-        }
-        true
+        self.scratch.buffers.reach() > 0.0 && shells.iter().map(|shell| shell.count).sum::<u64>() < enough
     }
 
     /// Draws patches that wait in the first shells, together.
@@ -103,7 +97,7 @@ impl<'a> Walk<'a> {
         for shell in 0..last {
             // Parts of those listed begin in the same shell or later.
             let mut at = 0;
-            while let Some(&(slot, patch)) = self.scratch.waiting[shell].get(at) {
+            while let Some(&(slot, patch)) = self.scratch.waiting[shell].listed.get(at) {
                 at += 1;
                 self.collect(slot, patch, last - 1, &mut batch);
             }
@@ -152,7 +146,7 @@ impl<'a> Walk<'a> {
             let world = source.block(number);
             let shell = if number == whole { 0 } else { self.shell_of(&world) };
             let next = if shell > m {
-                self.wait(shell, slot, number);
+                self.wait(shell, slot, number, patches[number as usize].next - number);
                 waits = true;
                 Next::Done
             } else {

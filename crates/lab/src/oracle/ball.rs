@@ -14,6 +14,9 @@ use crate::world::{Camera, Object, Shape};
 /// Rims of occluders that are looked past, in a frame.
 const RIMS: usize = 512;
 
+/// Random places in a ball of radius 1 lie farther than this from its middle, so that they have a direction.
+const LEAST: f64 = 1e-3;
+
 /// How much a [`BallOracle`] looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BallOptions {
@@ -129,7 +132,7 @@ impl BallOracle {
         let random = &mut self.random;
         let any = loop {
             let p = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
-            if p.length_squared() <= 1.0 && p.length_squared() > 1e-6 {
+            if p.length_squared() <= 1.0 && p.length() > LEAST {
                 break p;
             }
         };

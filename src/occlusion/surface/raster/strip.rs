@@ -20,6 +20,11 @@ impl Raster {
         let (most_x, most_y) = (f64::from(width), f64::from(height));
         let first = nearest_integer(within(a.1 - around, most_y) - 0.5).max(0);
         let last = nearest_integer(within(b.1 + around, most_y) - 0.5).min(height - 1);
+        // Numbers that overflowed say nothing of where the strip is.
+        if (left + right + a.1 + b.1 + across + around).is_nan() {
+            (0..height).for_each(|row| self.tiles.mark(row, 0, width - 1, Marks::OPEN));
+            return;
+        }
         let slope = (b.0 - a.0) / (b.1 - a.1);
         let is_flat = slope.is_nan() || slope.abs() >= EDGE_FLAT;
         let reach = across * (1.0 + slope * slope).sqrt();

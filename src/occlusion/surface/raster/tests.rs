@@ -1,14 +1,6 @@
 use super::*;
 use crate::occlusion::pixels::PixelRect;
-
-struct Random(u64);
-
-impl Random {
-    fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        lo + (hi - lo) * (self.0 >> 33) as f64 / (1u64 << 31) as f64
-    }
-}
+use crate::random::Random;
 
 type Point = (f64, f64);
 

@@ -4,12 +4,12 @@ use casca::{Aabb, GridSpec, Method, Query, View};
 
 use super::super::walker::item_buffer;
 use super::super::{ASPECT, LabError, median, p99};
-use super::ways::{FrameView, Way, ways};
+use super::ways::{Way, ways};
 use crate::drive::{Driver, view_of};
 use crate::measure::timed;
 use crate::oracle::{Oracle, OracleOptions};
 use crate::scenes::{WALK_SECONDS, WalkOptions, walking};
-use crate::world::World;
+use crate::world::{Camera, World};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ pub struct Effort {
 /// Frames after a jump to another place that are not timed: hidden movers come into their volumes in them.
 const SETTLE: usize = 5;
 
-/// Milliseconds of a frame, or what they are over those of another way.
+/// Milliseconds of a frame, or their ratios to those of another way.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FrameTime {
     /// The mean.
@@ -108,13 +108,7 @@ impl Entry {
     }
 
     /// Runs a frame up to its answer.
-    fn frame(
-        &mut self,
-        world: &World,
-        moved: &[usize],
-        now: f64,
-        view: &FrameView,
-    ) -> Result<[f64; 2], LabError> {
+    fn frame(&mut self, world: &World, moved: &[usize], now: f64, view: &View) -> Result<[f64; 2], LabError> {
         let (told, upkeep) = timed(|| self.tell(world, moved, now));
         told?;
         let (answered, time) = timed(|| self.way.frame(&self.driver.scene, view));
@@ -148,6 +142,8 @@ impl Entry {
 struct Judge {
     oracle: Oracle,
     frustum: Query,
+    /// Objects that moved since the frame judged before.
+    moved: Vec<usize>,
     visible: usize,
     frames: usize,
 }
@@ -163,17 +159,30 @@ impl Judge {
             seed: effort.seed,
         };
         let frustum = Query::with_method(Method::Frustum)?;
-        Ok(Self { oracle: Oracle::new(&world.objects, options), frustum, visible: 0, frames: 0 })
+        Ok(Self {
+            oracle: Oracle::new(&world.objects, options),
+            frustum,
+            moved: Vec::new(),
+            visible: 0,
+            frames: 0,
+        })
     }
 
-    /// `moved` are the objects that moved since the frame judged before.
-    fn judge(&mut self, world: &World, moved: &[usize], view: &FrameView, entries: &mut [Entry]) {
+    /// Notes which objects moved since the frame before.
+    fn note(&mut self, moved: &[usize]) {
+        self.moved.extend(moved);
+    }
+
+    fn judge(&mut self, world: &World, camera: &Camera, view: &View, entries: &mut [Entry]) {
+        let mut moved = std::mem::take(&mut self.moved);
+        moved.sort_unstable();
+        moved.dedup();
         let verdict =
-            self.oracle.frame(&world.objects, moved, view.camera, &|i| entries.iter().all(|e| e.sees(i)));
+            self.oracle.frame(&world.objects, &moved, camera, &|i| entries.iter().all(|e| e.sees(i)));
         self.visible += verdict.exact.len();
         self.frames += 1;
         let Some(first) = entries.first() else { return };
-        let pvs = self.frustum.run(&first.driver.scene, view.view);
+        let pvs = self.frustum.run(&first.driver.scene, view);
         let tested = |i: &usize| world.objects[*i].tested && first.driver.sees(pvs, *i);
         let in_frustum: Vec<usize> = (0..world.objects.len()).filter(tested).collect();
         for entry in entries {
@@ -209,21 +218,21 @@ pub fn measure(
         let moved = world.set_frame(number);
         let camera = world.camera(number, ASPECT);
         let view: View = view_of(&camera)?;
-        let frame = FrameView { view: &view, camera: &camera };
+        judge.note(&moved);
         let counts = options.since_jump(number) >= SETTLE;
         timed_frames += usize::from(counts);
         let count = entries.len();
         // Each frame starts with another way, so that none is always the one after the judgement.
         for turn in 0..count {
             let entry = &mut entries[(turn + number) % count];
-            let [ms, upkeep] = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &frame)?;
+            let [ms, upkeep] = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &view)?;
             if counts {
                 entry.ms.push(ms);
                 entry.upkeep += upkeep;
             }
         }
         if number.is_multiple_of(effort.judge.max(1)) {
-            judge.judge(&world, &moved, &frame, &mut entries);
+            judge.judge(&world, &camera, &view, &mut entries);
         }
         for entry in &mut entries {
             let ms = entry.end()?;

@@ -4,7 +4,7 @@ mod measure;
 mod ways;
 
 pub use measure::{Effort, FrameTime, WalkScore, WayScore, measure};
-pub use ways::{FrameView, Way, ways};
+pub use ways::{Way, ways};
 
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};

@@ -3,16 +3,6 @@
 use casca::{KeptOptions, KeptQuery, Method, PointOptions, Pvs, Query, Scene, View};
 
 use super::super::LabError;
-use crate::world::Camera;
-
-/// A frame, as all ways get it.
-#[derive(Debug, Clone, Copy)]
-pub struct FrameView<'a> {
-    /// The view of the camera.
-    pub view: &'a View,
-    /// The camera.
-    pub camera: &'a Camera,
-}
 
 /// A way to know the visible objects of every frame. It has a scene of its own, which is kept up to date and gets its
 /// results back ([`Scene::end_frame`]).
@@ -24,7 +14,7 @@ pub trait Way {
     ///
     /// # Errors
     /// Those of the library.
-    fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError>;
+    fn frame(&mut self, scene: &Scene, view: &View) -> Result<(), LabError>;
 
     /// The answer of the last frame.
     fn pvs(&self) -> &Pvs;
@@ -63,8 +53,8 @@ impl Way for EachFrame {
         self.name.to_owned()
     }
 
-    fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
-        self.query.run(scene, frame.view);
+    fn frame(&mut self, scene: &Scene, view: &View) -> Result<(), LabError> {
+        self.query.run(scene, view);
         Ok(())
     }
 
@@ -73,7 +63,7 @@ impl Way for EachFrame {
     }
 }
 
-/// A query that keeps what it found about static objects.
+/// A query that answers frames from one result about static objects while that holds.
 struct Kept {
     query: KeptQuery,
     options: KeptOptions,
@@ -91,8 +81,8 @@ impl Way for Kept {
         format!("kept, {} m, {:.0} degrees", self.options.reach, self.options.turn.to_degrees())
     }
 
-    fn frame(&mut self, scene: &Scene, frame: &FrameView) -> Result<(), LabError> {
-        self.query.run(scene, frame.view);
+    fn frame(&mut self, scene: &Scene, view: &View) -> Result<(), LabError> {
+        self.query.run(scene, view);
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::scenes::SceneKind;
 /// Where charts draw the sets without a reach: a logarithmic axis has no 0.
 const NOWHERE: f64 = 0.005;
 /// The reach that titles speak of: four frames of a walking camera.
-const TYPICAL: f64 = 0.1;
+const TYPICAL: f32 = 0.1;
 
 /// Sets for eyes that may go ever farther, on all scenes.
 ///
@@ -163,7 +163,7 @@ fn charts(
 
 /// The figures at the typical reach.
 fn typical(score: &ReachScore) -> &Step {
-    score.steps.iter().find(|s| s.reach >= TYPICAL - 1e-6).unwrap_or(&score.steps[0])
+    score.steps.iter().find(|s| s.reach >= f64::from(TYPICAL)).unwrap_or(&score.steps[0])
 }
 
 /// PVS(r)/EVS(0) by scene and reach, and how far a reach pays.
