@@ -1,0 +1,161 @@
+//! A bit for each cell of a grid, in packed rows.
+
+use std::ops::Range;
+
+/// The number of bits of a word.
+const WORD: u32 = u64::BITS;
+
+/// A bit for each cell of a grid: rows of 64-bit words, each of which begins with a new word.
+///
+/// Cells are `(x, y)`, from `(0, 0)`. Cells outside of the grid are clear and stay so.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct BitGrid {
+    width: u32,
+    height: u32,
+    /// Words of a row.
+    stride: usize,
+    words: Vec<u64>,
+}
+
+impl BitGrid {
+    /// A grid of clear bits. Costs `width * height / 8` bytes, at least 8 a row.
+    pub fn new(width: u32, height: u32) -> Self {
+        let stride = width.div_ceil(WORD) as usize;
+        Self { width, height, stride, words: vec![0; stride * height as usize] }
+    }
+
+    /// The number of cells of a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Whether the bit of a cell is set.
+    pub fn get(&self, x: u32, y: u32) -> bool {
+        x < self.width && y < self.height && self.row(y)[(x / WORD) as usize] >> (x % WORD) & 1 == 1
+    }
+
+    /// Sets or clears the bit of a cell.
+    pub fn set(&mut self, x: u32, y: u32, value: bool) {
+        if x < self.width && y < self.height {
+            let word = &mut self.words[y as usize * self.stride + (x / WORD) as usize];
+            *word = *word & !(1 << (x % WORD)) | u64::from(value) << (x % WORD);
+        }
+    }
+
+    /// Sets the bits of some cells of a row.
+    pub fn fill(&mut self, y: u32, cells: Range<u32>) {
+        let (first, end) = (cells.start, cells.end.min(self.width));
+        if y >= self.height || first >= end {
+            return;
+        }
+        let row = &mut self.words[y as usize * self.stride..][..self.stride];
+        let (low, high) = ((first / WORD) as usize, ((end - 1) / WORD) as usize);
+        let from = u64::MAX << (first % WORD);
+        let to = u64::MAX >> (WORD - 1 - (end - 1) % WORD);
+        if low == high {
+            row[low] |= from & to;
+            return;
+        }
+        row[low] |= from;
+        row[low + 1..high].fill(u64::MAX);
+        row[high] |= to;
+    }
+
+    /// Clears all bits.
+    pub fn clear(&mut self) {
+        self.words.fill(0);
+    }
+
+    /// The words of a row: cell `x` is bit `x % 64` of word `x / 64`. Bits beyond the width are clear.
+    pub fn row(&self, y: u32) -> &[u64] {
+        let first = y as usize * self.stride;
+        self.words.get(first..first + self.stride).unwrap_or(&[])
+    }
+
+    /// The first cell of a row, from `x` on, whose bit is set; the width if there is none.
+    pub fn next_set(&self, x: u32, y: u32) -> u32 {
+        self.next(x, y, 0)
+    }
+
+    /// The first cell of a row, from `x` on, whose bit is clear; the width if there is none.
+    pub fn next_clear(&self, x: u32, y: u32) -> u32 {
+        self.next(x, y, u64::MAX)
+    }
+
+    /// The first cell whose bit differs from those of `flip`.
+    fn next(&self, x: u32, y: u32, flip: u64) -> u32 {
+        let row = self.row(y);
+        let mut at = (x / WORD) as usize;
+        if x >= self.width || at >= row.len() {
+            return self.width;
+        }
+        let mut word = (row[at] ^ flip) & u64::MAX << (x % WORD);
+        while word == 0 {
+            at += 1;
+            if at == row.len() {
+                return self.width;
+            }
+            word = row[at] ^ flip;
+        }
+        (at as u32 * WORD + word.trailing_zeros()).min(self.width)
+    }
+
+    /// The number of bits that are set.
+    pub fn count(&self) -> u64 {
+        self.words.iter().map(|word| u64::from(word.count_ones())).sum()
+    }
+
+    /// The cells whose bits are set, row by row.
+    pub fn cells(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.height).flat_map(move |y| {
+            let first = Some(self.next_set(0, y)).filter(|&x| x < self.width);
+            let next = move |&x: &u32| Some(self.next_set(x + 1, y)).filter(|&x| x < self.width);
+            std::iter::successors(first, next).map(move |x| (x, y))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_agree_with_single_cells() {
+        for width in [1, 63, 64, 65, 200] {
+            for (first, end) in
+                [(0, 1), (0, 64), (5, 6), (63, 65), (64, 128), (1, 199), (7, 7), (9, 3), (60, 500)]
+            {
+                let (mut filled, mut single) = (BitGrid::new(width, 3), BitGrid::new(width, 3));
+                filled.fill(1, first..end);
+                (first..end).for_each(|x| single.set(x, 1, true));
+                assert_eq!(filled, single, "{width} {first} {end}");
+                let cells: Vec<_> = (0..width).filter(|x| (first..end).contains(x)).map(|x| (x, 1)).collect();
+                assert_eq!(filled.cells().collect::<Vec<_>>(), cells);
+                assert_eq!(filled.count(), cells.len() as u64);
+                for x in 0..width + 70 {
+                    let from =
+                        |wanted: bool| (x..width).find(|&x| filled.get(x, 1) == wanted).unwrap_or(width);
+                    assert_eq!((filled.next_set(x, 1), filled.next_clear(x, 1)), (from(true), from(false)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cells_outside_are_clear_and_stay_so() {
+        let mut bits = BitGrid::new(10, 2);
+        bits.set(10, 0, true);
+        bits.set(0, 2, true);
+        bits.fill(7, 0..10);
+        bits.fill(0, 8..99);
+        assert_eq!((bits.count(), bits.get(9, 0), bits.get(10, 0), bits.get(0, 7)), (2, true, false, false));
+        assert_eq!((bits.row(5), bits.next_set(0, 5), BitGrid::new(0, 0).count()), (&[][..], 10, 0));
+        bits.clear();
+        assert_eq!(bits.count(), 0);
+    }
+}

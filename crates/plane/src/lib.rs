@@ -1,0 +1,7 @@
+//! Visibility in the plane: floor plans, tile maps, and what can be seen in them.
+//!
+//! The planar twin of [casca](https://docs.rs/casca): the same words, and the same guarantee. What can be seen is never left out.
+
+mod bits;
+
+pub use bits::BitGrid;
