@@ -70,7 +70,7 @@ impl Rims {
         let per_unit = self.sides.per_unit;
         let ratio = reach / start.z;
         let ([u0, v0], [u1, v1]) = ([start, stop].map(|p| [p.x / p.z, p.y / p.z])).into();
-        let length = (u1 - u0).hypot(v1 - v0);
+        let length = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
         // How far the line of the piece passes from the middle of the face.
         let beside = if length > RIM_SHORTEST { (u0 * v1 - u1 * v0).abs() / length } else { f64::INFINITY };
         let most = [u0, v0, u1, v1].map(f64::abs).into_iter().fold(0.0, f64::max);

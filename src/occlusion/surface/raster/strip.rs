@@ -27,6 +27,12 @@ impl Raster {
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
         let is_flat = slope.is_nan() || slope.abs() >= EDGE_FLAT;
+        let column = |x: f64| nearest_integer(within(x, most_x) - 0.5);
+        let (begin, end) = (column(left).max(0), column(right).min(width - 1));
+        // Rims of one place have strips that lie over each other.
+        if first > last || begin > end || self.tiles.are_marked((first, last), (begin, end), Marks::OPEN) {
+            return;
+        }
         let reach = across * (1.0 + slope * slope).sqrt();
         for row in first..=last {
             let (mut lo, mut hi) = (left, right);
@@ -36,8 +42,7 @@ impl Raster {
                 let (least, most) = if slope > 0.0 { (x, x + slope) } else { (x + slope, x) };
                 (lo, hi) = (lo.max(least - reach), hi.min(most + reach));
             }
-            let lo = nearest_integer(within(lo, most_x) - 0.5).max(0);
-            let hi = nearest_integer(within(hi, most_x) - 0.5).min(width - 1);
+            let (lo, hi) = (column(lo).max(0), column(hi).min(width - 1));
             if lo <= hi {
                 self.tiles.mark(row, lo, hi, Marks::OPEN);
             }

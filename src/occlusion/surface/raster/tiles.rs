@@ -163,6 +163,15 @@ impl TileMarks {
         }
     }
 
+    /// Whether all pixels of the tiles with some rows and columns are marked, ends included and inside the area.
+    pub(super) fn are_marked(&self, rows: (i32, i32), columns: (i32, i32), layer: usize) -> bool {
+        let row = |ty: i32| {
+            let first = ty * self.across;
+            &self.marks[(first + (columns.0 >> 3)) as usize..=(first + (columns.1 >> 3)) as usize]
+        };
+        (rows.0 >> 3..=rows.1 >> 3).all(|ty| row(ty).iter().all(|tile| tile.0[layer] == u64::MAX))
+    }
+
     /// Marks pixels of a tile and of the next one, and lets an outline pass rows left of the middles of some of their
     /// pixels.
     #[inline(always)]
