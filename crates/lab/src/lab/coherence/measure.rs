@@ -235,6 +235,7 @@ pub fn measure(
             judge.judge(&world, &camera, &view, &mut entries);
         }
         for entry in &mut entries {
+            entry.way.work_aside();
             let ms = entry.end()?;
             entry.upkeep += if counts { ms } else { 0.0 };
         }

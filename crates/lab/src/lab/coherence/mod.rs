@@ -53,7 +53,8 @@ fn text(scores: &[WalkScore]) -> String {
         "A person walks through each scene at 1.5 m/s and looks around, turning by at most 90 degrees a second, at 60 frames a second. The \
          scene stands still, but for spheres that float about (*movers*; every second one hides others). `fresh` runs a query of `point` in every \
          frame, `coherent` the same with `PointOptions::coherent`. `kept` is a `KeptQuery`: it answers frames from one result about static objects \
-         until the camera has gone or turned too far. Cells give, over \
+         until the camera has gone or turned too far, and then finds a new one, in that frame or on *another thread* before (its time is not \
+         counted then). Cells give, over \
          those of `fresh` in the same run: the mean time of a frame, its 99th percentile, and the objects of the set that are in the frustum of the frame. **Of {} sets \
          compared with exact visibility, {lost} visible objects.**",
         grouped(judged)

@@ -1,6 +1,6 @@
 //! Ways to know the visible objects of every frame.
 
-use casca::{KeptOptions, KeptQuery, Method, PointOptions, Pvs, Query, Scene, View};
+use casca::{KeptJob, KeptOptions, KeptQuery, KeptResult, Method, PointOptions, Pvs, Query, Scene, View};
 
 use super::super::LabError;
 
@@ -15,6 +15,9 @@ pub trait Way {
     /// # Errors
     /// Those of the library.
     fn frame(&mut self, scene: &Scene, view: &View) -> Result<(), LabError>;
+
+    /// Does the work of another thread until the next frame; its time is not measured.
+    fn work_aside(&mut self) {}
 
     /// The answer of the last frame.
     fn pvs(&self) -> &Pvs;
@@ -32,6 +35,9 @@ pub fn ways() -> Result<Vec<Box<dyn Way>>, LabError> {
     ];
     for (reach, turn) in [(0.05, 5.0), (0.1, 6.0), (0.2, 10.0)] {
         all.push(Box::new(Kept::new(reach, turn)?));
+    }
+    for (reach, turn) in [(0.02, 3.0), (0.05, 5.0)] {
+        all.push(Box::new(KeptAside { kept: Kept::new(reach, turn)?, job: None, found: None }));
     }
     Ok(all)
 }
@@ -88,5 +94,36 @@ impl Way for Kept {
 
     fn pvs(&self) -> &Pvs {
         self.query.pvs()
+    }
+}
+
+/// A kept query whose results are found by another thread: one job after the other, each of which is done when the next frame
+/// begins.
+struct KeptAside {
+    kept: Kept,
+    job: Option<KeptJob>,
+    found: Option<KeptResult>,
+}
+
+impl Way for KeptAside {
+    fn name(&self) -> String {
+        format!("{}, another thread", self.kept.name())
+    }
+
+    fn frame(&mut self, scene: &Scene, view: &View) -> Result<(), LabError> {
+        if let Some(found) = self.found.take() {
+            self.kept.query.install(found, scene);
+        }
+        self.kept.query.run(scene, view);
+        self.job = Some(self.kept.query.prepare(scene, view));
+        Ok(())
+    }
+
+    fn work_aside(&mut self) {
+        self.found = self.job.take().map(KeptJob::run);
+    }
+
+    fn pvs(&self) -> &Pvs {
+        self.kept.pvs()
     }
 }
