@@ -134,7 +134,7 @@ pub use mesh::{Facing, Instance, MeshOptions, TriMesh};
 pub use method::{CellOptions, Method, PointOptions};
 pub use object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use query::{Query, Sight};
+pub use query::{CameraQuery, Query, Sight};
 pub use scene::{FrameReport, MemoryUse, ObjectRef, Scene};
 pub use shape::{Convex, MAX_CONVEX};
 pub use view::{MAX_PLANES, View};

@@ -9,7 +9,7 @@ use crate::kept::job::Snapshot;
 use crate::kept::still::{Stamp, Still, serves};
 use crate::method::{Method, PointOptions};
 use crate::pvs::{Pvs, Stats};
-use crate::query::Query;
+use crate::query::{CameraQuery, Query, Sight, sealed};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::view::motion::Motion;
@@ -207,6 +207,15 @@ impl KeptQuery {
         &self.pvs
     }
 
+    /// The view of the last run with the occlusion buffers of static objects, for questions about anything in space: see
+    /// [`Query::sight`]. `None` before the first run. Buffers count as long as no static object came, went or changed. Dynamic
+    /// occluders do not.
+    pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
+        let view = self.pvs.view.as_ref()?;
+        let now = self.now.as_ref().filter(|now| now.holds(scene, view));
+        Some(Sight::new(scene, view, now.map(|now| now.drawn())))
+    }
+
     /// How many runs had to find a new result.
     pub fn refreshes(&self) -> u64 {
         self.refreshes
@@ -268,5 +277,17 @@ impl KeptQuery {
         (pvs.method, pvs.stats) = (self.fresh.method(), stats);
         pvs.viewer = view.eye().map(|eye| scene.grid().cell_of(eye));
         pvs.view = Some(view.clone());
+    }
+}
+
+impl sealed::Sealed for KeptQuery {}
+
+impl CameraQuery for KeptQuery {
+    fn pvs(&self) -> &Pvs {
+        Self::pvs(self)
+    }
+
+    fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
+        Self::sight(self, scene)
     }
 }

@@ -17,6 +17,7 @@ use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
 use crate::query::point::overlay::Overlay;
+use crate::query::point::scratch::PointScratch;
 use crate::query::start::Starts;
 use crate::query::{Extras, Query};
 use crate::scene::{Object, Scene};
@@ -95,6 +96,11 @@ impl Still {
     /// The work of the query of the widened view.
     pub(super) fn stats(&self) -> &Stats {
         self.query.pvs().stats()
+    }
+
+    /// The buffers of the static occluders.
+    pub(super) fn drawn(&self) -> &PointScratch {
+        self.query.drawn()
     }
 
     /// Whether the static objects of a scene are as they were.

@@ -21,7 +21,8 @@ use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
 
-pub use sight::Sight;
+pub(crate) use sight::sealed;
+pub use sight::{CameraQuery, Sight};
 
 /// What a query is told besides its view.
 #[derive(Debug, Clone, Copy, Default)]

@@ -6,6 +6,7 @@ use crate::geometry::{Aabb, Block};
 use crate::method::Method;
 use crate::numeric::view::ALONG_RAYS;
 use crate::object::{Bounds, Occluder};
+use crate::pvs::Pvs;
 use crate::query::Query;
 use crate::query::point::scratch::PointScratch;
 use crate::query::start::Starts;
@@ -55,11 +56,16 @@ impl Query {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
         let drawn = matches!(pvs.method, Method::Point(_)) && pvs.is_valid_for(scene, view);
-        Some(Sight { view, buffers: drawn.then_some(&self.point), starts: Starts::of(scene, view) })
+        Some(Sight::new(scene, view, drawn.then_some(&self.point)))
     }
 }
 
-impl Sight<'_> {
+impl<'a> Sight<'a> {
+    /// A view, with occlusion buffers that are true for it.
+    pub(crate) fn new(scene: &Scene, view: &'a View, buffers: Option<&'a PointScratch>) -> Self {
+        Self { view, buffers, starts: Starts::of(scene, view) }
+    }
+
     /// Whether occluders count. If not, all that lies inside the frustum may be seen.
     pub fn has_occlusion(&self) -> bool {
         self.buffers.is_some()
@@ -105,5 +111,31 @@ impl Sight<'_> {
             Origin::Eye { at: eye, .. } => (eye[axis] - at) * sign >= -self.view.eye_room(),
             Origin::Direction(d) => d[axis] * sign <= ALONG_RAYS,
         }
+    }
+}
+
+/// A query of a camera: a [`Query`] or a [`KeptQuery`](crate::KeptQuery). [`Query::shadow_casters`] takes either.
+pub trait CameraQuery: sealed::Sealed {
+    /// The result of the last run.
+    fn pvs(&self) -> &Pvs;
+
+    /// The view of the last run with its occlusion buffers: see [`Query::sight`].
+    fn sight(&self, scene: &Scene) -> Option<Sight<'_>>;
+}
+
+/// Other crates have no camera queries: results rest on the private parts of those.
+pub(crate) mod sealed {
+    pub trait Sealed {}
+}
+
+impl sealed::Sealed for Query {}
+
+impl CameraQuery for Query {
+    fn pvs(&self) -> &Pvs {
+        Self::pvs(self)
+    }
+
+    fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
+        Self::sight(self, scene)
     }
 }

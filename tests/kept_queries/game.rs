@@ -208,26 +208,34 @@ impl Game {
         self.rotation = (Quat::from_scaled_axis(self.turn) * self.rotation).normalize();
     }
 
+    /// The objects on the layers of the view that are tested, with their shapes.
+    fn targets(&self) -> Vec<(ObjectId, Sphere)> {
+        let movers = self.movers.iter().filter(|m| m.layers & self.mask != 0).map(|m| (m.id, m.ball));
+        self.world.targets.iter().copied().chain(movers).collect()
+    }
+
     /// The objects that the eye sees.
     fn visible(&self) -> Vec<ObjectId> {
-        let shown = |layers: u32| layers & self.mask != 0;
         // An object that is not on all layers hides nothing.
         let hiding =
             self.movers.iter().filter(|m| m.hides && m.layers == u32::MAX).map(|m| Solid::Ball(m.ball));
         let solids: Vec<Solid> = self.walls.iter().map(|w| w.1).chain(hiding).collect();
-        let movers = self.movers.iter().filter(|m| shown(m.layers)).map(|m| (m.id, m.ball));
-        let targets: Vec<(ObjectId, Sphere)> = self.world.targets.iter().copied().chain(movers).collect();
-        seen(&solids, &targets, self.eye.as_dvec3(), &planes_of(self.matrix()))
+        seen(&solids, &self.targets(), self.eye.as_dvec3(), &planes_of(self.matrix()))
     }
 
     pub fn frame(&mut self) -> Result<(), TestCaseError> {
         self.go_on();
         let (view, visible) = (self.view(), self.visible());
         let pvs = self.query.run(&self.world.scene, &view);
-        for id in visible {
+        for &id in &visible {
             prop_assert!(pvs.contains(id), "{id} from {} at {}", self.eye, self.now);
         }
         prop_assert!(pvs.is_valid_for(&self.world.scene, &view));
+        let sight = self.query.sight(&self.world.scene).unwrap();
+        prop_assert!(sight.has_occlusion());
+        for (id, ball) in self.targets().into_iter().filter(|target| visible.contains(&target.0)) {
+            prop_assert!(sight.may_see_bounds(&ball.into()), "{id} from {} at {}", self.eye, self.now);
+        }
         prop_assert!(self.query.is_valid_for(&self.world.scene, &view));
         if std::mem::replace(&mut self.ends, true) {
             self.world.scene.end_frame([self.query.pvs()]).unwrap();

@@ -130,6 +130,22 @@ fn a_result_serves_until_the_eye_goes_too_far_or_a_static_object_changes() {
 }
 
 #[test]
+fn questions_rest_on_the_kept_buffers_while_static_objects_stay() {
+    let (mut scene, [wall, ..]) = wall();
+    let mut query = kept(0.5, 0.0);
+    assert!(query.sight(&scene).is_none(), "there was no run");
+    query.run(&scene, &around(0.0));
+    query.run(&scene, &around(0.4));
+    assert_eq!(query.refreshes(), 1);
+    let sight = query.sight(&scene).unwrap();
+    let [behind, before] = [24.0, 13.0].map(|z| sight.may_see_point(Vec3::new(16.0, 16.0, z)));
+    assert!(sight.has_occlusion() && before && !behind);
+    scene.remove(wall).unwrap();
+    let sight = query.sight(&scene).unwrap();
+    assert!(!sight.has_occlusion() && sight.may_see_point(Vec3::new(16.0, 16.0, 24.0)));
+}
+
+#[test]
 fn turned_cameras_are_served_too() {
     let (scene, [wall, behind, _]) = wall();
     let view = |angle: f32| {

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use casca::{GridSpec, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View};
+use casca::{GridSpec, KeptQuery, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View};
 use casca_lab::cases;
 use casca_lab::drive::Driver;
 use casca_lab::oracle::RayOracle;
@@ -175,6 +175,7 @@ proptest! {
             Driver::with(&objects, &GridSpec { min: Vec3::ZERO, cell, dims }, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
         let [mut query, mut sun] = methods.map(|m| Query::with_method(m).unwrap());
+        let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());
         // What is new counts as seen.
         let mut reported: HashSet<usize> = (0..objects.len()).collect();
         for (number, (way, (camera, perspective), lamp, feed_light)) in frames.iter().enumerate() {
@@ -190,20 +191,25 @@ proptest! {
                 moving.into_iter().filter(|i| !silent(&objects[*i]) || reported.contains(i)).collect();
             driver.update(&objects, &told).unwrap();
 
-            query.run(&driver.scene, &view_of(camera, *perspective, exact_eye));
-            let mut casters = Vec::new();
+            let view = view_of(camera, *perspective, exact_eye);
+            query.run(&driver.scene, &view);
+            kept.run(&driver.scene, &view);
+            let (mut casters, mut of_kept) = (Vec::new(), Vec::new());
+            kept_sun.shadow_casters(&driver.scene, &kept, &lamp.light(), &mut of_kept).unwrap();
             sun.shadow_casters(&driver.scene, &query, &lamp.light(), &mut casters).unwrap();
 
-            let cast: HashSet<usize> = casters.iter().map(|id| index[id]).collect();
-            prop_assert_eq!(cast.len(), casters.len());
-            let (all, casting) = (rays(&objects, |_| true), rays(&objects, |i| cast.contains(&i)));
-            let solid = rays(&objects, |i| objects[i].occludes);
-            for point in seen_points(camera, &solid, &all) {
-                let Some(start) = lamp.start(point) else { continue };
-                if blocked(&all, start, point) == Some(true) {
-                    let kept = blocked(&casting, start, point) != Some(false);
-                    let blocker = all.first_hit(start, point - start).map(|(i, _)| &objects[i]);
-                    prop_assert!(kept, "frame {number}: the shadow at {point} is lost, {blocker:?}");
+            let (all, solid) = (rays(&objects, |_| true), rays(&objects, |i| objects[i].occludes));
+            for casters in [&casters, &of_kept] {
+                let cast: HashSet<usize> = casters.iter().map(|id| index[id]).collect();
+                prop_assert_eq!(cast.len(), casters.len());
+                let casting = rays(&objects, |i| cast.contains(&i));
+                for point in seen_points(camera, &solid, &all) {
+                    let Some(start) = lamp.start(point) else { continue };
+                    if blocked(&all, start, point) == Some(true) {
+                        let stays = blocked(&casting, start, point) != Some(false);
+                        let blocker = all.first_hit(start, point - start).map(|(i, _)| &objects[i]);
+                        prop_assert!(stays, "frame {number}: the shadow at {point} is lost, {blocker:?}");
+                    }
                 }
             }
             let views = if *feed_light { vec![query.pvs(), sun.pvs()] } else { vec![query.pvs()] };

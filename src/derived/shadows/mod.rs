@@ -60,7 +60,7 @@ use crate::method::{Method, PointOptions};
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::target::Target;
 use crate::query::point::pitch;
-use crate::query::{Extras, Query};
+use crate::query::{CameraQuery, Extras, Query};
 use crate::scene::{Object, Scene};
 use crate::view::View;
 
@@ -69,7 +69,7 @@ impl Query {
     /// Conservative: with these casters alone, every point that the camera sees of the objects in its set is in the
     /// shadow of something if and only if it is with all objects.
     ///
-    /// `camera` is the query of the camera, just run on `scene`, by any method. Only what lies inside its view and what
+    /// `camera` is the query of the camera, just run on `scene`: a [`Query`] of any method, or a [`crate::KeptQuery`]. Only what lies inside its view and what
     /// the light reaches receives shadows. Where it was run by [`Method::Point`] and the scene has not changed since, its
     /// occlusion buffers tell which parts of large objects are hidden, so that a ground does not make everything on it a
     /// caster. `out` is emptied first; casters come roughly as the light reaches them, as in [`crate::Pvs::visible`].
@@ -129,7 +129,7 @@ impl Query {
     pub fn shadow_casters(
         &mut self,
         scene: &Scene,
-        camera: &Self,
+        camera: &impl CameraQuery,
         light: &Light,
         out: &mut Vec<ObjectId>,
     ) -> Result<(), Error> {
