@@ -3,7 +3,10 @@
 mod frame;
 mod look;
 
-use casca::{CellOptions, DrawOptions, Error, GridSpec, ObjectDesc, PointOptions, Pvs, Query, Scene, View};
+use casca::{
+    CellOptions, DrawOptions, Error, GridSpec, KeptOptions, KeptQuery, ObjectDesc, PointOptions, Pvs, Query,
+    Scene, View,
+};
 use glam::{DVec3, Vec3};
 
 use super::api;
@@ -90,6 +93,8 @@ pub struct Player {
     queries: [(Query, Option<Origin>); 3],
     /// Of each query.
     options: [(PointOptions, CellOptions); 3],
+    /// Kept queries that look along with the others.
+    lasting: [KeptQuery; 3],
     kept: Vec<Kept>,
     effort: Effort,
     parting: u32,
@@ -118,6 +123,12 @@ impl Player {
             (point.refine_squares(64).refine_patches(100), CellOptions::default().mask_resolution(mask))
         };
         let (late, cells) = options(3.0, 128);
+        let mut lasting = [(0.0, 0.0), (0.3, 0.5), (1.0, 4.0)].map(|(reach, turn)| {
+            KeptQuery::with_options(KeptOptions::new().reach(reach).turn(turn)).unwrap_or_default()
+        });
+        for (kept, degrees) in lasting.iter_mut().zip([8.0, 3.0, 1.0]) {
+            kept.set_point_options(options(degrees, 64).0.coherent(true))?;
+        }
         let world = World {
             number: 1,
             scene,
@@ -135,6 +146,7 @@ impl Player {
             active: 0,
             queries: std::array::from_fn(|_| (Query::new(), None)),
             options: [options(1.0, 64), options(8.0, 64), (late.coherent(true), cells)],
+            lasting,
             kept: Vec::new(),
             effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
             parting: 0,

@@ -74,6 +74,7 @@ impl Player {
         let origin = self.origin();
         let world = &mut self.worlds[self.active];
         let (point, cell) = self.options[query];
+        let lasting = &mut self.lasting[query];
         let (query, from) = &mut self.queries[query];
         let method = match method {
             Method::Point(_) => Method::Point(point),
@@ -99,6 +100,14 @@ impl Player {
             &mut Dice::new(seed.into()),
         );
         self.checks += 1;
+        // Half of the looks are answered by a kept query, too.
+        let lost_later = (seed & 1 == 0 && matches!(method, Method::Point(_)))
+            .then(|| lasting.run(&world.scene, &view))
+            .and_then(|pvs| {
+                self.checks += 1;
+                let mut dice = Dice::new(seed.into());
+                find_lost(&world.things, &truth, |t| pvs.contains(t.id), self.effort, &mut dice)
+            });
         let kept = keep.then(|| pvs.clone());
         let eye = truth.eye;
         self.note(|p| {
@@ -110,6 +119,9 @@ impl Player {
                 self.kept.remove(0);
             }
             self.kept.push(Kept { pvs, view, truth, origin });
+        }
+        if let Some(lost) = lost_later {
+            return Err((Kind::Lost, self.tell_lost(&lost, "a kept query")));
         }
         lost.map_or(Ok(()), |s| Err((Kind::Lost, self.tell_lost(&s, &format!("{method:?}")))))
     }
