@@ -227,6 +227,10 @@ impl KeptQuery {
     /// The job reads a copy of the scene. It is made by the first call, and by the first one after a static object came, went
     /// or changed; that costs what [`Scene::clone`] costs. Other calls cost next to nothing. Dynamic objects of the copy grow old, but are not
     /// looked at.
+    ///
+    /// If one job follows the other and each is done within a frame, the reach and the turn need to cover the camera's way in two
+    /// frames only: 2 cm and 3 degrees for a person who walks at 60 frames a second. Sets are then hardly larger than those of a
+    /// [`Query`].
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
         let snapshot = match self.snapshot.take() {
             Some(snapshot) if snapshot.is_of(scene) => snapshot,
