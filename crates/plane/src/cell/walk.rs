@@ -12,14 +12,6 @@ use crate::matrix::CrossBits;
 /// The axis and the sign of each side of a shell.
 pub(super) const SIDES: [(usize, i32); 4] = [(0, 1), (0, -1), (1, 1), (1, -1)];
 
-/// The cells that two sides share: their signs along x and y, with the sides.
-const CORNERS: [(IVec2, usize, usize); 4] = [
-    (IVec2::new(1, 1), 0, 2),
-    (IVec2::new(1, -1), 0, 3),
-    (IVec2::new(-1, 1), 1, 2),
-    (IVec2::new(-1, -1), 1, 3),
-];
-
 /// The matrices that a walk reads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CellMap<'a> {
@@ -119,7 +111,6 @@ impl Walk {
             for index in 0..4 {
                 self.open(map, region, hiding, index, m);
             }
-            self.agree_on_corners(m);
             let in_sight: u64 = (0..4).map(|index| self.look(map, index, m, &mut visit)).sum();
             // A way from inside the grid to a farther cell passes this shell inside the grid.
             if inside && in_sight == 0 {
@@ -194,22 +185,6 @@ impl Walk {
                         clear_run(&mut side.cells, place(line), place(line) + 1);
                     }
                 }
-            }
-        }
-    }
-
-    /// A cell on a diagonal belongs to two sides: it is hidden if either mask says so.
-    fn agree_on_corners(&mut self, m: i32) {
-        for (signs, one, other) in CORNERS {
-            let cell = self.v + signs * m;
-            if cell.cmplt(IVec2::ZERO).any() || cell.cmpge(self.dims).any() {
-                continue;
-            }
-            let (y, x) = (cell.y as usize, cell.x as usize);
-            let is_open = |cells: &[u64], at: usize| cells[at / 64] >> (at % 64) & 1 == 1;
-            if !(is_open(&self.sides[one].cells, y) && is_open(&self.sides[other].cells, x)) {
-                clear_run(&mut self.sides[one].cells, y, y + 1);
-                clear_run(&mut self.sides[other].cells, x, x + 1);
             }
         }
     }
