@@ -3,5 +3,27 @@
 //! The planar twin of [casca](https://docs.rs/casca): the same words, and the same guarantee. What can be seen is never left out.
 
 mod bits;
+mod error;
+mod geometry;
+mod grid;
+mod id;
+mod method;
+mod numeric;
+mod object;
+mod pvs;
+mod query;
+mod raster;
+mod scene;
+mod view;
 
 pub use bits::BitGrid;
+pub use error::Error;
+pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
+pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
+pub use id::ObjectId;
+pub use method::Method;
+pub use object::{Motion, ObjectDesc};
+pub use pvs::{Pvs, PvsChanges, Stats};
+pub use query::Query;
+pub use scene::Scene;
+pub use view::View;

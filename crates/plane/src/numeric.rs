@@ -1,0 +1,26 @@
+//! Every margin of rounding, with its name and the reason for its size. One section for each part of the crate.
+
+// Objects and their cells.
+
+/// An occluder may stick out of its bounds by this share of their diagonal: roundings of the application's own arithmetic.
+pub(crate) const OCCLUDER_SHARE: f64 = 1e-3;
+
+/// An occluder may also stick out by this share of the greatest coordinate: two roundings to single precision.
+pub(crate) const OCCLUDER_ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
+
+/// Shapes touch the cells within this share of a cell around them. Grid lines are at most 2^29 cells from the origin, so that
+/// coordinates inside a grid, and points where sides cross its lines, err by less than 2^-22 of a cell. A margin above zero also makes
+/// shapes touch both cells beside a line that they end on.
+pub(crate) const TOUCH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Corners of the polygon that stands for a disc lie inside of it by this share of the radius: far more than the error of a sine.
+pub(crate) const INSIDE_DISC: f64 = 1e-9;
+
+/// A point counts as inside a disc up to this share of its distance from the centre: four roundings of the squared distance.
+pub(crate) const ON_DISC: f64 = 8.0 * f64::EPSILON;
+
+// Views.
+
+/// Directions of a view's sides are rounded to multiples of this, and tilted outwards by four times that, in radians: more than the
+/// rounding (2^-41 an axis) and the errors of sines together.
+pub(crate) const DIRECTION: f64 = 1.0 / (1u64 << 40) as f64;
