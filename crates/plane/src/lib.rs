@@ -4,7 +4,30 @@
 
 mod bits;
 mod cell;
+mod error;
+mod geometry;
+mod grid;
+mod id;
 mod matrix;
+mod method;
 mod numeric;
+mod object;
+mod pvs;
+mod query;
+mod raster;
+mod scene;
+mod solid;
+mod view;
+mod volume;
 
 pub use bits::BitGrid;
+pub use error::Error;
+pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
+pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
+pub use id::ObjectId;
+pub use method::Method;
+pub use object::{Motion, ObjectDesc};
+pub use pvs::{Pvs, PvsChanges, Stats};
+pub use query::Query;
+pub use scene::Scene;
+pub use view::View;

@@ -3,7 +3,7 @@
 use glam::{DVec2, IVec2};
 use smallvec::SmallVec;
 
-use crate::numeric::cell::{REGION, REGION_SLOPE};
+use crate::numeric::{REGION, REGION_SLOPE};
 
 /// A half-plane in cells, relative to the centre of the viewer's cell: `normal . p + offset >= 0`.
 #[derive(Debug, Clone, Copy)]
