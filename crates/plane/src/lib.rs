@@ -26,8 +26,8 @@ pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Sha
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
 pub use method::Method;
-pub use object::{Motion, ObjectDesc};
+pub use object::{Motion, ObjectDesc, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::Query;
-pub use scene::Scene;
+pub use scene::{FrameReport, Scene};
 pub use view::View;

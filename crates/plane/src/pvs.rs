@@ -36,6 +36,8 @@ pub struct Pvs {
     pub(crate) method: Method,
     pub(crate) view: Option<View>,
     pub(crate) visible: Vec<ObjectId>,
+    /// The hidden objects whose volumes were seen.
+    pub(crate) revealed: Vec<ObjectId>,
     /// By slot: 1 + the place in `visible`, or 0.
     places: Vec<u32>,
     pub(crate) stats: Stats,
@@ -106,6 +108,7 @@ impl Pvs {
             self.places[id.index()] = 0;
         }
         self.places.resize(slots, 0);
+        self.revealed.clear();
         self.stats = Stats::default();
     }
 
