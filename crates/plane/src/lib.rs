@@ -21,6 +21,7 @@ mod view;
 mod volume;
 
 pub use bits::BitGrid;
+pub use cell::{CellOptions, Fusion};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};

@@ -36,8 +36,9 @@ pub(crate) const REGION: f64 = 1e-6;
 /// Larger slopes give quotients of which [`REGION`] still covers the rounding.
 pub(crate) const REGION_SLOPE: f64 = 1e-9;
 
-/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: [`REGION`] holds for coordinates up to twice that.
-pub(crate) const FAR_VIEWER: i32 = 1 << 20;
+/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: up to twice that, the sides of a view are less than
+/// [`REGION`] beside the place where they should be ([`DIRECTION`]).
+pub(crate) const FAR_VIEWER: i32 = 1 << 16;
 
 // Volumes.
 

@@ -103,6 +103,28 @@ impl View {
     }
 }
 
+impl View {
+    /// TEMPORARY until the merge with point.
+    pub(crate) fn may_see(&self, shape: &crate::geometry::Shape) -> bool {
+        let block = shape.block();
+        let corners = [
+            block.min,
+            block.max,
+            DVec2::new(block.min.x, block.max.y),
+            DVec2::new(block.max.x, block.min.y),
+        ];
+        let near = self.eye.clamp(block.min, block.max);
+        if self.range.is_some_and(|range| near.distance(self.eye) > range * (1.0 + 1e-9)) {
+            return false;
+        }
+        let Some(sector) = self.sector.filter(|s| s.half_angle < PI / 2.0) else { return true };
+        [sector.half_angle - PI / 2.0, PI / 2.0 - sector.half_angle].iter().all(|by| {
+            let normal = DVec2::from_angle(*by).rotate(sector.direction);
+            corners.iter().any(|c| normal.dot(*c - self.eye) >= -1e-6)
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -48,12 +48,17 @@
 
 mod caps;
 mod directions;
+mod marks;
+mod options;
 mod region;
+mod run;
 mod walk;
 mod words;
 
 #[cfg(test)]
 mod tests;
 
+pub use options::{CellOptions, Fusion};
 pub(crate) use region::Region;
-pub(crate) use walk::{CellMap, Hiding, Walk, Walked};
+pub(crate) use run::{CellScratch, run};
+pub(crate) use walk::{CellMap, Hiding, Walk};

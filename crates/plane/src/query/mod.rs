@@ -1,5 +1,7 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
+use crate::bits::BitGrid;
+use crate::cell::{self, CellOptions, CellScratch};
 use crate::error::Error;
 use crate::method::Method;
 use crate::pvs::Pvs;
@@ -14,6 +16,8 @@ use crate::view::View;
 pub struct Query {
     method: Method,
     pvs: Pvs,
+    cell_options: CellOptions,
+    cell: CellScratch,
 }
 
 impl Query {
@@ -41,10 +45,33 @@ impl Query {
         pvs.reset(scene.slot_count());
         (pvs.scene, pvs.revision) = (scene.tag(), scene.revision());
         (pvs.method, pvs.view) = (self.method, Some(*view));
-        for (slot, _) in scene.living() {
-            pvs.push(scene.id(slot));
+        match self.method {
+            Method::Cell => cell::run(scene, view, &self.cell_options, &mut self.cell, pvs),
+            _ => scene.living().for_each(|(slot, _)| pvs.push(scene.id(slot))),
         }
         pvs
+    }
+
+    /// The options of [`Method::Cell`].
+    pub fn cell_options(&self) -> CellOptions {
+        self.cell_options
+    }
+
+    /// Changes the options of [`Method::Cell`] from the next run on.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if one of them is out of its range. The query then keeps the old ones.
+    pub fn set_cell_options(&mut self, options: CellOptions) -> Result<(), Error> {
+        options.check()?;
+        self.cell_options = options;
+        Ok(())
+    }
+
+    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell that some point of the eye's cell sees a point of, inside the
+    /// view, and a few more. `None` after a run of another method, or on another scene. Costs all cells of the grid.
+    pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
+        let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
+        ran.then(|| self.cell.seen_cells(scene))
     }
 
     /// The result of the last run; empty before the first.

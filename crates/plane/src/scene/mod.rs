@@ -59,6 +59,11 @@ impl Object {
         matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
     }
 
+    /// Whether the cells inside its occluder are opaque by it.
+    pub(crate) fn fills(&self) -> bool {
+        self.fills
+    }
+
     /// Whether it is in a volume.
     pub(crate) fn is_hidden(&self) -> bool {
         self.hidden().is_some()
