@@ -10,6 +10,7 @@ mod id;
 mod method;
 mod numeric;
 mod object;
+mod point;
 mod pvs;
 mod query;
 mod raster;

@@ -24,3 +24,19 @@ pub(crate) const ON_DISC: f64 = 8.0 * f64::EPSILON;
 /// Directions of a view's sides are rounded to multiples of this, and tilted outwards by four times that, in radians: more than the
 /// rounding (2^-41 an axis) and the errors of sines together.
 pub(crate) const DIRECTION: f64 = 1.0 / (1u64 << 40) as f64;
+
+// Exact visibility from a point.
+
+/// Filters of the exact predicates allow for this share of each product: a difference, a product and a sum are off by 2^-53
+/// each, products of two differences and their sum by five times that. Twice as much is used.
+pub(crate) const ROUNDINGS: f64 = 5.0 * f64::EPSILON;
+
+/// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of differences, products and roots.
+pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;
+
+/// Walls are clipped to squares of cells that are smaller by this share of a cell. A ray to a clipped end may hit the wall as far as
+/// that from it; flatter rays are not used.
+pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
+
+/// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are multiplied by 2^25 at most.
+pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
