@@ -12,6 +12,7 @@ mod matrix;
 mod method;
 mod numeric;
 mod object;
+mod point;
 mod pvs;
 mod query;
 mod raster;

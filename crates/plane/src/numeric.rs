@@ -58,3 +58,19 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
         f64::INFINITY
     }
 }
+
+// Exact visibility from a point.
+
+/// Filters of the exact predicates allow for this share of each product: a difference, a product and a sum are off by 2^-53
+/// each, products of two differences and their sum by five times that. Twice as much is used.
+pub(crate) const ROUNDINGS: f64 = 5.0 * f64::EPSILON;
+
+/// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of differences, products and roots.
+pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;
+
+/// Walls are clipped to squares of cells that are smaller by this share of a cell. A ray to a clipped end may hit the wall as far as
+/// that from it; flatter rays are not used.
+pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
+
+/// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are multiplied by 2^25 at most.
+pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;

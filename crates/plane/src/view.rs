@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
+use crate::geometry::point_along;
 use crate::numeric::DIRECTION;
 
 /// The part of the plane that an eye looks at: all of it, or a sector; as far as a range, if one is given.
@@ -90,38 +91,11 @@ impl View {
     }
 
     /// Points on the two sides of a sector, the first and the last counterclockwise; the directions to these points are the sides,
-    /// exactly. All of their coordinates are multiples of 2^-149, as those of single precision are.
+    /// exactly.
     pub(crate) fn sides(&self) -> Option<[DVec2; 2]> {
         let Sector { direction, half_angle } = self.sector?;
         let angle = half_angle + 4.0 * DIRECTION;
-        // A power of two: products with it are exact.
-        let length = 2f64.powi(self.eye.abs().max_element().max(1.0).log2().ceil() as i32);
-        Some([-angle, angle].map(|angle| {
-            let side = DVec2::from_angle(angle).rotate(direction);
-            self.eye + (side / DIRECTION).round() * DIRECTION * length
-        }))
-    }
-}
-
-impl View {
-    /// TEMPORARY until the merge with point.
-    pub(crate) fn may_see(&self, shape: &crate::geometry::Shape) -> bool {
-        let block = shape.block();
-        let corners = [
-            block.min,
-            block.max,
-            DVec2::new(block.min.x, block.max.y),
-            DVec2::new(block.max.x, block.min.y),
-        ];
-        let near = self.eye.clamp(block.min, block.max);
-        if self.range.is_some_and(|range| near.distance(self.eye) > range * (1.0 + 1e-9)) {
-            return false;
-        }
-        let Some(sector) = self.sector.filter(|s| s.half_angle < PI / 2.0) else { return true };
-        [sector.half_angle - PI / 2.0, PI / 2.0 - sector.half_angle].iter().all(|by| {
-            let normal = DVec2::from_angle(*by).rotate(sector.direction);
-            corners.iter().any(|c| normal.dot(*c - self.eye) >= -1e-6)
-        })
+        Some([-angle, angle].map(|angle| point_along(self.eye, DVec2::from_angle(angle).rotate(direction))))
     }
 }
 

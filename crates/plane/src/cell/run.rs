@@ -7,9 +7,10 @@ use crate::cell::marks::Marks;
 use crate::cell::{CellMap, CellOptions, Region, Walk};
 use crate::geometry::Shape;
 use crate::numeric::FAR_VIEWER;
+use crate::point::Sight;
 use crate::pvs::{Pvs, Stats};
 use crate::raster::touched;
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::view::View;
 
 /// The memory of the cell method, reused from run to run.
@@ -35,6 +36,7 @@ pub(crate) fn run(
     scene: &Scene,
     view: &View,
     options: &CellOptions,
+    sight: &Sight,
     scratch: &mut CellScratch,
     pvs: &mut Pvs,
 ) {
@@ -52,17 +54,15 @@ pub(crate) fn run(
         found: [scene.lists().occupied(), scene.volumes().bits()],
     };
     let region = if away <= FAR_VIEWER { region_of(scene, view, v) } else { Region::default() };
-    found.reveal_around(scene, v);
+    scene.volumes_around(v, |slot| found.reveal(slot));
     let walked = walk.run(&map, v, &region, options.hiding(), |cell, shell| {
-        scene.lists().get(cell).iter().for_each(|&slot| found.decide(scene, view, slot, shell));
+        scene.lists().get(cell).iter().for_each(|&slot| found.decide(scene, sight, slot, shell));
         scene.volumes().at(cell).iter().for_each(|&slot| found.reveal(slot));
     });
-    found.settle(scene, view, walk);
+    found.settle(scene, sight, walk);
     // Nothing is known to hide objects beyond the grid, and large ones have too many cells.
     for &slot in scene.outer() {
-        if scene.object(slot).is_some_and(|object| !object.is_hidden()) {
-            found.decide(scene, view, slot, i32::MAX);
-        }
+        found.decide(scene, sight, slot, i32::MAX);
     }
     found.visible.sort_by_key(|&(shell, _)| shell);
     found.visible.iter().for_each(|&(_, slot)| pvs.push(scene.id(slot)));
@@ -103,13 +103,13 @@ impl Found {
     }
 
     /// Decides an object one of whose cells is in sight.
-    fn decide(&mut self, scene: &Scene, view: &View, slot: u32, shell: i32) {
+    fn decide(&mut self, scene: &Scene, sight: &Sight, slot: u32, shell: i32) {
         let Some(object) = scene.object(slot) else { return };
         if !self.marks.decide(slot) {
             return;
         }
         self.tested += 1;
-        if object.is_lost() || view.may_see(object.place()) {
+        if object.is_lost() || sight.sees(object.place()) {
             self.visible.push((shell, slot));
         }
     }
@@ -121,19 +121,9 @@ impl Found {
         }
     }
 
-    /// Reveals the volumes around the viewer's cell; all volumes, if the cell is outside of the grid, as outlines end there.
-    fn reveal_around(&mut self, scene: &Scene, v: IVec2) {
-        if scene.grid().contains(v) {
-            scene.volumes().holding(v, |slot| self.reveal(slot));
-        } else {
-            let hidden = |slot: &&u32| scene.object(**slot).is_some_and(Object::is_hidden);
-            scene.outer().iter().filter(hidden).for_each(|&slot| self.reveal(slot));
-        }
-    }
-
     /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if one of its cells is in sight; one that
     /// goes unreported may be anywhere in the volume.
-    fn settle(&mut self, scene: &Scene, view: &View, walk: &Walk) {
+    fn settle(&mut self, scene: &Scene, sight: &Sight, walk: &Walk) {
         // The order of look-ups among volumes must not show.
         self.revealed.sort_unstable();
         for at in 0..self.revealed.len() {
@@ -146,9 +136,9 @@ impl Found {
                     shell = seen.map(|cell| walk.shell_of(cell)).chain(shell).min();
                 });
             }
-            shell.into_iter().for_each(|shell| self.decide(scene, view, slot, shell));
+            shell.into_iter().for_each(|shell| self.decide(scene, sight, slot, shell));
         }
-        scene.lost().iter().for_each(|&slot| self.decide(scene, view, slot, 0));
+        scene.lost().iter().for_each(|&slot| self.decide(scene, sight, slot, 0));
     }
 }
 

@@ -1,9 +1,13 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
+use glam::Vec2;
+
 use crate::bits::BitGrid;
 use crate::cell::{self, CellOptions, CellScratch};
 use crate::error::Error;
+use crate::geometry::Shape;
 use crate::method::Method;
+use crate::point::Sight;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
 use crate::view::View;
@@ -18,6 +22,7 @@ pub struct Query {
     pvs: Pvs,
     cell_options: CellOptions,
     cell: CellScratch,
+    sight: Sight,
 }
 
 impl Query {
@@ -46,8 +51,12 @@ impl Query {
         (pvs.scene, pvs.revision) = (scene.tag(), scene.revision());
         (pvs.method, pvs.view) = (self.method, Some(*view));
         match self.method {
-            Method::Cell => cell::run(scene, view, &self.cell_options, &mut self.cell, pvs),
-            _ => scene.living().for_each(|(slot, _)| pvs.push(scene.id(slot))),
+            Method::Cell => {
+                self.sight.open(scene, view);
+                cell::run(scene, view, &self.cell_options, &self.sight, &mut self.cell, pvs);
+            }
+            Method::Sector => self.sight.run_without_occluders(scene, view, pvs),
+            Method::Point => self.sight.run(scene, view, pvs),
         }
         pvs
     }
@@ -72,6 +81,34 @@ impl Query {
     pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
         let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
         ran.then(|| self.cell.seen_cells(scene))
+    }
+
+    /// Whether a point can be seen by the view of the last run: whether it belongs to the visible region, as
+    /// [`Method::Point`] defines it. Exact, but for the end of a range. `false` before the first run, and for points that are not finite. Costs
+    /// the logarithm of the number of sides in sight.
+    pub fn sees_point(&self, point: Vec2) -> bool {
+        self.sight.sees_point(point.as_dvec2())
+    }
+
+    /// Whether any point of a shape can be seen by the view of the last run. Exact, but for discs and for the end of a range: these
+    /// are larger by their rounding. `false` before the first run. Costs the sides in sight in the directions of the shape.
+    ///
+    /// # Errors
+    /// Refuses shapes that are not finite or inverted, or have a negative radius.
+    pub fn sees(&self, shape: impl Into<Shape>) -> Result<bool, Error> {
+        let shape = shape.into();
+        shape.check("the shape")?;
+        Ok(self.sight.sees(&shape))
+    }
+
+    /// The visible region of the last run as a polygon: its corners, counterclockwise, rounded to single precision. Empty if
+    /// nothing is seen. Costs the sides in sight.
+    ///
+    /// The polygon is star-shaped around the eye. The eye is a corner of it unless one sees in all directions. Where nothing
+    /// stops the eye, the polygon ends at the range of the view: at chords around the circle, which leave it by 0.13% of the range at most.
+    /// Without a range it ends at the rectangle around the grid, all objects and the eye.
+    pub fn polygon(&self) -> Vec<Vec2> {
+        self.sight.polygon()
     }
 
     /// The result of the last run; empty before the first.

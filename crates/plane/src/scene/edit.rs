@@ -132,14 +132,14 @@ impl Scene {
     }
 
     /// Adds an object to the list of those that are in no cells.
-    pub(super) fn push_outer(&mut self, slot: u32) {
+    fn push_outer(&mut self, slot: u32) {
         self.outer.push(slot);
         let place = self.outer.len() as u32;
         self.slots.get_mut(slot).into_iter().for_each(|object| object.outer = place);
     }
 
     /// Takes an object out of that list; false if it is not in it.
-    pub(super) fn take_outer(&mut self, slot: u32) -> bool {
+    fn take_outer(&mut self, slot: u32) -> bool {
         let place = self.slots.get_mut(slot).map_or(0, |object| std::mem::take(&mut object.outer));
         let Some(place) = place.checked_sub(1) else { return false };
         self.outer.swap_remove(place as usize);

@@ -75,7 +75,7 @@ impl Scene {
             return;
         }
         self.adapt(slot, Validity::outlived);
-        self.take_volume(slot, &hidden.tbv);
+        self.volumes.remove(slot, &hidden.tbv);
         self.enclose_or_list(slot);
     }
 
@@ -123,7 +123,7 @@ impl Scene {
             self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
             return;
         }
-        self.take_volume(slot, &hidden.tbv);
+        self.volumes.remove(slot, &hidden.tbv);
         if seen {
             self.list(slot);
         } else {
@@ -149,7 +149,7 @@ impl Scene {
             self.slots.get(slot).and_then(|object| object.mover.as_ref()).map(|mover| mover.state.clone());
         match state {
             None | Some(State::Listed | State::Overdue) => self.unlist(slot),
-            Some(State::Hidden(hidden)) => self.take_volume(slot, &hidden.tbv),
+            Some(State::Hidden(hidden)) => self.volumes.remove(slot, &hidden.tbv),
             Some(State::Lost) => self.lost.remove(slot),
         }
     }
@@ -184,7 +184,6 @@ impl Scene {
     fn enclose(&mut self, slot: u32, hidden: Hidden) {
         self.volumes.insert(slot, &hidden.tbv);
         self.drawn += 1;
-        self.push_outer(slot);
         self.hide(slot, hidden);
     }
 
@@ -200,15 +199,9 @@ impl Scene {
 
     /// The volume of an object that goes unreported does not hold it for certain any more.
     fn lose(&mut self, slot: u32, tbv: &Tbv) {
-        self.take_volume(slot, tbv);
+        self.volumes.remove(slot, tbv);
         self.set_state(slot, State::Lost);
         self.lost.insert(slot);
-    }
-
-    /// Takes the volume of a hidden object away.
-    fn take_volume(&mut self, slot: u32, tbv: &Tbv) {
-        self.volumes.remove(slot, tbv);
-        self.take_outer(slot);
     }
 
     fn adapt(&mut self, slot: u32, change: impl FnOnce(&mut Validity)) {

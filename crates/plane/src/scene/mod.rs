@@ -74,6 +74,11 @@ impl Object {
         self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue | State::Lost))
     }
 
+    /// Whether it surely is where it was last reported: only then it hides others.
+    pub(crate) fn is_certain(&self) -> bool {
+        !self.is_lost() && self.hidden().is_none_or(|hidden| hidden.region.is_none())
+    }
+
     fn hidden(&self) -> Option<&Hidden> {
         match &self.mover.as_ref()?.state {
             State::Hidden(hidden) => Some(hidden),
@@ -110,8 +115,7 @@ impl Object {
 /// let far = scene.insert(ObjectDesc::fixed(Disc::new(Vec2::new(12.0, 16.0), 1.0)))?;
 /// let mut query = Query::new();
 /// let pvs = query.run(&scene, &View::all_round(Vec2::new(2.5, 16.5))?);
-/// assert!(pvs.contains(wall) && pvs.contains(near));
-/// # let _ = far;
+/// assert!(pvs.contains(wall) && pvs.contains(near) && !pvs.contains(far));
 /// # Ok(())
 /// # }
 /// ```
@@ -120,7 +124,7 @@ pub struct Scene {
     grid: Grid,
     slots: Slots,
     lists: CellLists,
-    /// The slots of objects that are in no cells: those that are too large or leave the grid, and those in volumes.
+    /// The slots of objects that are in no cells, as they are too large or leave the grid.
     outer: Vec<u32>,
     /// Os: the cells that static occluders fill.
     fixed: Opacity,
@@ -259,12 +263,22 @@ impl Scene {
         &self.volumes
     }
 
+    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline does not stand for them. For a cell
+    /// outside of the grid these are all, as outlines end at the border.
+    pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(u32)) {
+        if self.grid.contains(cell) {
+            self.volumes.holding(cell, found);
+        } else {
+            self.living().filter(|(_, object)| object.is_hidden()).for_each(|(slot, _)| found(slot));
+        }
+    }
+
     /// The objects whose place is unknown.
     pub(crate) fn lost(&self) -> &[u32] {
         self.lost.as_slice()
     }
 
-    /// The objects that are in no cells: those that are too large or leave the grid, and those in volumes.
+    /// The objects that are in no cells, as they are too large or leave the grid: every query looks at them.
     pub(crate) fn outer(&self) -> &[u32] {
         &self.outer
     }

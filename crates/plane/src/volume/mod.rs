@@ -45,7 +45,18 @@ impl Volumes {
 
     /// The slots of the volumes whose outlines pass a cell.
     pub(crate) fn at(&self, cell: IVec2) -> &[u32] {
+        if !self.bits.get(cell.x as u32, cell.y as u32) {
+            return &[];
+        }
         self.lists.get(&cell).map_or(&[], |list| list.as_slice())
+    }
+
+    /// Whether no outline passes any of the 8x8 cells around one.
+    pub(crate) fn is_block_empty(&self, cell: IVec2) -> bool {
+        let (x, y) = (cell.x as u32 & !7, cell.y as u32 & !7);
+        let tile =
+            |y: u32| self.bits.line(1, y).get(x as usize / 64).map_or(0, |word| word >> (x % 64) & 0xff);
+        (y..y + 8).all(|y| tile(y) == 0)
     }
 
     /// Calls `found` with the volumes that contain a cell, on their outlines or inside.
@@ -100,6 +111,7 @@ mod tests {
         for (slot, tbv) in (0u32..).zip(&tbvs) {
             for cell in tbv.outline().filter(|&c| grid.contains(c)) {
                 assert!(volumes.at(cell).contains(&slot) && volumes.bits().get(cell.x as u32, cell.y as u32));
+                assert!(!volumes.is_block_empty(cell));
             }
         }
         let holding = |volumes: &Volumes, cell| {
@@ -113,6 +125,7 @@ mod tests {
         volumes.remove(0, &tbvs[0]);
         assert_eq!(holding(&volumes, IVec2::new(5, 5)), [1, 2]);
         (1..5).for_each(|slot| volumes.remove(slot, &tbvs[slot as usize]));
+        assert!((0..40).all(|x| (0..30).all(|y| volumes.is_block_empty(IVec2::new(x, y)))));
         assert!(volumes.lists.is_empty() && volumes.bits().cells().next().is_none());
     }
 }
