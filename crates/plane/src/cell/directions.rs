@@ -112,7 +112,8 @@ impl DirectionMask {
     }
 
     /// The number of intervals.
-    pub(super) fn len(&self) -> usize {
+    #[cfg(test)]
+    fn len(&self) -> usize {
         self.spans.len()
     }
 }

@@ -1,6 +1,6 @@
 //! The cells that a view may see, asked for one row of a shell's side at a time (thesis, section 3.3.3).
 
-use glam::{DVec2, IVec2};
+use glam::DVec2;
 use smallvec::SmallVec;
 
 use crate::numeric::{REGION, REGION_SLOPE};
@@ -65,13 +65,16 @@ impl Region {
     }
 
     /// Whether a cell, relative to V, may reach into the region.
-    pub(crate) fn meets(&self, cell: IVec2) -> bool {
+    #[cfg(test)]
+    pub(crate) fn meets(&self, cell: glam::IVec2) -> bool {
         self.row(0, cell.x, (cell.y, cell.y)).is_some()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::IVec2;
+
     use super::*;
 
     /// Points of a cell, its corners included.

@@ -216,18 +216,21 @@ impl Walk {
         match hiding {
             Hiding::Rows { .. } => (0..4).for_each(|index| self.block(map, index, inside, m)),
             Hiding::Caps { l_shaped, least_angle } => {
-                for index in 0..4 {
-                    let (axis, sign) = SIDES[index];
-                    for place in bits(self.sides[index].cells.iter().copied()) {
-                        let mut cell = IVec2::splat(place as i32);
-                        cell[axis] = self.v[axis] + sign * m;
-                        if map.is_opaque(cell) {
-                            let drawn = self.caps.hide_behind(map, self.v, cell, l_shaped, least_angle);
-                            self.walked.occluders += u32::from(drawn);
-                            self.walked.skipped += u32::from(!drawn);
-                        }
-                    }
-                }
+                (0..4).for_each(|index| self.extend(map, index, (l_shaped, least_angle), m));
+            }
+        }
+    }
+
+    /// Hides the cells behind the extended occluders that the opaque cells in sight of a side begin.
+    fn extend(&mut self, map: &CellMap, index: usize, (l_shaped, least_angle): (bool, f64), m: i32) {
+        let (axis, sign) = SIDES[index];
+        for place in bits(self.sides[index].cells.iter().copied()) {
+            let mut cell = IVec2::splat(place as i32);
+            cell[axis] = self.v[axis] + sign * m;
+            if map.is_opaque(cell) {
+                let drawn = self.caps.hide_behind(map, self.v, cell, l_shaped, least_angle);
+                self.walked.occluders += u32::from(drawn);
+                self.walked.skipped += u32::from(!drawn);
             }
         }
     }

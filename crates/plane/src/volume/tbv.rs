@@ -108,11 +108,6 @@ impl Tbv {
         (self.center, 2 * self.radius.unsigned_abs() + 1)
     }
 
-    /// Its radius in cells.
-    pub(crate) fn radius(&self) -> i32 {
-        self.radius
-    }
-
     /// A circle around all of its cells: its centre and its radius in world units.
     pub(crate) fn disc(&self, grid: &Grid) -> (DVec2, f64) {
         let (lo, hi) = grid.cell_bounds(self.center);
@@ -190,7 +185,7 @@ mod tests {
         assert!(none(ball(3e38, 9.0, 3e38), &[]));
         assert!(Tbv::around(&g, &ball(1.0, 9.0, 2.0), 1.0, &[], true).is_none(), "it leaves the grid");
         let tbv = Tbv::around(&g, &ball(9.0, 9.0, 0.3), 1e300, &[], false).unwrap();
-        assert_eq!(tbv.radius(), 18);
+        assert_eq!(tbv.radius, 18);
         let cramped = Tbv::around(&g, &ball(1.5, 9.0, 0.3), 9.0, &[], true).unwrap();
         assert!(cramped.room(&g, &ball(1.5, 9.0, 0.3)) <= 1.2);
     }
