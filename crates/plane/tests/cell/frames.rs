@@ -240,3 +240,67 @@ fn a_viewer_in_a_volume_reveals_it() {
         assert!(query.run(&scene, &inside).contains(guard_id), "{method:?}");
     }
 }
+
+#[test]
+fn a_silent_guard_is_in_its_volume_until_it_is_due() {
+    let (mut scene, mut query, view) = level();
+    for direction in [Vec2::X, Vec2::NEG_Y, Vec2::ONE.normalize()] {
+        let at = |now: f64| Disc::new(Vec2::new(44.5, 30.5) + direction * (3.0 * now) as f32, 0.4);
+        let desc = ObjectDesc::dynamic(at(0.0)).max_speed(3.0).reported_on_expiry();
+        scene.begin_frame(0.0).unwrap();
+        let guard = scene.insert(desc).unwrap();
+        query.run(&scene, &view);
+        scene.end_frame([query.pvs()]).unwrap();
+        let outline = scene.volume_outline(guard).unwrap();
+        // The middle row and column of a circle reach farthest, and no farther than the diagonal needs.
+        let middle = (outline.iter().map(|c| c.as_dvec2()).sum::<DVec2>() / outline.len() as f64).round();
+        let radius = outline.iter().map(|c| (c.as_dvec2() - middle).abs().max_element()).fold(0.0, f64::max);
+        for frame in 1.. {
+            let now = f64::from(frame) / 240.0;
+            if scene.begin_frame(now).unwrap().contains(&guard) {
+                break;
+            }
+            let Disc { center, radius: body } = at(now);
+            let reach = center.as_dvec2().distance(middle + 0.5) + f64::from(body);
+            assert!(reach <= radius + 0.5, "{direction} {now}: {reach} {radius}");
+        }
+        scene.remove(guard).unwrap();
+    }
+}
+
+#[test]
+fn an_occluder_that_is_due_hides_nothing_until_it_is_found() {
+    let spec = GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(40) };
+    let mut scene = Scene::new(&spec).unwrap();
+    let door = Rect::new(Vec2::new(12.0, 4.0), Vec2::new(14.0, 30.0));
+    let desc = ObjectDesc::dynamic(door).occluder(door).max_speed(1.0).reported_on_expiry();
+    let door_id = scene.insert(desc).unwrap();
+    let behind = scene.insert(ObjectDesc::fixed(Disc::new(Vec2::new(20.5, 17.5), 0.4))).unwrap();
+    let view = View::all_round(Vec2::new(6.5, 17.5)).unwrap();
+    for method in [Method::Cell, Method::Point] {
+        let mut query = Query::with_method(method).unwrap();
+        scene.update(door_id, door, Some(door.into())).unwrap();
+        assert!(!query.run(&scene, &view).contains(behind), "{method:?}");
+        scene.end_frame([query.pvs()]).unwrap();
+        scene.begin_frame(scene.now() + 1.0).unwrap();
+        let pvs = query.run(&scene, &view);
+        assert!(pvs.contains(behind) && pvs.contains(door_id), "{method:?}");
+    }
+}
+
+#[test]
+fn an_eye_in_a_rock_sees_past_it() {
+    let spec = GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(40) };
+    let mut scene = Scene::new(&spec).unwrap();
+    let rock = Rect::new(Vec2::new(4.0, 4.0), Vec2::new(14.0, 30.0));
+    scene.insert(ObjectDesc::fixed(rock).occluder(rock)).unwrap();
+    let behind = scene.insert(ObjectDesc::fixed(Disc::new(Vec2::new(20.5, 17.5), 0.4))).unwrap();
+    let mut query = Query::with_method(Method::Cell).unwrap();
+    let run = |query: &mut Query, x: f32| {
+        let pvs = query.run(&scene, &View::all_round(Vec2::new(x, 17.5)).unwrap());
+        (pvs.contains(behind), pvs.stats().eye_in_occluder)
+    };
+    assert_eq!(run(&mut query, 4.25), (true, true));
+    assert_eq!(run(&mut query, 2.25), (false, false));
+    assert_eq!(query.seen_cells(&scene).unwrap().get(20, 17), false);
+}
