@@ -42,7 +42,7 @@ pub(crate) struct Sight {
     walk: Walk,
     envelope: Envelope,
     view: Option<View>,
-    /// The box around the grid, the objects and the eye.
+    /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
 }
 
@@ -79,10 +79,12 @@ impl Sight {
         self.view = Some(*view);
         let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(view.eye());
         let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
-        self.extent = Some(outer.fold(grid, |all, object| {
+        let Block { min, max } = outer.fold(grid, |all, object| {
             let block = object.bounds.block();
             all.with(block.min).with(block.max)
-        }));
+        });
+        let room = scene.grid().cell_size();
+        self.extent = Some(Block { min: min - room, max: max + room });
         match view.sides() {
             Some([first, last]) => arcs::between(view.eye(), first, last),
             None => arcs::whole(view.eye()),
@@ -107,7 +109,10 @@ impl Sight {
     /// The corners of the visible region.
     pub(crate) fn polygon(&self) -> Vec<Vec2> {
         match (&self.view, &self.extent) {
-            (Some(view), Some(extent)) => outline::polygon(&self.region(view), view.range(), extent),
+            (Some(view), Some(extent)) => {
+                let whole = view.direction().is_none();
+                outline::polygon(&self.region(view), whole, view.range(), extent)
+            }
             _ => Vec::new(),
         }
     }

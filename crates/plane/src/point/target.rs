@@ -44,7 +44,7 @@ pub(crate) fn meets(around: &Around, range: f64, disc: &Disc, piece: &Piece) -> 
         nearest.min(distance(center, DVec2::ZERO, side * end.length().min(far)))
     });
     if wall.is_some()
-        && let Some([a, b]) = within(ends[0], ends[1], range + doubt)
+        && let Some([a, b]) = inside_circle(ends[0], ends[1], range + doubt)
     {
         nearest = nearest.min(distance(center, a, b));
     }
@@ -56,8 +56,8 @@ pub(crate) fn meets(around: &Around, range: f64, disc: &Disc, piece: &Piece) -> 
     nearest <= radius * (1.0 + DISTANCE) + doubt + DISTANCE * (off + eye.length())
 }
 
-/// The part of a segment up to a distance from the origin.
-fn within(a: DVec2, b: DVec2, range: f64) -> Option<[DVec2; 2]> {
+/// The part of a segment inside a circle around the origin.
+pub(crate) fn inside_circle(a: DVec2, b: DVec2, range: f64) -> Option<[DVec2; 2]> {
     let along = b - a;
     let squared = along.length_squared();
     if a.length().max(b.length()) <= range || squared == 0.0 {

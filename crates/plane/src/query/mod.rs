@@ -106,7 +106,7 @@ impl Query {
     ///
     /// The polygon is star-shaped around the eye. The eye is a corner of it unless one sees in all directions. Where nothing
     /// stops the eye, the polygon ends at the range of the view: at chords around the circle, which leave it by 0.13% of the range at most.
-    /// Without a range it ends at the rectangle around the grid, all objects and the eye.
+    /// Without a range it ends a cell beyond the rectangle around the grid, all objects and the eye.
     pub fn polygon(&self) -> Vec<Vec2> {
         self.sight.polygon()
     }
