@@ -3,5 +3,8 @@
 //! The planar twin of [casca](https://docs.rs/casca): the same words, and the same guarantee. What can be seen is never left out.
 
 mod bits;
+mod numeric;
+mod tiles;
 
 pub use bits::BitGrid;
+pub use tiles::{FieldOfView, FovOptions, OpaqueTiles, TileError, TilePoint};
