@@ -3,6 +3,8 @@
 //! The planar twin of [casca](https://docs.rs/casca): the same words, and the same guarantee. What can be seen is never left out.
 
 mod bits;
+#[cfg(feature = "maps")]
+pub mod maps;
 mod numeric;
 mod tiles;
 
