@@ -9,4 +9,7 @@ mod numeric;
 mod tiles;
 
 pub use bits::BitGrid;
-pub use tiles::{FieldOfView, FovOptions, OpaqueTiles, TileError, TilePoint};
+pub use tiles::{
+    FieldOfView, Fog, FovOptions, OpaqueTiles, Side, TileError, TileFace, TileLayer, TilePoint, TileState,
+    VisibleFaces,
+};

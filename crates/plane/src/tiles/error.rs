@@ -36,6 +36,18 @@ pub enum TileError {
         /// The argument.
         what: &'static str,
     },
+    /// A grid of other dimensions than those of the map.
+    #[error("the tiles are {found_width} by {found_height}, but those of the map {width} by {height}")]
+    Dimensions {
+        /// The columns of the grid.
+        found_width: u32,
+        /// The rows of the grid.
+        found_height: u32,
+        /// The columns of the map.
+        width: u32,
+        /// The rows of the map.
+        height: u32,
+    },
     /// A tile that the grid does not have.
     #[error("the tile ({x}, {y}) lies outside of the grid of {width} by {height} tiles")]
     Outside {

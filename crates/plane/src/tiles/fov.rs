@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::bits::BitGrid;
+use crate::tiles::marks::Marks;
 use crate::tiles::octant::Octant;
 use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::options::FovOptions;
@@ -54,7 +55,7 @@ impl FieldOfView {
             [(&mut self.rows, opaque.bits(), false), (&mut self.columns, opaque.columns(), true)]
         {
             for octant in Octant::four(turned) {
-                marks.add(&mut self.sweep, tiles, octant, eye.units(), options);
+                mark_octant(marks, &mut self.sweep, tiles, octant, eye.units(), options);
             }
         }
         let turned = &self.columns;
@@ -74,60 +75,25 @@ impl FieldOfView {
     }
 }
 
-/// Tiles that are marked, and the columns and rows that hold them.
-#[derive(Debug, Clone, Default)]
-struct Marks {
-    bits: BitGrid,
-    columns: Range<u32>,
-    rows: Range<u32>,
-}
-
-impl Marks {
-    /// Clears all marks. There is one for each bit of `like` then.
-    fn clear(&mut self, like: &BitGrid) {
-        if (self.bits.width(), self.bits.height()) != (like.width(), like.height()) {
-            self.bits = BitGrid::new(like.width(), like.height());
-        } else if !self.columns.is_empty() {
-            let words = self.columns.start as usize / 64..(self.columns.end as usize).div_ceil(64);
-            for y in self.rows.clone() {
-                self.bits.row_mut(y)[words.clone()].fill(0);
-            }
-        }
-        (self.columns, self.rows) = (0..0, 0..0);
-    }
-
-    /// Marks lie in these columns and rows, too.
-    fn widen(&mut self, columns: Range<u32>, rows: Range<u32>) {
-        let union = |a: &Range<u32>, b: Range<u32>| match a.is_empty() {
-            true => b,
-            false => a.start.min(b.start)..a.end.max(b.end),
-        };
-        if !columns.is_empty() && !rows.is_empty() {
-            self.columns = union(&self.columns, columns);
-            self.rows = union(&self.rows, rows);
-        }
-    }
-
-    /// Marks the tiles that are seen in an octant.
-    fn add(
-        &mut self,
-        sweep: &mut Sweep,
-        tiles: &BitGrid,
-        octant: Octant,
-        eye: [i64; 2],
-        options: &FovOptions,
-    ) {
-        let (columns, rows) = if octant.flip_x {
-            let mut marker = Marker::<true>::new(&mut self.bits, octant.flip_y);
-            sweep.run::<true>(tiles, octant, eye, options, &mut marker);
-            marker.bounds()
-        } else {
-            let mut marker = Marker::<false>::new(&mut self.bits, octant.flip_y);
-            sweep.run::<false>(tiles, octant, eye, options, &mut marker);
-            marker.bounds()
-        };
-        self.widen(columns, rows);
-    }
+/// Marks the tiles that are seen in an octant.
+fn mark_octant(
+    marks: &mut Marks,
+    sweep: &mut Sweep,
+    tiles: &BitGrid,
+    octant: Octant,
+    eye: [i64; 2],
+    options: &FovOptions,
+) {
+    let (columns, rows) = if octant.flip_x {
+        let mut marker = Marker::<true>::new(&mut marks.bits, octant.flip_y);
+        sweep.run::<true>(tiles, octant, eye, options, &mut marker);
+        marker.bounds()
+    } else {
+        let mut marker = Marker::<false>::new(&mut marks.bits, octant.flip_y);
+        sweep.run::<false>(tiles, octant, eye, options, &mut marker);
+        marker.bounds()
+    };
+    marks.widen(columns, rows);
 }
 
 /// Marks the tiles of an octant.
