@@ -62,30 +62,43 @@ enum Norm {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     norm: Norm,
-    /// In units of positions, rounded up, below 2^62.
+    /// In units of positions, rounded up, at most 2^61.
     radius: i64,
 }
 
 impl Range {
     fn new(norm: Norm, radius: f32) -> Result<Option<Self>, TileError> {
         let units = (positive("the range", radius.into())? * TILE as f64).ceil();
-        Ok((units < (1u64 << 62) as f64).then_some(Self { norm, radius: units as i64 }))
+        Ok((units <= (1u64 << 61) as f64).then_some(Self { norm, radius: units as i64 }))
     }
 
-    /// How far a row of tiles reaches aside of the eye, in units: tiles that begin farther aside are out of range. `None` if the whole row is.
-    /// The row begins at the distance `ahead`, which is not negative.
-    pub fn aside(self, ahead: i64) -> Option<i64> {
+    /// The column after the last one of a row in which some point inside a tile is in range, right of an eye at `eye` units.
+    /// `None` if the whole row is out of range. The row begins at the distance `ahead`, which is not negative.
+    #[inline]
+    pub fn end(self, eye: i64, ahead: i64) -> Option<i64> {
         if ahead >= self.radius {
             return None;
         }
-        Some(match self.norm {
-            Norm::Chessboard => self.radius - 1,
+        // Tiles from the eye's column on begin this far aside.
+        let aside = |column: i64| column * TILE - eye;
+        let own = eye.div_euclid(TILE);
+        match self.norm {
+            Norm::Chessboard => Some((eye + self.radius - 1).div_euclid(TILE) + 1),
             Norm::Euclidean => {
                 let square = |side: i64| i128::from(side) * i128::from(side);
-                // The greatest whole number whose square is less than this.
-                (square(self.radius) - square(ahead) - 1).isqrt() as i64
+                let rest = square(self.radius) - square(ahead);
+                let in_range = |column: i64| column <= own || square(aside(column)) < rest;
+                // Off by a column at most; then made exact.
+                let mut end = ((eye as f64 + (rest as f64).sqrt()) / TILE as f64) as i64;
+                while in_range(end) {
+                    end += 1;
+                }
+                while !in_range(end - 1) {
+                    end -= 1;
+                }
+                Some(end)
             }
-        })
+        }
     }
 }
 

@@ -107,9 +107,7 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         let width = i64::from(self.tiles.width());
         match self.range {
             None => Some(width),
-            Some(range) => {
-                range.aside(ahead).map(|aside| ((self.eye[0] + aside).div_euclid(TILE) + 1).min(width))
-            }
+            Some(range) => range.end(self.eye[0], ahead).map(|end| end.min(width)),
         }
     }
 
