@@ -7,6 +7,8 @@ mod bits;
 pub mod maps;
 mod numeric;
 mod tiles;
+#[cfg(feature = "tiled")]
+pub mod tmx;
 
 pub use bits::BitGrid;
 pub use tiles::{

@@ -5,7 +5,7 @@ use crate::bits::BitGrid;
 /// The drawing of a harbour, 72 by 36 tiles, with a customs house, a tower, warehouses and containers.
 pub const HARBOUR: &str = include_str!("../../maps/harbour.txt");
 
-/// A map read from a drawing: a letter for each tile, the row of the greatest y first.
+/// A map read from a drawing: a letter for each tile, row 0 first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Drawing {
     /// The tiles `#`. Those of doors are clear.
@@ -24,7 +24,7 @@ impl Drawing {
         let width = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
         let height = text.lines().count();
         let mut drawing = Self { walls: BitGrid::new(width as u32, height as u32), ..Self::default() };
-        for (line, y) in text.lines().zip((0..height as u32).rev()) {
+        for (line, y) in text.lines().zip(0..) {
             for (letter, x) in line.chars().zip(0..) {
                 match letter {
                     '#' => drawing.walls.set(x, y, true),
