@@ -93,8 +93,7 @@ impl Method {
                 Box::new(Casca { map: &map.opaque, options, fov: FieldOfView::new() })
             }
             Self::Symmetric => {
-                let seen = vec![false; map.bytes.opaque.len()];
-                Box::new(Symmetric { map: &map.bytes, range: range as isize, seen })
+                Box::new(Symmetric { map: &map.bytes, range: range as isize, seen: Vec::new() })
             }
             Self::DoryenRecursive => {
                 Box::new(Doryen { map: &map.doryen, range, method: FovRecursiveShadowCasting::new() })
@@ -146,7 +145,8 @@ impl Runner for Casca<'_> {
 struct Symmetric<'a> {
     map: &'a Bytes,
     range: isize,
-    seen: Vec<bool>,
+    /// Some of them more than once.
+    seen: Vec<(isize, isize)>,
 }
 
 impl Runner for Symmetric<'_> {
@@ -161,18 +161,17 @@ impl Runner for Symmetric<'_> {
         let far =
             |(x, y): (isize, isize)| range != 0 && (x - eye_x).pow(2) + (y - eye_y).pow(2) > range * range;
         let mut blocks = |at| far(at) || index(at).is_none_or(|index| map.opaque[index]);
-        self.seen.fill(false);
+        self.seen.clear();
         let seen = &mut self.seen;
-        let mut mark = |at| {
-            if let Some(index) = index(at) {
-                seen[index] = true;
-            }
-        };
+        let mut mark = |at| seen.push(at);
         symmetric_shadowcasting::compute_fov((eye_x, eye_y), &mut blocks, &mut mark);
     }
 
     fn seen(&self) -> Vec<(u32, u32)> {
-        set_bytes(&self.seen, self.map.width as u32)
+        let inside = |&&(x, y): &&(isize, isize)| {
+            (0..self.map.width as isize).contains(&x) && (0..self.map.height as isize).contains(&y)
+        };
+        self.seen.iter().filter(inside).map(|&(x, y)| (x as u32, y as u32)).collect()
     }
 }
 
