@@ -8,6 +8,8 @@ mod error;
 mod geometry;
 mod grid;
 mod id;
+#[cfg(feature = "maps")]
+pub mod maps;
 mod matrix;
 mod method;
 mod numeric;
@@ -18,6 +20,9 @@ mod query;
 mod raster;
 mod scene;
 mod solid;
+mod tiles;
+#[cfg(feature = "tiled")]
+pub mod tmx;
 mod view;
 mod volume;
 
@@ -32,4 +37,8 @@ pub use object::{Motion, ObjectDesc, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::Query;
 pub use scene::{FrameReport, Scene};
+pub use tiles::{
+    FieldOfView, Fog, FovOptions, OpaqueTiles, Side, TileError, TileFace, TileLayer, TilePoint, TileState,
+    VisibleFaces,
+};
 pub use view::View;
