@@ -82,6 +82,24 @@ proptest! {
     }
 
     #[test]
+    fn numbers_of_all_sizes_are_taken(
+        (map, eye) in map_and_eye(),
+        far in proptest::array::uniform2(prop_oneof![Just(0.0), any::<f64>(), -4294967296.0..4294967296.0]),
+        radius: f32,
+        direction in proptest::array::uniform2(any::<f32>()),
+        half: f32,
+    ) {
+        let near = point(eye);
+        let Ok(eye) = TilePoint::new(near.x() + far[0], near.y() + far[1]) else { return Ok(()) };
+        let options = FovOptions::default();
+        let options = options.in_circle(radius).unwrap_or(options);
+        let options = options.in_sector(Vec2::from(direction), half).unwrap_or(options);
+        let all = seen(&map, eye, &FovOptions::default());
+        prop_assert!(seen(&map, eye, &options).is_subset(&all));
+        prop_assert!(seen(&map, eye, &options.in_square(radius.abs() + 1e-9).unwrap_or(options)).is_subset(&all));
+    }
+
+    #[test]
     fn runs_leave_nothing_behind((first, eye_1) in map_and_eye(), (second, eye_2) in map_and_eye(), radius in 0.1..20.0_f32) {
         let options = FovOptions::default().in_circle(radius).unwrap();
         let maps = [OpaqueTiles::new(first), OpaqueTiles::new(second)];
