@@ -6,7 +6,8 @@ use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use glam::Vec2;
 use proptest::prelude::*;
 
-use crate::maps::{cases, drawn, map_and_eye, point};
+use crate::common::cases;
+use crate::maps::{drawn, map_and_eye, point};
 use crate::oracle::{Oracle, UNIT};
 
 /// What the library sees.

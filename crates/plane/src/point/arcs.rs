@@ -1,0 +1,106 @@
+//! Arcs: intervals of directions around an eye, cut at the axes so that each lies in a quarter of the circle.
+//!
+//! Inside a quarter, one exact cross product says which of two directions comes first.
+
+use std::cmp::Ordering;
+
+use glam::DVec2;
+use smallvec::SmallVec;
+
+use crate::geometry::{orient, point_along};
+
+/// A closed interval of directions in one quarter of the circle: from that to one point to that to another, counterclockwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Arc {
+    /// The quarter, counterclockwise from that between +x and +y.
+    pub(crate) quarter: u8,
+    pub(crate) from: DVec2,
+    pub(crate) to: DVec2,
+}
+
+/// Some arcs, counterclockwise.
+pub(crate) type Arcs = SmallVec<[Arc; 5]>;
+
+/// A point on the axis at which a quarter begins.
+pub(crate) fn axis(eye: DVec2, quarter: u8) -> DVec2 {
+    point_along(eye, [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][usize::from(quarter % 4)])
+}
+
+/// The quarter of the direction to a point; that of an axis belongs to the quarter that begins there.
+pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
+    match (p.x > eye.x, p.x < eye.x, p.y > eye.y, p.y < eye.y) {
+        (true, _, _, false) => 0,
+        (false, _, true, _) => 1,
+        (_, true, _, _) => 2,
+        (false, false, false, false) => 0,
+        _ => 3,
+    }
+}
+
+/// The arcs from the direction to one point to that to another, counterclockwise, less than a whole turn; nothing if they are the same.
+pub(crate) fn between(eye: DVec2, from: DVec2, to: DVec2) -> Arcs {
+    cut(eye, from, to).filter(|arc| order(eye, arc.from, arc.to).is_lt()).collect()
+}
+
+/// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common with these.
+pub(crate) fn touching(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+    let before = Arc { quarter: (quarter(eye, from) + 3) % 4, from, to: from };
+    let begins = from.x == eye.x || from.y == eye.y;
+    begins.then_some(before).into_iter().chain(cut(eye, from, to))
+}
+
+fn cut(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+    let (first, last) = (quarter(eye, from), quarter(eye, to));
+    let same = first == last && orient(eye, from, to) >= 0.0;
+    let quarters = if same { 0 } else { (last + 3 - first) % 4 + 1 };
+    (0..=quarters).map(move |i| {
+        let quarter = (first + i) % 4;
+        Arc {
+            quarter,
+            from: if i == 0 { from } else { axis(eye, quarter) },
+            to: if i == quarters { to } else { axis(eye, quarter + 1) },
+        }
+    })
+}
+
+/// The whole circle.
+pub(crate) fn whole(eye: DVec2) -> Arcs {
+    (0..4).map(|quarter| Arc { quarter, from: axis(eye, quarter), to: axis(eye, quarter + 1) }).collect()
+}
+
+/// The order of the directions to two points of the same closed quarter, counterclockwise.
+pub(crate) fn order(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
+    if p == q {
+        return Ordering::Equal;
+    }
+    0f64.total_cmp(&(orient(eye, p, q) + 0.0))
+}
+
+/// The arcs without some others, which are sorted by their quarters and the directions where they begin. Those that remain are
+/// disjoint and have more than one direction.
+pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<Arc>) {
+    rest.clear();
+    for arc in arcs {
+        let first = others.partition_point(|other| other.quarter < arc.quarter);
+        let mut from = arc.from;
+        for other in others[first..].iter().take_while(|other| other.quarter == arc.quarter) {
+            if order(eye, other.from, arc.to).is_ge() {
+                break;
+            }
+            if order(eye, from, other.from).is_lt() {
+                rest.push(Arc { from, to: other.from, ..*arc });
+            }
+            if order(eye, from, other.to).is_lt() {
+                from = other.to;
+            }
+        }
+        if order(eye, from, arc.to).is_lt() {
+            rest.push(Arc { from, ..*arc });
+        }
+    }
+}
+
+/// Sorts arcs by their quarters and the directions where they begin.
+pub(crate) fn sort(eye: DVec2, arcs: &mut [Arc]) {
+    arcs.sort_unstable_by(|a, b| a.quarter.cmp(&b.quarter).then_with(|| order(eye, a.from, b.from)));
+}
