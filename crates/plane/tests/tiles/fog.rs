@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use casca_plane::{BitGrid, FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileState};
 use proptest::prelude::*;
 
-use crate::common::cases;
+use crate::cases::cases;
 use crate::maps::{coordinate, map, point};
 
 /// A map and the eyes of some frames.

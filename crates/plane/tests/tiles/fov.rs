@@ -6,7 +6,7 @@ use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use glam::Vec2;
 use proptest::prelude::*;
 
-use crate::common::cases;
+use crate::cases::cases;
 use crate::maps::{drawn, map_and_eye, point};
 use crate::oracle::{Oracle, UNIT};
 

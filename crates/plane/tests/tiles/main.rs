@@ -1,8 +1,7 @@
 //! Fields of view on tiles against exact visibility.
 
-#[path = "../common/mod.rs"]
-#[allow(dead_code)]
-mod common;
+#[path = "../common/cases.rs"]
+mod cases;
 mod faces;
 mod fog;
 mod fov;
