@@ -244,7 +244,7 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
                 // Rays enter the run from below, and its first tile also from the side.
                 sink.seen(from, near_end.clamp(run + 1, run_end));
                 if near_end > run {
-                    sink.near_sides(run.max(from), near_end.min(run_end));
+                    sink.near_sides(run, near_end.min(run_end));
                 }
                 if left.column < run as i64 {
                     sink.inner_side(run);

@@ -6,7 +6,8 @@ use casca_plane::{BitGrid, FovOptions, OpaqueTiles, Side, TileError, TileFace, T
 use glam::{DVec2, UVec2, Vec2};
 use proptest::prelude::*;
 
-use crate::maps::{cases, drawn, map_and_eye, point};
+use crate::cases::cases;
+use crate::maps::{drawn, map_and_eye, point};
 use crate::oracle::Oracle;
 
 /// The side that a ray enters a tile at, as a face of one tile.

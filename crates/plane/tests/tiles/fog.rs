@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use casca_plane::{BitGrid, FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileState};
 use proptest::prelude::*;
 
-use crate::maps::{cases, coordinate, map, point};
+use crate::cases::cases;
+use crate::maps::{coordinate, map, point};
 
 /// A map and the eyes of some frames.
 fn frames() -> impl Strategy<Value = (BitGrid, Vec<Vec<[i128; 2]>>)> {

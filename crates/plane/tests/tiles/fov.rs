@@ -6,7 +6,8 @@ use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use glam::Vec2;
 use proptest::prelude::*;
 
-use crate::maps::{cases, drawn, map_and_eye, point};
+use crate::cases::cases;
+use crate::maps::{drawn, map_and_eye, point};
 use crate::oracle::{Oracle, UNIT};
 
 /// What the library sees.
@@ -79,6 +80,24 @@ proptest! {
         let found = seen(&map, point(eye), &FovOptions::default().in_sector(toward, half).unwrap());
         prop_assert!(truth[0].is_subset(&found), "misses {:?}", truth[0].difference(&found));
         prop_assert!(found.is_subset(&truth[1]), "adds {:?}", found.difference(&truth[1]));
+    }
+
+    #[test]
+    fn numbers_of_all_sizes_are_taken(
+        (map, eye) in map_and_eye(),
+        far in proptest::array::uniform2(prop_oneof![Just(0.0), any::<f64>(), -4294967296.0..4294967296.0]),
+        radius: f32,
+        direction in proptest::array::uniform2(any::<f32>()),
+        half: f32,
+    ) {
+        let near = point(eye);
+        let Ok(eye) = TilePoint::new(near.x() + far[0], near.y() + far[1]) else { return Ok(()) };
+        let options = FovOptions::default();
+        let options = options.in_circle(radius).unwrap_or(options);
+        let options = options.in_sector(Vec2::from(direction), half).unwrap_or(options);
+        let all = seen(&map, eye, &FovOptions::default());
+        prop_assert!(seen(&map, eye, &options).is_subset(&all));
+        prop_assert!(seen(&map, eye, &options.in_square(radius.abs() + 1e-9).unwrap_or(options)).is_subset(&all));
     }
 
     #[test]

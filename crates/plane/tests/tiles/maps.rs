@@ -2,20 +2,8 @@
 
 use casca_plane::{BitGrid, TilePoint};
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngSeed};
 
 use crate::oracle::UNIT;
-
-/// The same cases in every run, unless `CASCA_SEED` is set; `CASCA_CASES` multiplies their number.
-pub fn cases(n: u32) -> Config {
-    let from_env = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<u64>().ok());
-    Config {
-        cases: n.saturating_mul(from_env("CASCA_CASES").unwrap_or(1).min(100_000) as u32),
-        rng_seed: RngSeed::Fixed(from_env("CASCA_SEED").unwrap_or(1)),
-        failure_persistence: None,
-        ..Config::default()
-    }
-}
 
 /// A map from its drawing: `#` blocks. The first line is the row of the greatest y.
 pub fn drawn(rows: &[&str]) -> BitGrid {
