@@ -21,9 +21,22 @@ pub(crate) struct Arc {
 /// Some arcs, counterclockwise.
 pub(crate) type Arcs = SmallVec<[Arc; 5]>;
 
-/// A point on the axis at which a quarter begins.
-pub(crate) fn axis(eye: DVec2, quarter: u8) -> DVec2 {
-    point_along(eye, [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][usize::from(quarter % 4)])
+/// An eye, and a point on each axis around it: that at which a quarter begins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Circle {
+    pub(crate) eye: DVec2,
+    axes: [DVec2; 4],
+}
+
+impl Circle {
+    pub(crate) fn new(eye: DVec2) -> Self {
+        let axes = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|axis| point_along(eye, axis));
+        Self { eye, axes }
+    }
+
+    fn axis(&self, quarter: u8) -> DVec2 {
+        self.axes[usize::from(quarter % 4)]
+    }
 }
 
 /// The quarter of the direction to a point; that of an axis belongs to the quarter that begins there.
@@ -38,18 +51,22 @@ pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
 }
 
 /// The arcs from the direction to one point to that to another, counterclockwise, less than a whole turn; nothing if they are the same.
-pub(crate) fn between(eye: DVec2, from: DVec2, to: DVec2) -> Arcs {
-    cut(eye, from, to).filter(|arc| order(eye, arc.from, arc.to).is_lt()).collect()
+pub(crate) fn between(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let eye = circle.eye;
+    cut(circle, from, to).filter(move |arc| order(eye, arc.from, arc.to).is_lt())
 }
 
 /// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common with these.
-pub(crate) fn touching(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+pub(crate) fn touching(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let eye = circle.eye;
     let before = Arc { quarter: (quarter(eye, from) + 3) % 4, from, to: from };
     let begins = from.x == eye.x || from.y == eye.y;
-    begins.then_some(before).into_iter().chain(cut(eye, from, to))
+    begins.then_some(before).into_iter().chain(cut(circle, from, to))
 }
 
-fn cut(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+fn cut(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let circle = *circle;
+    let eye = circle.eye;
     let (first, last) = (quarter(eye, from), quarter(eye, to));
     let same = first == last && orient(eye, from, to) >= 0.0;
     let quarters = if same { 0 } else { (last + 3 - first) % 4 + 1 };
@@ -57,15 +74,15 @@ fn cut(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
         let quarter = (first + i) % 4;
         Arc {
             quarter,
-            from: if i == 0 { from } else { axis(eye, quarter) },
-            to: if i == quarters { to } else { axis(eye, quarter + 1) },
+            from: if i == 0 { from } else { circle.axis(quarter) },
+            to: if i == quarters { to } else { circle.axis(quarter + 1) },
         }
     })
 }
 
 /// The whole circle.
-pub(crate) fn whole(eye: DVec2) -> Arcs {
-    (0..4).map(|quarter| Arc { quarter, from: axis(eye, quarter), to: axis(eye, quarter + 1) }).collect()
+pub(crate) fn whole(circle: &Circle) -> Arcs {
+    (0..4).map(|quarter| Arc { quarter, from: circle.axis(quarter), to: circle.axis(quarter + 1) }).collect()
 }
 
 /// The order of the directions to two points of the same closed quarter, counterclockwise.
