@@ -6,6 +6,8 @@ use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2};
 
+const VIEWS: u32 = 8;
+
 const WALLS: [u32; 4] = [100, 1_000, 10_000, 100_000];
 
 /// Random numbers from 0 to 1 (Weyl sequence, mixed as in SplitMix64).
@@ -88,12 +90,13 @@ fn views(criterion: &mut Criterion) {
         for walls in WALLS {
             let (scene, size) = make(walls);
             let mut random = Random(4);
-            let views: Vec<View> =
-                (0..16).map(|_| View::all_round(size * 0.25 + random.point(size * 0.5)).unwrap()).collect();
+            let views: Vec<View> = (0..VIEWS)
+                .map(|_| View::all_round(size * 0.25 + random.point(size * 0.5)).unwrap())
+                .collect();
             let mut query = Query::new();
             let pieces: u32 = views.iter().map(|view| query.run(&scene, view).stats().pieces).sum();
             let mut next = 0;
-            group.bench_function(BenchmarkId::new(walls.to_string(), pieces / 16), |bencher| {
+            group.bench_function(BenchmarkId::new(walls.to_string(), pieces / VIEWS), |bencher| {
                 bencher.iter(|| {
                     next = (next + 1) % views.len();
                     query.run(&scene, &views[next]).len()

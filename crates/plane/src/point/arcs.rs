@@ -93,23 +93,32 @@ pub(crate) fn order(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
     0f64.total_cmp(&(orient(eye, p, q) + 0.0))
 }
 
-/// The arcs without some others, which are sorted by their quarters and the directions where they begin. Those that remain are
-/// disjoint and have more than one direction.
+/// Takes some arcs out of others. Both are sorted by quarter and direction, and disjoint; so are those that remain, which have more
+/// than one direction.
 pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<Arc>) {
     rest.clear();
+    let mut next = 0;
     for arc in arcs {
-        let first = others.partition_point(|other| other.quarter < arc.quarter);
+        let ends_before = |other: &Arc| {
+            other.quarter < arc.quarter
+                || other.quarter == arc.quarter && order(eye, other.to, arc.from).is_le()
+        };
+        while others.get(next).is_some_and(ends_before) {
+            next += 1;
+        }
         let mut from = arc.from;
-        for other in others[first..].iter().take_while(|other| other.quarter == arc.quarter) {
-            if order(eye, other.from, arc.to).is_ge() {
-                break;
-            }
+        let begins_inside =
+            |other: &&Arc| other.quarter == arc.quarter && order(eye, other.from, arc.to).is_lt();
+        while let Some(other) = others.get(next).filter(begins_inside) {
             if order(eye, from, other.from).is_lt() {
                 rest.push(Arc { from, to: other.from, ..*arc });
             }
-            if order(eye, from, other.to).is_lt() {
-                from = other.to;
+            from = other.to;
+            if order(eye, from, arc.to).is_ge() {
+                // The next arc may meet it, too.
+                break;
             }
+            next += 1;
         }
         if order(eye, from, arc.to).is_lt() {
             rest.push(Arc { from, ..*arc });
@@ -117,7 +126,14 @@ pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<A
     }
 }
 
-/// Sorts arcs by their quarters and the directions where they begin.
-pub(crate) fn sort(eye: DVec2, arcs: &mut [Arc]) {
+/// Sorts arcs by quarter and direction, and joins those that meet.
+pub(crate) fn unite(eye: DVec2, arcs: &mut Vec<Arc>) {
     arcs.sort_unstable_by(|a, b| a.quarter.cmp(&b.quarter).then_with(|| order(eye, a.from, b.from)));
+    arcs.dedup_by(|arc, before| {
+        let meet = arc.quarter == before.quarter && order(eye, arc.from, before.to).is_le();
+        if meet && order(eye, before.to, arc.to).is_lt() {
+            before.to = arc.to;
+        }
+        meet
+    });
 }

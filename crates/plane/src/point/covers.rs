@@ -39,7 +39,7 @@ impl Covers {
     pub(crate) fn reset(&mut self, eye: DVec2, view: &[Arc]) {
         self.open.clear();
         self.open.extend_from_slice(view);
-        arcs::sort(eye, &mut self.open);
+        arcs::unite(eye, &mut self.open);
         self.closed.clear();
         self.waiting.clear();
     }
@@ -83,7 +83,7 @@ impl Covers {
         if self.closed.is_empty() || self.closed.len() * FEW < self.open.len() {
             return;
         }
-        arcs::sort(circle.eye, &mut self.closed);
+        arcs::unite(circle.eye, &mut self.closed);
         arcs::without(circle.eye, &self.open, &self.closed, &mut self.rest);
         std::mem::swap(&mut self.open, &mut self.rest);
         self.closed.clear();
