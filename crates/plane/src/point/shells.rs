@@ -108,37 +108,58 @@ impl<'a> Quarter<'a> {
                 next = last + 1;
             }
             i += 1;
-            // Many arcs may lie in the last cell: passed over by bisection.
-            let (mut low, mut high) =
-                (i, if i < arcs.len() && self.last(arc(i)[1]) < next { arcs.len() } else { i });
-            while low < high {
-                let middle = low.midpoint(high);
-                if self.last(arc(middle)[1]) < next { low = middle + 1 } else { high = middle }
+            // Many arcs may lie in the last cell: passed over in strides that double, then halve.
+            let passed = |i: usize| i < arcs.len() && !self.reaches(next, arc(i)[1]);
+            let mut stride = 1;
+            while passed(i + stride - 1) {
+                i += stride;
+                stride *= 2;
             }
-            i = low;
+            while stride > 1 {
+                stride /= 2;
+                if passed(i + stride - 1) {
+                    i += stride;
+                }
+            }
         }
+    }
+
+    /// The vector from the eye to a point along the axes, and where the column and the row of the shell begin.
+    fn place(&self, p: DVec2) -> (DVec2, DVec2) {
+        ((p - self.shells.eye).abs(), (f64::from(self.shell) - self.place).max(DVec2::ZERO))
     }
 
     /// The number of the first cell that has points in directions from that to a point on.
     fn first(&self, p: DVec2) -> i32 {
-        let (d, near) = ((p - self.shells.eye).abs(), f64::from(self.shell) - self.place);
-        let up = (d.y / d.x * near.x.max(0.0) - SHELL + self.place.y).floor().max(0.0);
-        if up <= f64::from(self.shell) {
+        let (d, near) = self.place(p);
+        // Casts round towards zero, and numbers that are not known to zero.
+        let up = (d.y / d.x * near.x - SHELL + self.place.y).max(0.0);
+        if up < f64::from(self.shell + 1) {
             return up as i32;
         }
-        let along = (d.x / d.y * (near.y + 1.0) + SHELL + self.place.x).floor();
+        let along = d.x / d.y * (near.y + 1.0) + SHELL + self.place.x;
         2 * self.shell - (along as i32).clamp(0, self.shell)
     }
 
     /// The number of the last cell that has points in directions up to that to a point.
     fn last(&self, p: DVec2) -> i32 {
-        let (d, near) = ((p - self.shells.eye).abs(), f64::from(self.shell) - self.place);
-        let along = (d.x / d.y * near.y.max(0.0) - SHELL + self.place.x).floor().max(0.0);
-        if along <= f64::from(self.shell) {
+        let (d, near) = self.place(p);
+        let along = (d.x / d.y * near.y - SHELL + self.place.x).max(0.0);
+        if along < f64::from(self.shell) {
             return 2 * self.shell - along as i32;
         }
-        let up = (d.y / d.x * (near.x + 1.0) + SHELL + self.place.y).floor();
+        let up = d.y / d.x * (near.x + 1.0) + SHELL + self.place.y;
         (up as i32).clamp(0, self.shell)
+    }
+
+    /// Whether [`Quarter::last`] of a point is at least a number: without a division.
+    fn reaches(&self, number: i32, p: DVec2) -> bool {
+        let (d, near) = self.place(p);
+        let beyond = 2 * self.shell - number + 1;
+        // In the row, or else in the column, of which the corner is the last cell.
+        let in_row = d.x * near.y < d.y * (f64::from(beyond.min(self.shell)) + SHELL - self.place.x);
+        let up = f64::from(number) - SHELL - self.place.y;
+        in_row || number <= self.shell && d.y * (near.x + 1.0) >= d.x * up
     }
 
     /// Calls `run` with the cells of some numbers.
