@@ -7,12 +7,12 @@ use crate::scene::Scene;
 use crate::tiles::TileLayer;
 
 impl Scene {
-    /// Adds the tiles of a layer that block sight, as fixed objects that hide what is behind them: one for each rectangle of such tiles. Gives their
-    /// ids. Where tiles have the size of the grid's cells and lie on them, each makes its cell opaque for
-    /// [`Method::Cell`](crate::Method::Cell); else the cells do that lie wholly inside one of the rectangles.
+    /// Adds the tiles of a layer that block sight, as fixed objects with occluders: one for each of the [rectangles](TileLayer::rects) of
+    /// such tiles. Gives their ids.
     ///
-    /// Corners of tiles are rounded to single precision, all tiles at a corner alike, so that no gaps open. Tiles that open and close are better left out of the
-    /// layer, and added as objects. Costs the cells that the tiles touch.
+    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside one of the rectangles are opaque; these are the
+    /// cells of all tiles where tiles have the size of cells and lie on them. Tiles that open and close, as doors do, are better left
+    /// out of the layer and added as objects. Costs the cells that the tiles touch.
     ///
     /// # Errors
     /// As [`Scene::insert`]; then none is added.
