@@ -84,6 +84,9 @@ pub enum Error {
     /// A speed for an object that does not move.
     #[error("a fixed object has no speed: describe it by ObjectDesc::dynamic")]
     FixedMoves,
+    /// An object that may go unreported needs a promised greatest speed.
+    #[error("an object that is reported on expiry needs a greatest speed: give ObjectDesc::max_speed")]
+    SpeedNeeded,
     /// An occluder that sticks out of its bounds: it would hide more than the object does.
     #[error("the occluder sticks out of the rectangle around its bounds by {} world units", Short(*by))]
     OccluderOutside {

@@ -4,15 +4,31 @@ use crate::error::{Error, not_negative};
 use crate::geometry::Shape;
 use crate::numeric::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 
+/// When the application tells of the motion of a dynamic object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reports {
+    /// Whenever it moved, hidden or not.
+    #[default]
+    WhenMoved,
+    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it in sight. Needs a greatest speed,
+    /// which the object must keep while it goes unreported; a report may put it anywhere.
+    ///
+    /// It counts as visible when its volume is seen, and from [`crate::Scene::begin_frame`] on until a report that is due comes. Until
+    /// then it hides nothing.
+    OnExpiry,
+}
+
 /// Whether an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// Stays where it is. It can still be updated.
     Static,
-    /// Moves.
+    /// Moves. While no view sees it, a temporal bounding volume stands for it.
     Dynamic {
         /// Greatest speed of any point in world units per second, if known.
         max_speed: Option<f32>,
+        /// When its motion is reported.
+        reports: Reports,
     },
 }
 
@@ -45,7 +61,7 @@ impl ObjectDesc {
 
     /// An object that moves, with no promise about its speed.
     pub fn dynamic(bounds: impl Into<Shape>) -> Self {
-        Self::with_motion(bounds.into(), Motion::Dynamic { max_speed: None })
+        Self::with_motion(bounds.into(), Motion::Dynamic { max_speed: None, reports: Reports::WhenMoved })
     }
 
     fn with_motion(bounds: Shape, motion: Motion) -> Self {
@@ -65,7 +81,18 @@ impl ObjectDesc {
     pub fn max_speed(mut self, speed: f32) -> Self {
         match &mut self.motion {
             Motion::Static => self.contradicts = true,
-            Motion::Dynamic { max_speed } => *max_speed = Some(speed),
+            Motion::Dynamic { max_speed, .. } => *max_speed = Some(speed),
+        }
+        self
+    }
+
+    /// Says that the object's motion goes unreported while it is hidden (see [`Reports::OnExpiry`]). Needs a
+    /// [greatest speed](ObjectDesc::max_speed), and a [dynamic](ObjectDesc::dynamic) object.
+    #[must_use]
+    pub fn reported_on_expiry(mut self) -> Self {
+        match &mut self.motion {
+            Motion::Static => self.contradicts = true,
+            Motion::Dynamic { reports, .. } => *reports = Reports::OnExpiry,
         }
         self
     }
@@ -83,7 +110,8 @@ impl ObjectDesc {
             return Err(Error::FixedMoves);
         }
         match self.motion {
-            Motion::Dynamic { max_speed: Some(speed) } => not_negative("the greatest speed", speed),
+            Motion::Dynamic { max_speed: Some(speed), .. } => not_negative("the greatest speed", speed),
+            Motion::Dynamic { max_speed: None, reports: Reports::OnExpiry } => Err(Error::SpeedNeeded),
             _ => Ok(()),
         }
     }

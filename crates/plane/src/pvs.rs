@@ -15,6 +15,14 @@ pub struct Stats {
     pub shells: u32,
     /// Cells visited. Cells of empty blocks of 8x8 cells are passed over and not counted.
     pub cells_visited: u64,
+    /// [`Method::Cell`]: how many of them were hidden. Cells on a diagonal of the viewer's count twice.
+    pub cells_hidden: u64,
+    /// [`Method::Cell`]: rows and columns of cells, or extended occluders, that hide others.
+    pub occluders_drawn: u32,
+    /// [`Method::Cell`]: extended occluders that were left out since their angle is small.
+    pub occluders_skipped: u32,
+    /// Temporal bounding volumes that were seen.
+    pub tbvs_revealed: u32,
     /// Objects whose shapes were compared with the view.
     pub objects_tested: u32,
     /// [`Method::Point`]: sides of occluders that were gathered.
@@ -36,6 +44,8 @@ pub struct Pvs {
     pub(crate) method: Method,
     pub(crate) view: Option<View>,
     pub(crate) visible: Vec<ObjectId>,
+    /// The hidden objects whose volumes were seen.
+    pub(crate) revealed: Vec<ObjectId>,
     /// By slot: 1 + the place in `visible`, or 0.
     places: Vec<u32>,
     pub(crate) stats: Stats,
@@ -106,6 +116,7 @@ impl Pvs {
             self.places[id.index()] = 0;
         }
         self.places.resize(slots, 0);
+        self.revealed.clear();
         self.stats = Stats::default();
     }
 

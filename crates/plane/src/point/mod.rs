@@ -33,7 +33,7 @@ use crate::point::region::Region;
 use crate::point::walk::Walk;
 use crate::point::wall::Around;
 use crate::pvs::Pvs;
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::view::View;
 
 /// The memory of a query: the visible region of its last run.
@@ -56,21 +56,24 @@ impl Sight {
         pvs.stats.segments = self.walk.walls.len() as u32;
         pvs.stats.pieces = self.envelope.steps.len() as u32;
         let found = self.walk.found.iter().filter_map(|&slot| Some((slot, scene.object(slot)?)));
-        push_visible(
-            self.region(view, &circle),
-            scene,
-            found.map(|(slot, object)| (slot, &object.bounds)),
-            pvs,
-        );
+        pvs.revealed
+            .extend(found.clone().filter(|(_, object)| object.is_hidden()).map(|(slot, _)| scene.id(slot)));
+        pvs.stats.tbvs_revealed = pvs.revealed.len() as u32;
+        push_visible(self.region(view, &circle), scene, found, pvs);
     }
 
     /// Finds the objects in the view, as if nothing hid them.
     pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
+        let circle = self.open(scene, view);
+        push_visible(self.region(view, &circle), scene, scene.living(), pvs);
+    }
+
+    /// Takes the whole view as the visible region.
+    pub(crate) fn open(&mut self, scene: &Scene, view: &View) -> Circle {
         let (circle, arcs) = self.start(scene, view);
         self.walk.clear();
         self.envelope.build(&Around::new(&circle, &[]), &arcs, &[]);
-        let all = scene.living().map(|(slot, object)| (slot, &object.bounds));
-        push_visible(self.region(view, &circle), scene, all, pvs);
+        circle
     }
 
     fn start(&mut self, scene: &Scene, view: &View) -> (Circle, Arcs) {
@@ -122,12 +125,12 @@ impl Sight {
 fn push_visible<'a>(
     region: Region,
     scene: &Scene,
-    objects: impl Iterator<Item = (u32, &'a Shape)>,
+    objects: impl Iterator<Item = (u32, &'a Object)>,
     pvs: &mut Pvs,
 ) {
-    for (slot, bounds) in objects {
+    for (slot, object) in objects {
         pvs.stats.objects_tested += 1;
-        if region.meets(bounds) {
+        if object.is_lost() || region.meets(object.place()) {
             pvs.push(scene.id(slot));
         }
     }

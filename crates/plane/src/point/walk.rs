@@ -48,7 +48,9 @@ impl Walk {
         self.clear();
         self.mark_nothing(scene.slot_count());
         let eye = circle.eye;
-        scene.outer().iter().for_each(|&slot| self.find(slot, scene, circle, stats));
+        let always = scene.outer().iter().chain(scene.lost());
+        always.for_each(|&slot| self.find(slot, scene, circle, stats));
+        scene.volumes_around(scene.grid().cell_of(eye), |slot| self.find(slot, scene, circle, stats));
         let Some(shells) = Shells::new(scene.grid(), eye) else {
             return scene.living().for_each(|(slot, _)| self.find(slot, scene, circle, stats));
         };
@@ -102,11 +104,11 @@ impl Walk {
 
     /// Finds the objects in some cells of a column or row.
     fn visit(&mut self, scene: &Scene, (mut cell, last): Run, circle: &Circle, stats: &mut Stats) {
-        let lists = scene.lists();
+        let (lists, volumes) = (scene.lists(), scene.volumes());
         let step = (last - cell).signum();
         // Along the column or row, beyond the last cell.
         while cell.cmple(last).all() {
-            if lists.is_block_empty(cell) {
+            if lists.is_block_empty(cell) && volumes.is_block_empty(cell) {
                 let next = (cell / BLOCK + 1) * BLOCK;
                 cell = if step == IVec2::ZERO {
                     last + 1
@@ -116,7 +118,8 @@ impl Walk {
                 continue;
             }
             stats.cells_visited += 1;
-            lists.get(cell).iter().for_each(|&slot| self.find(slot, scene, circle, stats));
+            let slots = lists.get(cell).iter().chain(volumes.at(cell));
+            slots.for_each(|&slot| self.find(slot, scene, circle, stats));
             cell += if step == IVec2::ZERO { IVec2::ONE } else { step };
         }
     }
@@ -128,7 +131,8 @@ impl Walk {
             return;
         }
         self.found.push(slot);
-        let Some(occluder) = scene.object(slot).and_then(|object| object.occluder.as_ref()) else { return };
+        let certain = scene.object(slot).filter(|object| object.is_certain());
+        let Some(occluder) = certain.and_then(|object| object.occluder.as_ref()) else { return };
         if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {

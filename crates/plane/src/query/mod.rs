@@ -2,6 +2,8 @@
 
 use glam::Vec2;
 
+use crate::bits::BitGrid;
+use crate::cell::{self, CellOptions, CellScratch};
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::method::Method;
@@ -18,6 +20,8 @@ use crate::view::View;
 pub struct Query {
     method: Method,
     pvs: Pvs,
+    cell_options: CellOptions,
+    cell: CellScratch,
     sight: Sight,
 }
 
@@ -47,10 +51,36 @@ impl Query {
         (pvs.scene, pvs.revision) = (scene.tag(), scene.revision());
         (pvs.method, pvs.view) = (self.method, Some(*view));
         match self.method {
+            Method::Cell => {
+                self.sight.open(scene, view);
+                cell::run(scene, view, &self.cell_options, &self.sight, &mut self.cell, pvs);
+            }
             Method::Sector => self.sight.run_without_occluders(scene, view, pvs),
             Method::Point => self.sight.run(scene, view, pvs),
         }
         pvs
+    }
+
+    /// The options of [`Method::Cell`].
+    pub fn cell_options(&self) -> CellOptions {
+        self.cell_options
+    }
+
+    /// Changes the options of [`Method::Cell`] from the next run on.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] if one of them is out of its range. The query then keeps the old ones.
+    pub fn set_cell_options(&mut self, options: CellOptions) -> Result<(), Error> {
+        options.check()?;
+        self.cell_options = options;
+        Ok(())
+    }
+
+    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell that some point of the eye's cell sees a point of, inside the
+    /// view, and a few more. `None` after a run of another method, or on another scene. Costs all cells of the grid.
+    pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
+        let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
+        ran.then(|| self.cell.seen_cells(scene))
     }
 
     /// Whether a point can be seen by the view of the last run: whether it belongs to the visible region, as

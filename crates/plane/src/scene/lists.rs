@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Shape;
 use crate::grid::Grid;
+use crate::matrix::CrossBits;
 use crate::raster::touched;
 
 /// Cells of a block along each axis.
@@ -28,13 +29,16 @@ pub(crate) struct CellLists {
     blocks: Vec<[Cell; CELLS]>,
     /// By number: how many entries the lists of a block have.
     used: Vec<u32>,
+    /// The cells whose lists have entries.
+    occupied: CrossBits,
 }
 
 impl CellLists {
     pub(crate) fn new(grid: &Grid) -> Self {
         let blocks = (grid.dims() + BLOCK - 1) / BLOCK;
         let numbers = vec![NO_BLOCK; (blocks.x * blocks.y) as usize];
-        Self { stride: blocks.x as usize, numbers, blocks: Vec::new(), used: Vec::new() }
+        let occupied = CrossBits::new(grid.dims().as_uvec2());
+        Self { stride: blocks.x as usize, numbers, blocks: Vec::new(), used: Vec::new(), occupied }
     }
 
     /// The number of the block of a cell of the grid, and the place of the cell in it.
@@ -50,6 +54,11 @@ impl CellLists {
             NO_BLOCK => &[],
             number => &self.blocks[number as usize][inner],
         }
+    }
+
+    /// The cells that objects touch.
+    pub(crate) fn occupied(&self) -> &CrossBits {
+        &self.occupied
     }
 
     /// Whether no object touches any cell of the 8x8 cells around one.
@@ -76,6 +85,7 @@ impl CellLists {
         if list.last() != Some(&slot) {
             list.push(slot);
             self.used[number] += 1;
+            self.occupied.set(cell.x as u32, cell.y as u32, true);
         }
     }
 
@@ -89,6 +99,9 @@ impl CellLists {
                 if let Some(at) = list.iter().position(|&other| other == slot) {
                     list.swap_remove(at);
                     self.used[number] -= 1;
+                    if list.is_empty() {
+                        self.occupied.set(x as u32, y as u32, false);
+                    }
                 }
             }
         });

@@ -6,16 +6,28 @@
 
 mod edit;
 mod frame;
+mod hiding;
 pub(crate) mod lists;
+mod slot_set;
 mod slots;
+mod state;
+mod tiles;
+
+use glam::IVec2;
 
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
-use crate::object::{Motion, ObjectDesc};
+use crate::matrix::{CrossBits, Opacity};
+use crate::object::{Motion, ObjectDesc, Reports};
 use crate::scene::lists::CellLists;
+use crate::scene::slot_set::SlotSet;
 use crate::scene::slots::Slots;
+use crate::scene::state::{Hidden, Mover, State};
+use crate::volume::{ExpiryQueue, Volumes};
+
+pub use frame::FrameReport;
 
 /// An object in its slot.
 #[derive(Debug, Clone)]
@@ -26,12 +38,61 @@ pub(crate) struct Object {
     pub(crate) user_data: u64,
     /// 1 + its place in the list of objects that are in no cells, or 0.
     outer: u32,
+    /// Whether the cells inside its occluder are opaque by it.
+    fills: bool,
+    mover: Option<Box<Mover>>,
 }
 
 impl Object {
-    fn new(desc: ObjectDesc) -> Self {
+    fn new(desc: ObjectDesc, now: f64) -> Self {
         let ObjectDesc { bounds, occluder, motion, user_data, .. } = desc;
-        Self { bounds, occluder, motion, user_data, outer: 0 }
+        let mover = (motion != Motion::Static).then(|| Box::new(Mover::new(now)));
+        Self { bounds, occluder, motion, user_data, outer: 0, fills: false, mover }
+    }
+
+    /// A shape that surely contains the object now: its bounds, or the volume of an object that goes unreported.
+    pub(crate) fn place(&self) -> &Shape {
+        self.hidden().and_then(|hidden| hidden.region.as_ref()).unwrap_or(&self.bounds)
+    }
+
+    /// Whether its motion goes unreported while it is hidden.
+    pub(crate) fn on_expiry(&self) -> bool {
+        matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
+    }
+
+    /// Whether the cells inside its occluder are opaque by it.
+    pub(crate) fn fills(&self) -> bool {
+        self.fills
+    }
+
+    /// Whether it is in a volume.
+    pub(crate) fn is_hidden(&self) -> bool {
+        self.hidden().is_some()
+    }
+
+    /// Whether its place is unknown: it counts as visible and hides nothing.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue | State::Lost))
+    }
+
+    /// Whether it surely is where it was last reported: only then it hides others.
+    pub(crate) fn is_certain(&self) -> bool {
+        !self.is_lost() && self.hidden().is_none_or(|hidden| hidden.region.is_none())
+    }
+
+    fn hidden(&self) -> Option<&Hidden> {
+        match &self.mover.as_ref()?.state {
+            State::Hidden(hidden) => Some(hidden),
+            _ => None,
+        }
+    }
+
+    /// The promised greatest speed, in world units per second.
+    fn promised_speed(&self) -> Option<f64> {
+        match self.motion {
+            Motion::Dynamic { max_speed: Some(speed), .. } => Some(f64::from(speed)),
+            _ => None,
+        }
     }
 }
 
@@ -64,8 +125,28 @@ pub struct Scene {
     grid: Grid,
     slots: Slots,
     lists: CellLists,
-    /// The slots of objects that are in no cells.
+    /// The slots of objects that are in no cells, as they are too large or leave the grid.
     outer: Vec<u32>,
+    /// Os: the cells that static occluders fill.
+    fixed: Opacity,
+    /// The cells that listed dynamic occluders add to make O.
+    moving: Opacity,
+    volumes: Volumes,
+    /// Dynamic objects in the lists of cells, or too large for them.
+    listed: SlotSet,
+    /// How many of them are reported on expiry.
+    listed_on_expiry: u32,
+    /// Objects that every query counts as visible, since their place is unknown.
+    lost: SlotSet,
+    expiries: ExpiryQueue,
+    /// Cells of the viewers of the last frame.
+    viewers: Vec<IVec2>,
+    /// Number of the frame, counted by [`Scene::begin_frame`].
+    frame: u64,
+    /// Volumes drawn since the last frame ended.
+    drawn: usize,
+    /// Memory used again: the objects in sight, a bit for each slot.
+    seen: Vec<u64>,
     /// The clock, in seconds.
     now: f64,
     /// Changes with every change of the objects.
@@ -73,14 +154,32 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// An empty scene on a grid. Costs four bytes for each 8x8 cells.
+    /// An empty scene on a grid. Costs a byte for each cell.
     ///
     /// # Errors
     /// As [`Grid::new`].
     pub fn new(spec: &GridSpec) -> Result<Self, Error> {
         let grid = Grid::new(spec)?;
-        let lists = CellLists::new(&grid);
-        Ok(Self { grid, slots: Slots::new(), lists, outer: Vec::new(), now: 0.0, revision: 0 })
+        let dims = grid.dims().as_uvec2();
+        Ok(Self {
+            grid,
+            slots: Slots::new(),
+            lists: CellLists::new(&grid),
+            outer: Vec::new(),
+            fixed: Opacity::new(dims),
+            moving: Opacity::new(dims),
+            volumes: Volumes::new(&grid),
+            listed: SlotSet::default(),
+            listed_on_expiry: 0,
+            lost: SlotSet::default(),
+            expiries: ExpiryQueue::default(),
+            viewers: Vec::new(),
+            frame: 1,
+            drawn: 0,
+            seen: Vec::new(),
+            now: 0.0,
+            revision: 0,
+        })
     }
 
     /// The grid.
@@ -155,7 +254,32 @@ impl Scene {
         &self.lists
     }
 
-    /// The objects that are in no cells: every query looks at them.
+    /// Os and the rest of O: the cells that occluders fill.
+    pub(crate) fn opacity(&self) -> [&CrossBits; 2] {
+        [self.fixed.bits(), self.moving.bits()]
+    }
+
+    /// T: the temporal bounding volumes.
+    pub(crate) fn volumes(&self) -> &Volumes {
+        &self.volumes
+    }
+
+    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline does not stand for them. For a cell
+    /// outside of the grid these are all, as outlines end at the border.
+    pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(u32)) {
+        if self.grid.contains(cell) {
+            self.volumes.holding(cell, found);
+        } else {
+            self.living().filter(|(_, object)| object.is_hidden()).for_each(|(slot, _)| found(slot));
+        }
+    }
+
+    /// The objects whose place is unknown.
+    pub(crate) fn lost(&self) -> &[u32] {
+        self.lost.as_slice()
+    }
+
+    /// The objects that are in no cells, as they are too large or leave the grid: every query looks at them.
     pub(crate) fn outer(&self) -> &[u32] {
         &self.outer
     }

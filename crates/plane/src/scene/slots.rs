@@ -134,7 +134,7 @@ mod tests {
     use crate::object::ObjectDesc;
 
     fn object() -> Object {
-        Object::new(ObjectDesc::fixed(Disc::new(Vec2::ZERO, 1.0)))
+        Object::new(ObjectDesc::fixed(Disc::new(Vec2::ZERO, 1.0)), 0.0)
     }
 
     #[test]

@@ -1,0 +1,69 @@
+//! The options of the cell method.
+
+use crate::cell::Hiding;
+use crate::error::Error;
+
+/// How the cell method finds the cells that occluders hide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Fusion {
+    /// All rows and columns of cells that block, with exact masks of directions: hides most, and costs least.
+    #[default]
+    Masks,
+    /// As in the thesis, section 3.3.4: each opaque cell in sight grows to a row or a column, and hides the cells behind it one by one.
+    /// For comparisons.
+    Straight,
+    /// As [`Fusion::Straight`], with a second arm round the corner that is nearest to the viewer.
+    LShaped,
+}
+
+/// The options of [`Method::Cell`](crate::Method::Cell).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct CellOptions {
+    /// How cells hide others.
+    pub fusion: Fusion,
+    /// Occluders that seem smaller than this hide nothing: an estimate of their angle in radians, from 0 on (Coorg & Teller 1997). 0 leaves out
+    /// none. Costs fewer cells set for [`Fusion::Straight`] and [`Fusion::LShaped`], and little for [`Fusion::Masks`], where fused occluders count
+    /// as one.
+    pub min_angle: f32,
+}
+
+impl CellOptions {
+    /// The options that hide most.
+    pub const fn new() -> Self {
+        Self { fusion: Fusion::Masks, min_angle: 0.0 }
+    }
+
+    /// Chooses how cells hide others.
+    #[must_use]
+    pub const fn fusion(mut self, fusion: Fusion) -> Self {
+        self.fusion = fusion;
+        self
+    }
+
+    /// Leaves out occluders that seem smaller than an angle in radians.
+    #[must_use]
+    pub const fn min_angle(mut self, min_angle: f32) -> Self {
+        self.min_angle = min_angle;
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let most = std::f32::consts::PI;
+        if (0.0..=most).contains(&self.min_angle) {
+            return Ok(());
+        }
+        let (what, value) = ("the least angle of occluders in radians", self.min_angle.into());
+        Err(Error::Setting { what, value, min: 0.0, max: most.into() })
+    }
+
+    pub(super) fn hiding(&self) -> Hiding {
+        let least_angle = f64::from(self.min_angle);
+        match self.fusion {
+            Fusion::Masks => Hiding::Rows { narrowest: least_angle },
+            Fusion::Straight => Hiding::Caps { l_shaped: false, least_angle },
+            Fusion::LShaped => Hiding::Caps { l_shaped: true, least_angle },
+        }
+    }
+}
