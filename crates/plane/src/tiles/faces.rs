@@ -6,7 +6,8 @@ use crate::tiles::octant::Octant;
 use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::options::FovOptions;
 use crate::tiles::point::TilePoint;
-use crate::tiles::sweep::{Sink, Sweep};
+use crate::tiles::ray::Sink;
+use crate::tiles::sweep::Sweep;
 
 /// A side of a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -14,8 +14,10 @@ mod octant;
 mod opaque;
 mod options;
 mod point;
+mod ray;
 mod scan;
 mod sweep;
+mod tile_sweep;
 mod transpose;
 
 pub use error::TileError;

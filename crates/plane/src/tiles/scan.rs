@@ -15,21 +15,29 @@ impl<const MIRROR: bool> Row<'_, MIRROR> {
     /// The first column in `from..end` whose bit is set; `end` if there is none. `from < end <= width`.
     #[inline(always)]
     pub fn next_set(self, from: usize, end: usize) -> usize {
-        self.next(from, end, 0)
+        self.next(from, end, |at| self.words[at])
     }
 
     /// The first column in `from..end` whose bit is clear; `end` if there is none. `from < end <= width`.
     #[inline(always)]
     pub fn next_clear(self, from: usize, end: usize) -> usize {
-        self.next(from, end, u64::MAX)
+        self.next(from, end, |at| !self.words[at])
     }
 
+    /// The first column in `from..end` whose bit is set here and in another row of the same width; `end` if there is none.
+    /// `from < end <= width`.
+    #[inline]
+    pub fn next_in_both(self, other: Self, from: usize, end: usize) -> usize {
+        self.next(from, end, |at| self.words[at] & other.words[at])
+    }
+
+    /// The first column whose bit is set in the words of a function.
     #[inline(always)]
-    fn next(self, from: usize, end: usize, flip: u64) -> usize {
+    fn next(self, from: usize, end: usize, word_at: impl Fn(usize) -> u64) -> usize {
         if MIRROR {
             let (first, last) = (self.width - end, self.width - 1 - from);
             let mut at = last / WORD;
-            let mut word = (self.words[at] ^ flip) & (u64::MAX >> (WORD - 1 - last % WORD));
+            let mut word = word_at(at) & (u64::MAX >> (WORD - 1 - last % WORD));
             loop {
                 if word != 0 {
                     let found = at * WORD + (WORD - 1 - word.leading_zeros() as usize);
@@ -39,11 +47,11 @@ impl<const MIRROR: bool> Row<'_, MIRROR> {
                     return end;
                 }
                 at -= 1;
-                word = self.words[at] ^ flip;
+                word = word_at(at);
             }
         } else {
             let mut at = from / WORD;
-            let mut word = (self.words[at] ^ flip) & (u64::MAX << (from % WORD));
+            let mut word = word_at(at) & (u64::MAX << (from % WORD));
             loop {
                 if word != 0 {
                     return (at * WORD + word.trailing_zeros() as usize).min(end);
@@ -52,7 +60,7 @@ impl<const MIRROR: bool> Row<'_, MIRROR> {
                 if at * WORD >= end {
                     return end;
                 }
-                word = self.words[at] ^ flip;
+                word = word_at(at);
             }
         }
     }

@@ -3,5 +3,6 @@
 #[path = "../common/cases.rs"]
 mod cases;
 mod frames;
+mod point;
 mod rays;
 mod scenes;

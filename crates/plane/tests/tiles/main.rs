@@ -5,5 +5,6 @@ mod cases;
 mod faces;
 mod fog;
 mod fov;
+mod from_tile;
 mod maps;
 mod oracle;
