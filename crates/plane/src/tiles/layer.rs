@@ -37,7 +37,8 @@ impl TileLayer {
     /// A layer whose tile `(0, 0)` has its least corner at `origin`.
     ///
     /// # Errors
-    /// An origin or a size that is not finite, a size that is not greater than zero, a layer that reaches beyond the numbers of single precision.
+    /// An origin or a size that is not finite, a size that is not greater than zero, a layer that reaches beyond the numbers of single
+    /// precision.
     pub fn new(origin: Vec2, tile_size: f32, opaque: BitGrid) -> Result<Self, TileError> {
         for part in origin.to_array() {
             finite("the origin of a tile layer", part.into())?;
