@@ -75,6 +75,8 @@ pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
 /// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
 
+// Tiles.
+
 /// Field of view on tiles.
 ///
 /// Positions are whole numbers of `2^-TILE_BITS` of a tile, and the sweep only adds and compares them: it rounds nothing.

@@ -24,14 +24,12 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// The region of the directions between two half-planes through the eye. All are `normal . (p - eye) >= 0`, with normals of
-    /// length 1, and an eye that is relative to the centre of V. Without half-planes it holds all directions.
+    /// The region of the directions between two half-planes through an eye in V, of which it takes the normals of length 1; all
+    /// directions without them. The eye is relative to the centre of V.
     pub(crate) fn new(eye: DVec2, normals: &[DVec2], range: Option<f64>) -> Self {
-        let plane = |&normal: &DVec2| {
-            let half = normal.abs().element_sum() * 0.5;
-            // From the first term on V lies in the half-plane; the second one is for cells that reach into it.
-            CellPlane { normal, offset: (-normal.dot(eye)).max(half) + half + REGION }
-        };
+        // Moved out by half of this, a half-plane through the eye holds V; the other half is for cells that reach into it.
+        let offset = |normal: DVec2| normal.abs().element_sum() + REGION;
+        let plane = |&normal: &DVec2| CellPlane { normal, offset: offset(normal) };
         let half_diagonal = std::f64::consts::FRAC_1_SQRT_2;
         let radius = |range: f64| (range + eye.length()).max(half_diagonal) + half_diagonal + REGION;
         Self { planes: normals.iter().map(plane).collect(), radius: range.map(radius) }

@@ -28,6 +28,8 @@ struct Found {
     visible: Vec<(i32, u32)>,
     /// The slots of objects in volumes that are in sight.
     revealed: Vec<u32>,
+    /// Whether the view bounds nothing.
+    everywhere: bool,
     tested: u32,
 }
 
@@ -44,6 +46,7 @@ pub(crate) fn run(
     let grid = scene.grid();
     let v = grid.cell_of(view.eye());
     found.begin(scene.slot_count());
+    found.everywhere = view.direction().is_none() && view.range().is_none();
     let away = (-v).max(v - (grid.dims() - 1)).max_element();
     let eye_in_occluder = is_in_occluder(scene, view.eye(), v);
     let opacity = scene.opacity();
@@ -55,7 +58,9 @@ pub(crate) fn run(
     };
     let region = if away <= FAR_VIEWER { region_of(scene, view, v) } else { Region::default() };
     scene.volumes_around(v, |slot| found.reveal(slot));
-    let walked = walk.run(&map, v, &region, options.hiding(), |cell, shell| {
+    // So far away all cells are in sight, and the numbers of shells must not overflow.
+    let middle = v.clamp(IVec2::splat(-FAR_VIEWER), grid.dims() + FAR_VIEWER);
+    let walked = walk.run(&map, middle, &region, options.hiding(), |cell, shell| {
         scene.lists().get(cell).iter().for_each(|&slot| found.decide(scene, sight, slot, shell));
         scene.volumes().at(cell).iter().for_each(|&slot| found.reveal(slot));
     });
@@ -109,7 +114,7 @@ impl Found {
             return;
         }
         self.tested += 1;
-        if object.is_lost() || sight.sees(object.place()) {
+        if self.everywhere || object.is_lost() || sight.sees(object.place()) {
             self.visible.push((shell, slot));
         }
     }

@@ -11,6 +11,7 @@ pub(crate) mod lists;
 mod slot_set;
 mod slots;
 mod state;
+mod tiles;
 
 use glam::IVec2;
 

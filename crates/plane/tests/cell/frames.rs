@@ -4,12 +4,8 @@ use casca_plane::{Disc, Fusion, GridSpec, Method, ObjectDesc, Query, Rect, Scene
 use glam::{DVec2, UVec2, Vec2};
 use proptest::prelude::*;
 
+use crate::cases::cases;
 use crate::scenes::{Kind, Random, World};
-
-fn cases(n: u32) -> ProptestConfig {
-    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1).min(100_000);
-    ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(n.saturating_mul(times)) }
-}
 
 /// A viewer, with its query.
 struct Viewer {

@@ -1,5 +1,7 @@
 //! Tests of the walk on small maps, against exact visibility between cells and against the chain rule written down plainly.
 
+#[path = "../../../tests/common/cases.rs"]
+mod cases;
 mod exact;
 mod rule;
 
@@ -8,6 +10,7 @@ use proptest::prelude::*;
 
 use crate::cell::{CellMap, Hiding, Region, Walk};
 use crate::matrix::CrossBits;
+use cases::cases;
 use exact::is_visible;
 use rule::chain_rule;
 
@@ -76,11 +79,6 @@ fn maps(side: i32) -> impl Strategy<Value = Map> {
         opaque.dedup();
         Map { dims, opaque, v }
     })
-}
-
-fn cases(n: u32) -> ProptestConfig {
-    let times = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(1).min(100_000);
-    ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(n.saturating_mul(times)) }
 }
 
 proptest! {
