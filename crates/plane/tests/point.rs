@@ -58,6 +58,31 @@ fn spec(min: f32, cell: f32, cells: u32) -> GridSpec {
     GridSpec { min: Vec2::splat(min), cell, dims: UVec2::splat(cells) }
 }
 
+/// An object in the middle of each cell, so small that it touches no other cell.
+#[test]
+fn every_cell_is_visited() {
+    let cells = || (0..17).flat_map(|x| (0..17).map(move |y| Vec2::new(x as f32, y as f32)));
+    let objects: Vec<_> = cells().map(|p| (Shape::from(Segment::new(p + 0.5, p + 0.5)), false)).collect();
+    let twin = Twin::new(&spec(0.0, 1.0, 17), &objects);
+    for eye in [(8.5, 8.5), (3.0, 5.0), (0.1, 16.9), (-7.3, 4.2), (30.0, -11.0)] {
+        let view = View::all_round(eye.into()).unwrap();
+        assert_eq!(Query::new().run(&twin.scene, &view).len(), objects.len(), "{eye:?}");
+    }
+}
+
+/// The object touches the wall from behind, and is in no cell that the eye sees.
+#[test]
+fn objects_that_touch_a_cell_in_sight_are_found() {
+    let at = Vec2::new;
+    let wall = Segment::new(at(3.0, 3.0), at(6.0, 3.0)).into();
+    let rect = |min, max| Shape::from(casca_plane::Rect::new(min, max));
+    let (touching, behind) = (rect(at(4.25, 3.0), at(4.5, 3.75)), rect(at(4.25, 3.25), at(4.5, 3.75)));
+    let twin = Twin::new(&spec(0.0, 1.0, 8), &[(wall, true), (touching, false), (behind, false)]);
+    twin.check(at(4.5, 1.5), &[at(4.5, 3.0), at(4.5, 3.0f32.next_up())]).unwrap();
+    let view = View::all_round(at(4.5, 1.5)).unwrap();
+    assert_eq!(Query::new().run(&twin.scene, &view).visible(), &twin.ids[..2]);
+}
+
 /// Points with small integer coordinates: many of them are the same, or on one line.
 fn lattice() -> impl Strategy<Value = Vec2> + Clone {
     (0..8i32, 0..8i32).prop_map(|(x, y)| Vec2::new(x as f32, y as f32))

@@ -21,9 +21,22 @@ pub(crate) struct Arc {
 /// Some arcs, counterclockwise.
 pub(crate) type Arcs = SmallVec<[Arc; 5]>;
 
-/// A point on the axis at which a quarter begins.
-pub(crate) fn axis(eye: DVec2, quarter: u8) -> DVec2 {
-    point_along(eye, [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y][usize::from(quarter % 4)])
+/// An eye, and a point on each axis around it: that at which a quarter begins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Circle {
+    pub(crate) eye: DVec2,
+    axes: [DVec2; 4],
+}
+
+impl Circle {
+    pub(crate) fn new(eye: DVec2) -> Self {
+        let axes = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].map(|axis| point_along(eye, axis));
+        Self { eye, axes }
+    }
+
+    fn axis(&self, quarter: u8) -> DVec2 {
+        self.axes[usize::from(quarter % 4)]
+    }
 }
 
 /// The quarter of the direction to a point; that of an axis belongs to the quarter that begins there.
@@ -38,18 +51,22 @@ pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
 }
 
 /// The arcs from the direction to one point to that to another, counterclockwise, less than a whole turn; nothing if they are the same.
-pub(crate) fn between(eye: DVec2, from: DVec2, to: DVec2) -> Arcs {
-    cut(eye, from, to).filter(|arc| order(eye, arc.from, arc.to).is_lt()).collect()
+pub(crate) fn between(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let eye = circle.eye;
+    cut(circle, from, to).filter(move |arc| order(eye, arc.from, arc.to).is_lt())
 }
 
 /// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common with these.
-pub(crate) fn touching(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+pub(crate) fn touching(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let eye = circle.eye;
     let before = Arc { quarter: (quarter(eye, from) + 3) % 4, from, to: from };
     let begins = from.x == eye.x || from.y == eye.y;
-    begins.then_some(before).into_iter().chain(cut(eye, from, to))
+    begins.then_some(before).into_iter().chain(cut(circle, from, to))
 }
 
-fn cut(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
+fn cut(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
+    let circle = *circle;
+    let eye = circle.eye;
     let (first, last) = (quarter(eye, from), quarter(eye, to));
     let same = first == last && orient(eye, from, to) >= 0.0;
     let quarters = if same { 0 } else { (last + 3 - first) % 4 + 1 };
@@ -57,15 +74,15 @@ fn cut(eye: DVec2, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> {
         let quarter = (first + i) % 4;
         Arc {
             quarter,
-            from: if i == 0 { from } else { axis(eye, quarter) },
-            to: if i == quarters { to } else { axis(eye, quarter + 1) },
+            from: if i == 0 { from } else { circle.axis(quarter) },
+            to: if i == quarters { to } else { circle.axis(quarter + 1) },
         }
     })
 }
 
 /// The whole circle.
-pub(crate) fn whole(eye: DVec2) -> Arcs {
-    (0..4).map(|quarter| Arc { quarter, from: axis(eye, quarter), to: axis(eye, quarter + 1) }).collect()
+pub(crate) fn whole(circle: &Circle) -> Arcs {
+    (0..4).map(|quarter| Arc { quarter, from: circle.axis(quarter), to: circle.axis(quarter + 1) }).collect()
 }
 
 /// The order of the directions to two points of the same closed quarter, counterclockwise.
@@ -76,23 +93,32 @@ pub(crate) fn order(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
     0f64.total_cmp(&(orient(eye, p, q) + 0.0))
 }
 
-/// The arcs without some others, which are sorted by their quarters and the directions where they begin. Those that remain are
-/// disjoint and have more than one direction.
+/// Takes some arcs out of others. Both are sorted by quarter and direction, and disjoint; so are those that remain, which have more
+/// than one direction.
 pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<Arc>) {
     rest.clear();
+    let mut next = 0;
     for arc in arcs {
-        let first = others.partition_point(|other| other.quarter < arc.quarter);
+        let ends_before = |other: &Arc| {
+            other.quarter < arc.quarter
+                || other.quarter == arc.quarter && order(eye, other.to, arc.from).is_le()
+        };
+        while others.get(next).is_some_and(ends_before) {
+            next += 1;
+        }
         let mut from = arc.from;
-        for other in others[first..].iter().take_while(|other| other.quarter == arc.quarter) {
-            if order(eye, other.from, arc.to).is_ge() {
-                break;
-            }
+        let begins_inside =
+            |other: &&Arc| other.quarter == arc.quarter && order(eye, other.from, arc.to).is_lt();
+        while let Some(other) = others.get(next).filter(begins_inside) {
             if order(eye, from, other.from).is_lt() {
                 rest.push(Arc { from, to: other.from, ..*arc });
             }
-            if order(eye, from, other.to).is_lt() {
-                from = other.to;
+            from = other.to;
+            if order(eye, from, arc.to).is_ge() {
+                // The next arc may meet it, too.
+                break;
             }
+            next += 1;
         }
         if order(eye, from, arc.to).is_lt() {
             rest.push(Arc { from, ..*arc });
@@ -100,7 +126,14 @@ pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<A
     }
 }
 
-/// Sorts arcs by their quarters and the directions where they begin.
-pub(crate) fn sort(eye: DVec2, arcs: &mut [Arc]) {
+/// Sorts arcs by quarter and direction, and joins those that meet.
+pub(crate) fn unite(eye: DVec2, arcs: &mut Vec<Arc>) {
     arcs.sort_unstable_by(|a, b| a.quarter.cmp(&b.quarter).then_with(|| order(eye, a.from, b.from)));
+    arcs.dedup_by(|arc, before| {
+        let meet = arc.quarter == before.quarter && order(eye, arc.from, before.to).is_le();
+        if meet && order(eye, before.to, arc.to).is_lt() {
+            before.to = arc.to;
+        }
+        meet
+    });
 }

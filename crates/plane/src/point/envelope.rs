@@ -110,9 +110,8 @@ impl Envelope {
         let eye = around.eye;
         self.items.clear();
         let walls = around.walls.iter().zip(0u32..);
-        let walls = walls.flat_map(|(wall, number)| {
-            between(eye, wall.a, wall.b).into_iter().map(move |arc| (number, arc))
-        });
+        let walls = walls
+            .flat_map(|(wall, number)| between(around.circle, wall.a, wall.b).map(move |arc| (number, arc)));
         for (wall, part) in walls.chain(blocked.iter().map(|&arc| (BLOCKED, arc))) {
             for (number, arc) in view.iter().enumerate().filter(|(_, arc)| arc.quarter == part.quarter) {
                 let from = if order(eye, arc.from, part.from).is_lt() { part.from } else { arc.from };

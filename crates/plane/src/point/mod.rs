@@ -27,7 +27,7 @@ use glam::{DVec2, Vec2};
 
 use crate::geometry::Shape;
 use crate::geometry::block::Block;
-use crate::point::arcs::Arcs;
+use crate::point::arcs::{Arcs, Circle};
 use crate::point::envelope::Envelope;
 use crate::point::region::Region;
 use crate::point::walk::Walk;
@@ -41,7 +41,7 @@ use crate::view::View;
 pub(crate) struct Sight {
     walk: Walk,
     envelope: Envelope,
-    view: Option<View>,
+    view: Option<(View, Circle)>,
     /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
 }
@@ -49,9 +49,9 @@ pub(crate) struct Sight {
 impl Sight {
     /// Finds the visible region and the objects that meet it.
     pub(crate) fn run(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
-        let arcs = self.start(scene, view);
-        self.walk.run(scene, view, &arcs, &mut pvs.stats);
-        let around = Around { eye: view.eye(), walls: &self.walk.walls };
+        let (circle, arcs) = self.start(scene, view);
+        self.walk.run(scene, view, &circle, &arcs, &mut pvs.stats);
+        let around = Around::new(&circle, &self.walk.walls);
         self.envelope.build(&around, &arcs, &self.walk.blocked);
         pvs.stats.segments = self.walk.walls.len() as u32;
         pvs.stats.pieces = self.envelope.steps.len() as u32;
@@ -59,24 +59,26 @@ impl Sight {
         pvs.revealed
             .extend(found.clone().filter(|(_, object)| object.is_hidden()).map(|(slot, _)| scene.id(slot)));
         pvs.stats.tbvs_revealed = pvs.revealed.len() as u32;
-        push_visible(self.region(view), scene, found, pvs);
+        push_visible(self.region(view, &circle), scene, found, pvs);
     }
 
     /// Finds the objects in the view, as if nothing hid them.
     pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
-        self.open(scene, view);
-        push_visible(self.region(view), scene, scene.living(), pvs);
+        let circle = self.open(scene, view);
+        push_visible(self.region(view, &circle), scene, scene.living(), pvs);
     }
 
     /// Takes the whole view as the visible region.
-    pub(crate) fn open(&mut self, scene: &Scene, view: &View) {
-        let arcs = self.start(scene, view);
+    pub(crate) fn open(&mut self, scene: &Scene, view: &View) -> Circle {
+        let (circle, arcs) = self.start(scene, view);
         self.walk.clear();
-        self.envelope.build(&Around { eye: view.eye(), walls: &[] }, &arcs, &[]);
+        self.envelope.build(&Around::new(&circle, &[]), &arcs, &[]);
+        circle
     }
 
-    fn start(&mut self, scene: &Scene, view: &View) -> Arcs {
-        self.view = Some(*view);
+    fn start(&mut self, scene: &Scene, view: &View) -> (Circle, Arcs) {
+        let circle = Circle::new(view.eye());
+        self.view = Some((*view, circle));
         let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(view.eye());
         let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
         let Block { min, max } = outer.fold(grid, |all, object| {
@@ -85,33 +87,35 @@ impl Sight {
         });
         let room = scene.grid().cell_size();
         self.extent = Some(Block { min: min - room, max: max + room });
-        match view.sides() {
-            Some([first, last]) => arcs::between(view.eye(), first, last),
-            None => arcs::whole(view.eye()),
-        }
+        let arcs = match view.sides() {
+            Some([first, last]) => arcs::between(&circle, first, last).collect(),
+            None => arcs::whole(&circle),
+        };
+        (circle, arcs)
     }
 
-    fn region(&self, view: &View) -> Region<'_> {
-        let around = Around { eye: view.eye(), walls: &self.walk.walls };
+    fn region<'a>(&'a self, view: &View, circle: &'a Circle) -> Region<'a> {
+        let around = Around::new(circle, &self.walk.walls);
         Region::new(around, &self.envelope, view.range())
     }
 
     /// Whether a point belongs to the visible region; `false` before the first run.
     pub(crate) fn sees_point(&self, point: DVec2) -> bool {
-        point.is_finite() && self.view.is_some_and(|view| self.region(&view).contains(point))
+        point.is_finite()
+            && self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).contains(point))
     }
 
     /// Whether a shape meets the visible region; `false` before the first run.
     pub(crate) fn sees(&self, shape: &Shape) -> bool {
-        self.view.is_some_and(|view| self.region(&view).meets(shape))
+        self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).meets(shape))
     }
 
     /// The corners of the visible region.
     pub(crate) fn polygon(&self) -> Vec<Vec2> {
         match (&self.view, &self.extent) {
-            (Some(view), Some(extent)) => {
+            (Some((view, circle)), Some(extent)) => {
                 let whole = view.direction().is_none();
-                outline::polygon(&self.region(view), whole, view.range(), extent)
+                outline::polygon(&self.region(view, circle), whole, view.range(), extent)
             }
             _ => Vec::new(),
         }

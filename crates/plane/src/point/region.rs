@@ -60,7 +60,7 @@ impl<'a> Region<'a> {
     /// The directions between those to two points that are in the region's view, with the pieces there.
     fn meeting(&self, from: DVec2, to: DVec2) -> impl Iterator<Item = Piece> {
         let eye = self.around.eye;
-        touching(eye, from, to).flat_map(move |part| {
+        touching(self.around.circle, from, to).flat_map(move |part| {
             let domains =
                 self.envelope.domains.iter().filter(move |domain| domain.arc.quarter == part.quarter);
             domains.flat_map(move |domain| {

@@ -45,68 +45,142 @@ impl<'a> Shells<'a> {
         (self.grid.cell_bounds(self.cell - shell).0, self.grid.cell_bounds(self.cell + shell).1)
     }
 
-    /// Calls `run` with the cells of a shell of the grid that have points in some arcs, rounded outwards; each cell comes once if
-    /// the arcs are sorted and disjoint, but those on the axes may come twice.
+    /// Edge length of a cell.
+    pub(crate) fn cell_size(&self) -> f64 {
+        self.grid.cell_size()
+    }
+
+    /// The first shell whose square contains a point.
+    pub(crate) fn shell_of(&self, p: DVec2) -> i32 {
+        let off = (self.grid.cell_of(p) - self.cell).abs().max_element();
+        // A point on the upper border of a square belongs to the cell beyond.
+        let contains = |shell: i32| {
+            let (min, max) = self.square(shell);
+            p.cmpge(min).all() && p.cmple(max).all()
+        };
+        if off > 0 && contains(off - 1) { off - 1 } else { off }
+    }
+
+    /// Calls `run` with the cells of a shell of the grid that have points in some arcs, rounded outwards. The arcs are sorted by quarter
+    /// and direction, and disjoint. Each cell comes once, but those on the axes may come twice. Costs the logarithm of the number
+    /// of arcs for each of the runs.
     pub(crate) fn runs(&self, shell: i32, arcs: &[Arc], run: &mut impl FnMut(Run)) {
-        let mut before: [Option<(i32, i32)>; 8] = [None; 8];
-        for arc in arcs {
-            let signs =
-                [IVec2::ONE, IVec2::new(-1, 1), IVec2::NEG_ONE, IVec2::new(1, -1)][usize::from(arc.quarter)];
-            let mut ends = [arc.from, arc.to].map(|p| (p - self.eye).abs());
-            if signs.x != signs.y {
-                ends.swap(0, 1);
+        let mut rest = arcs;
+        for quarter in 0..4u8 {
+            let (own, others) = rest.split_at(rest.partition_point(|arc| arc.quarter == quarter));
+            rest = others;
+            Quarter::new(self, quarter, shell).runs(own, run);
+        }
+    }
+}
+
+/// The cells of a shell in a quarter of the circle, counted from the axis of x to that of y: up the column, then along the row.
+struct Quarter<'a> {
+    shells: &'a Shells<'a>,
+    shell: i32,
+    /// Where the axes point.
+    signs: IVec2,
+    /// Where the eye is in its cell, along these axes.
+    place: DVec2,
+}
+
+impl<'a> Quarter<'a> {
+    fn new(shells: &'a Shells<'a>, quarter: u8, shell: i32) -> Self {
+        let signs =
+            [IVec2::ONE, IVec2::new(-1, 1), IVec2::NEG_ONE, IVec2::new(1, -1)][usize::from(quarter % 4)];
+        let place = DVec2::select(signs.cmpgt(IVec2::ZERO), shells.place, 1.0 - shells.place);
+        Self { shells, shell, signs, place }
+    }
+
+    fn runs(&self, arcs: &[Arc], run: &mut impl FnMut(Run)) {
+        let turned = self.signs.x != self.signs.y;
+        // In the order from the axis of x to that of y.
+        let arc = |i: usize| {
+            let Arc { from, to, .. } = arcs[if turned { arcs.len() - 1 - i } else { i }];
+            if turned { [to, from] } else { [from, to] }
+        };
+        let (mut i, mut next) = (0, 0);
+        while i < arcs.len() {
+            let [from, to] = arc(i);
+            let (first, last) = (self.first(from).max(next), self.last(to));
+            if first <= last {
+                self.emit(first, last, run);
+                next = last + 1;
             }
-            // Where lines through the cell's sides begin, in the first quarter.
-            let place = DVec2::select(signs.cmpgt(IVec2::ZERO), self.place, 1.0 - self.place);
-            for axis in 0..2 {
-                let other = 1 - axis;
-                // How fast the other coordinate grows, at least and at most.
-                let (slow, fast) =
-                    (ends[axis][other] / ends[axis][axis], ends[other][other] / ends[other][axis]);
-                let near = f64::from(shell) - place[axis];
-                let low = (slow * near.max(0.0) - SHELL + place[other]).floor().max(0.0);
-                // The corner belongs to the column.
-                let most = f64::from(shell - axis as i32);
-                let high = (fast * (near + 1.0) + SHELL + place[other]).floor().min(most);
-                let (mut low, mut high) = (low as i32, if high.is_nan() { most as i32 } else { high as i32 });
-                if low > high {
-                    continue;
-                }
-                let before = &mut before[usize::from(arc.quarter) * 2 + axis];
-                if let Some((first, last)) = *before {
-                    let whole = (low.min(first), high.max(last));
-                    if low >= first {
-                        low = low.max(last + 1)
-                    } else {
-                        high = high.min(first - 1)
-                    }
-                    *before = Some(whole);
-                } else {
-                    *before = Some((low, high));
-                }
-                if low <= high {
-                    self.clip(shell, axis, signs, (low, high), run);
+            i += 1;
+            // Many arcs may lie in the last cell: passed over in strides that double, then halve.
+            let passed = |i: usize| i < arcs.len() && !self.reaches(next, arc(i)[1]);
+            let mut stride = 1;
+            while passed(i + stride - 1) {
+                i += stride;
+                stride *= 2;
+            }
+            while stride > 1 {
+                stride /= 2;
+                if passed(i + stride - 1) {
+                    i += stride;
                 }
             }
         }
     }
 
-    /// Calls `run` with the part inside the grid of the cells that are `shell` away along an axis, and between two distances
-    /// along the other.
-    fn clip(
-        &self,
-        shell: i32,
-        axis: usize,
-        signs: IVec2,
-        (low, high): (i32, i32),
-        run: &mut impl FnMut(Run),
-    ) {
-        let other = 1 - axis;
-        let at = self.cell[axis] + signs[axis] * shell;
-        let ends = [low, high].map(|distance| self.cell[other] + signs[other] * distance);
-        let (first, last) =
-            (ends[0].min(ends[1]).max(0), ends[0].max(ends[1]).min(self.grid.dims()[other] - 1));
-        if at >= 0 && at < self.grid.dims()[axis] && first <= last {
+    /// The vector from the eye to a point along the axes, and where the column and the row of the shell begin.
+    fn place(&self, p: DVec2) -> (DVec2, DVec2) {
+        ((p - self.shells.eye).abs(), (f64::from(self.shell) - self.place).max(DVec2::ZERO))
+    }
+
+    /// The number of the first cell that has points in directions from that to a point on.
+    fn first(&self, p: DVec2) -> i32 {
+        let (d, near) = self.place(p);
+        // Casts round towards zero, and numbers that are not known to zero.
+        let up = (d.y / d.x * near.x - SHELL + self.place.y).max(0.0);
+        if up < f64::from(self.shell + 1) {
+            return up as i32;
+        }
+        let along = d.x / d.y * (near.y + 1.0) + SHELL + self.place.x;
+        2 * self.shell - (along as i32).clamp(0, self.shell)
+    }
+
+    /// The number of the last cell that has points in directions up to that to a point.
+    fn last(&self, p: DVec2) -> i32 {
+        let (d, near) = self.place(p);
+        let along = (d.x / d.y * near.y - SHELL + self.place.x).max(0.0);
+        if along < f64::from(self.shell) {
+            return 2 * self.shell - along as i32;
+        }
+        let up = d.y / d.x * (near.x + 1.0) + SHELL + self.place.y;
+        (up as i32).clamp(0, self.shell)
+    }
+
+    /// Whether [`Quarter::last`] of a point is at least a number: without a division.
+    fn reaches(&self, number: i32, p: DVec2) -> bool {
+        let (d, near) = self.place(p);
+        let beyond = 2 * self.shell - number + 1;
+        // In the row, or else in the column, of which the corner is the last cell.
+        let in_row = d.x * near.y < d.y * (f64::from(beyond.min(self.shell)) + SHELL - self.place.x);
+        let up = f64::from(number) - SHELL - self.place.y;
+        in_row || number <= self.shell && d.y * (near.x + 1.0) >= d.x * up
+    }
+
+    /// Calls `run` with the cells of some numbers.
+    fn emit(&self, first: i32, last: i32, run: &mut impl FnMut(Run)) {
+        let shell = self.shell;
+        if first <= shell {
+            self.clip(0, (first, last.min(shell)), run);
+        }
+        if last > shell {
+            self.clip(1, (2 * shell - last, 2 * shell - first.max(shell + 1)), run);
+        }
+    }
+
+    /// Calls `run` with the part inside the grid of the cells that are a shell away along an axis, and between two distances along the
+    /// other.
+    fn clip(&self, axis: usize, (low, high): (i32, i32), run: &mut impl FnMut(Run)) {
+        let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
+        let at = eye[axis] + self.signs[axis] * self.shell;
+        let ends = [low, high].map(|distance| eye[other] + self.signs[other] * distance);
+        let (first, last) = (ends[0].min(ends[1]).max(0), ends[0].max(ends[1]).min(grid.dims()[other] - 1));
+        if at >= 0 && at < grid.dims()[axis] && first <= last {
             let cell = |along: i32| if axis == 0 { IVec2::new(at, along) } else { IVec2::new(along, at) };
             run((cell(first), cell(last)));
         }

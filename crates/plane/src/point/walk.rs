@@ -1,10 +1,9 @@
 //! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their occluders.
 
-use glam::{DVec2, IVec2};
+use glam::IVec2;
 
 use crate::geometry::Shape;
-use crate::geometry::block::Block;
-use crate::point::arcs::Arc;
+use crate::point::arcs::{Arc, Circle};
 use crate::point::blocked;
 use crate::point::covers::Covers;
 use crate::point::shells::{Run, Shells};
@@ -38,15 +37,22 @@ impl Walk {
     }
 
     /// Walks through a scene in the arcs of a view.
-    pub(crate) fn run(&mut self, scene: &Scene, view: &View, arcs: &[Arc], stats: &mut Stats) {
+    pub(crate) fn run(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        circle: &Circle,
+        arcs: &[Arc],
+        stats: &mut Stats,
+    ) {
         self.clear();
         self.mark_nothing(scene.slot_count());
-        let eye = view.eye();
+        let eye = circle.eye;
         let always = scene.outer().iter().chain(scene.lost());
-        always.for_each(|&slot| self.find(slot, scene, eye, stats));
-        scene.volumes_around(scene.grid().cell_of(eye), |slot| self.find(slot, scene, eye, stats));
+        always.for_each(|&slot| self.find(slot, scene, circle, stats));
+        scene.volumes_around(scene.grid().cell_of(eye), |slot| self.find(slot, scene, circle, stats));
         let Some(shells) = Shells::new(scene.grid(), eye) else {
-            return scene.living().for_each(|(slot, _)| self.find(slot, scene, eye, stats));
+            return scene.living().for_each(|(slot, _)| self.find(slot, scene, circle, stats));
         };
         self.covers.reset(eye, arcs);
         let cell = scene.grid().cell_size();
@@ -60,19 +66,31 @@ impl Walk {
             }
             stats.shells += 1;
             if shell == 0 {
-                self.visit(scene, (scene.grid().cell_of(eye), scene.grid().cell_of(eye)), eye, stats);
+                self.visit(scene, (scene.grid().cell_of(eye), scene.grid().cell_of(eye)), circle, stats);
                 self.covers.block(&self.blocked);
             } else {
                 let covers = std::mem::take(&mut self.covers);
-                shells.runs(shell, covers.open(), &mut |run| self.visit(scene, run, eye, stats));
+                shells.runs(shell, covers.open(), &mut |run| self.visit(scene, run, circle, stats));
                 self.covers = covers;
             }
-            let count = self.walls.len() as u32;
-            self.covers.wait(noticed..count);
-            noticed = count;
-            let (min, max) = shells.square(shell);
-            self.covers.close(eye, &self.walls, &Block { min, max }, cell);
+            self.keep_shown(circle, &shells, noticed);
+            noticed = self.walls.len();
+            self.covers.close(circle, &self.walls, &shells, shell);
         }
+    }
+
+    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide them.
+    fn keep_shown(&mut self, circle: &Circle, shells: &Shells, first: usize) {
+        let mut kept = first;
+        for i in first..self.walls.len() {
+            let wall = self.walls[i];
+            if self.covers.may_show(circle, &wall) {
+                self.covers.wait(shells, kept as u32, &wall);
+                self.walls[kept] = wall;
+                kept += 1;
+            }
+        }
+        self.walls.truncate(kept);
     }
 
     fn mark_nothing(&mut self, slots: usize) {
@@ -85,7 +103,7 @@ impl Walk {
     }
 
     /// Finds the objects in some cells of a column or row.
-    fn visit(&mut self, scene: &Scene, (mut cell, last): Run, eye: DVec2, stats: &mut Stats) {
+    fn visit(&mut self, scene: &Scene, (mut cell, last): Run, circle: &Circle, stats: &mut Stats) {
         let (lists, volumes) = (scene.lists(), scene.volumes());
         let step = (last - cell).signum();
         // Along the column or row, beyond the last cell.
@@ -101,13 +119,13 @@ impl Walk {
             }
             stats.cells_visited += 1;
             let slots = lists.get(cell).iter().chain(volumes.at(cell));
-            slots.for_each(|&slot| self.find(slot, scene, eye, stats));
+            slots.for_each(|&slot| self.find(slot, scene, circle, stats));
             cell += if step == IVec2::ZERO { IVec2::ONE } else { step };
         }
     }
 
     /// Takes notice of an object, once, and of its occluder.
-    fn find(&mut self, slot: u32, scene: &Scene, eye: DVec2, stats: &mut Stats) {
+    fn find(&mut self, slot: u32, scene: &Scene, circle: &Circle, stats: &mut Stats) {
         let mark = &mut self.marks[slot as usize];
         if std::mem::replace(mark, self.number) == self.number {
             return;
@@ -115,17 +133,18 @@ impl Walk {
         self.found.push(slot);
         let certain = scene.object(slot).filter(|object| object.is_certain());
         let Some(occluder) = certain.and_then(|object| object.occluder.as_ref()) else { return };
-        if occluder.surrounds(eye) {
+        if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {
-            self.add(occluder, eye);
+            self.add(occluder, circle);
         }
     }
 
-    fn add(&mut self, occluder: &Shape, eye: DVec2) {
-        if occluder.contains(eye) {
-            self.blocked.extend(blocked::into(occluder, eye));
+    fn add(&mut self, occluder: &Shape, circle: &Circle) {
+        if occluder.contains(circle.eye) {
+            self.blocked.extend(blocked::into(occluder, circle));
         }
+        let eye = circle.eye;
         occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b)));
     }
 }

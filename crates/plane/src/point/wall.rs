@@ -10,6 +10,7 @@ use glam::DVec2;
 use crate::geometry::expansion::{Exact2, between, combined, cross};
 use crate::geometry::orient;
 use crate::numeric::ROUNDINGS;
+use crate::point::arcs::Circle;
 
 /// A vector, and how far each of its components may be off.
 #[derive(Debug, Clone, Copy)]
@@ -96,11 +97,16 @@ pub(crate) enum Direction {
 /// An eye among walls: compares directions and walls. The walls that directions name are in `walls`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<'a> {
+    pub(crate) circle: &'a Circle,
     pub(crate) eye: DVec2,
     pub(crate) walls: &'a [Wall],
 }
 
-impl Around<'_> {
+impl<'a> Around<'a> {
+    pub(crate) fn new(circle: &'a Circle, walls: &'a [Wall]) -> Self {
+        Self { circle, eye: circle.eye, walls }
+    }
+
     pub(crate) fn wall(&self, number: u32) -> &Wall {
         &self.walls[number as usize]
     }
