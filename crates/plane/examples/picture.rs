@@ -42,9 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let eye = center(map.start.ok_or("the map has no start")?);
 
     let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims })?;
-    for rect in layer.rects() {
-        scene.insert(ObjectDesc::fixed(rect).occluder(rect))?;
-    }
+    scene.insert_tiles(&layer)?;
     let mut guards = Vec::new();
     for at in map.guards.into_iter().map(center) {
         guards.push((at, scene.insert(ObjectDesc::dynamic(Disc::new(at, RADIUS)).max_speed(SPEED))?));

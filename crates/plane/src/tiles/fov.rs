@@ -16,9 +16,9 @@ use crate::tiles::transpose::add_transposed;
 
 /// Finds the tiles that an eye sees, exactly.
 ///
-/// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part of its inside if it is free, a part
-/// of its border if it is opaque. So walls are seen, rays that only graze do not count, and two opaque tiles that touch at a corner let nothing
-/// through. Tiles beyond the range or outside of the sector of [`FovOptions`] are not seen.
+/// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part of its inside if it is free,
+/// a part of its border if it is opaque. So walls are seen, rays that only graze do not count, and two opaque tiles that touch at a
+/// corner let nothing through. Tiles beyond the range or outside of the sector of [`FovOptions`] are not seen.
 ///
 /// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile does not see through it.
 ///
@@ -48,18 +48,21 @@ impl FieldOfView {
 
     /// The tiles that are seen from `eye`.
     ///
-    /// Costs the tiles in sight by words of 64, and the free intervals of each row: microseconds in rooms. If an opaque tile is on
-    /// the border of sight, it costs an interval in each row behind it. A map of other dimensions costs new memory.
+    /// Costs the rows in sight, the words of 64 tiles that are seen in them, and the free intervals of directions in each row: 1 to 4
+    /// microseconds in rooms and caves, less than 100 on a field of 1024 by 1024 tiles with rocks. A map of other dimensions than
+    /// that of the last run costs new memory.
     pub fn run(&mut self, opaque: &OpaqueTiles, eye: TilePoint, options: &FovOptions) -> &BitGrid {
         self.sweep_all(opaque, Eyes::At(eye.units()), options)
     }
 
-    /// The tiles that are seen from anywhere in a tile of the map, its border included, and few more: a result for all viewers in the tile, or for
-    /// one that moves in it. Nothing that [`Self::run`] finds for one of these eyes is missing.
+    /// The tiles that are seen from anywhere in a tile of the map, its border included, and some more: a result for all viewers in
+    /// the tile, or for one that moves in it. Nothing that [`Self::run`] finds for one of these eyes is missing.
     ///
-    /// Opaque tiles hide together what lies behind them, as for one eye, but count as half a tile thinner on every side: a row of tiles as the line
-    /// through their centres, a single tile as nothing. The range of the options is counted from the nearest eye. Their sector is not
-    /// regarded: its apex would be anywhere in the tile. Costs about twice as much as [`Self::run`].
+    /// Opaque tiles hide together what lies behind them, as for one eye, but count as half a tile thinner on every side: a row of
+    /// tiles as the line through their centres, a single tile as nothing. The range of the options is counted from the nearest eye.
+    /// Their sector is not regarded: its apex could be anywhere in the tile.
+    ///
+    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms, but among single rocks, which hide nothing, that of all the map.
     ///
     /// # Errors
     /// A tile that the map does not have.

@@ -1,12 +1,12 @@
 //! The sweep of an octant for all eyes in a tile: which tiles any of them may see.
 //!
-//! What hides a point from the centre of the tile, after the opaque tiles have shrunk by half a tile on every side, hides it from all of the tile:
-//! for a point of the shrunk solid on the ray from the centre, the point at the same share of any other ray lies in the solid
-//! (Wonka, Wimmer and Schmalstieg 2000). Opaque tiles shrink to the segments between the centres of neighbours that are both opaque. What
-//! four of them enclose need not be known: rays end at the segments around it.
+//! What hides a point from the centre of the tile, after the opaque tiles have shrunk by half a tile on every side, hides it from all
+//! of the tile: for a point of the shrunk solid on the ray from the centre, the point at the same share of any other ray lies in the
+//! solid (Wonka, Wimmer and Schmalstieg 2000). Opaque tiles shrink to the segments between the centres of neighbours that are both
+//! opaque. The area between four of them need not be known: rays end at the segments around it.
 //!
-//! Lengths are in halves of a tile from the centre of the eyes' tile. Rows are half as high as tiles, so that rays cross the segments along a
-//! row at even rows, and the borders of tiles at odd ones.
+//! Lengths are in halves of a tile from the centre of the eyes' tile. Rows are half as high as tiles, so that rays cross the segments
+//! along a row at even rows, and the borders of tiles at odd ones.
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
