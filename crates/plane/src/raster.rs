@@ -75,7 +75,7 @@ fn columns(grid: &Grid, from: f64, to: f64) -> RangeInclusive<i32> {
 fn cells_along(grid: &Grid, axis: usize, from: f64, to: f64) -> RangeInclusive<i32> {
     let margin = TOUCH * grid.cell_size();
     if from > to {
-        return 1..=0;
+        return RangeInclusive::new(1, 0);
     }
     let (first, last) = (grid.cell_along(axis, from - margin), grid.cell_along(axis, to + margin));
     first.max(0)..=last.min(grid.dims()[axis] - 1)

@@ -247,3 +247,46 @@ fn winding(polygon: &[Vec2], p: Vec2) -> (i32, f32) {
     }
     ((angle / std::f32::consts::TAU).round() as i32, distance)
 }
+
+proptest! {
+    #![proptest_config(cases(24))]
+
+    /// The same objects on a grid that none of them is in are found without a walk.
+    #[test]
+    fn the_walk_loses_nothing(
+        walls in proptest::collection::vec((plain(), plain()), 20..300),
+        length in 0.05f32..1.0,
+        others in proptest::collection::vec(shape(plain(), true), 10..60),
+        cell in prop_oneof![Just(1.0f32), Just(0.31), Just(3.0)],
+        eyes in proptest::collection::vec(plain(), 6),
+        half in 0.1f32..4.0,
+        range in proptest::option::of(1.0f32..20.0),
+    ) {
+        let walls = walls.into_iter().map(|(a, b)| (Segment::new(a, a.lerp(b, length)).into(), true));
+        let small = |shape: &Shape| match shape {
+            Shape::Disc(disc) => casca_plane::Disc::new(disc.center, disc.radius * 0.1).into(),
+            shape => shape.clone(),
+        };
+        let others = others.iter().enumerate().map(|(i, shape)| (small(shape), i % 20 == 0));
+        let objects: Vec<_> = walls.chain(others).collect();
+        let walked = Twin::new(&spec(-9.5, cell, (19.0 / cell) as u32 + 1), &objects);
+        let elsewhere = Twin::new(&spec(1e6, 1.0, 1), &objects);
+        for (i, eye) in eyes.into_iter().enumerate() {
+            let eye = eye * if i == 0 { 3.0 } else { 1.0 };
+            let mut view = match half < std::f32::consts::PI && i % 2 == 0 {
+                true => View::sector(eye, Vec2::from_angle(i as f32), half).unwrap(),
+                false => View::all_round(eye).unwrap(),
+            };
+            if let Some(range) = range {
+                view = view.with_range(range).unwrap();
+            }
+            let mut queries = [Query::new(), Query::new()];
+            queries[0].run(&walked.scene, &view);
+            queries[1].run(&elsewhere.scene, &view);
+            for (id, other) in walked.ids.iter().zip(&elsewhere.ids) {
+                let shape = walked.scene.bounds(*id).unwrap();
+                prop_assert_eq!(queries[0].pvs().contains(*id), queries[1].pvs().contains(*other), "{:?}", shape);
+            }
+        }
+    }
+}

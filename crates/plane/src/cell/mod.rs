@@ -24,27 +24,32 @@
 //! - *Straight extended occluders* (thesis, section 3.3.4): a row or a column of blocking cells, also where it leads away from the
 //!   viewer through many shells.
 //! - *L-shaped extended occluders*, across two sides of a shell: the row and the column share the cell at the corner, so the way to c
-//!   meets one of them if c lies between the rays through the ends. It does not matter that the corner points to the viewer, as the
-//!   thesis asks for: that makes the polygon behind the cap convex, which only filling a polygon needs.
+//!   meets one of them if c lies between the rays through the ends. The thesis asks that the corner points to the viewer. That makes the
+//!   polygon behind the cap convex, so that it can be filled as one; the proof does not need it.
 //!
 //! # Two ways to apply it
 //!
-//! [`caps`] is the thesis' way: an opaque cell that is in sight grows to an L, and the cells behind it are set in H one by one. It applies
-//! the rule to some chains, those that the fixed order of steps finds.
+//! [`caps`] is the thesis' way: an opaque cell that is in sight grows to an L, and the cells behind it are set in H one by one. It
+//! applies the rule to some chains: those that the fixed order of steps finds.
 //!
-//! [`walk`] applies it to all chains, with a [direction mask](directions) for each side of the shells. Two neighbours either lie on one side of one
-//! shell, and block the directions from y/m to (y+1)/m, or are in line on two shells, and block those from y/m to
-//! y/(m-1). A way meets the first pair at depth m, so before any cell of a farther shell. It meets the second pair between the
-//! depths m-1 and m; a cell of shell m in such a direction lies on line y, or would have to lie on a line |y| + 1 <= m |y| / (m-1), which only
-//! the corner does, straight behind a cell that blocks. So a cell of shell m is hidden by the rule if and only if its direction is
-//! in the mask when the shells before it have been added: the masks hide every cell that [`caps`] hides, and more. Tests compare
-//! both, and the masks with the rule applied to each pair.
+//! [`walk`] applies it to all chains, with a [direction mask](directions) for each side of the shells. Let y be a place along a side, and m
+//! a shell. Two neighbours that both block are of one of two kinds:
+//!
+//! - Both are on one side of one shell, at y and y + 1. They block the directions from y/m to (y + 1)/m for all cells of farther shells.
+//! - They are at the same place y, on the shells m - 1 and m. They block the directions from y/m to y/(m - 1) for all cells of farther
+//!   shells: the way to such a cell meets their chain between the depths m - 1 and m. Of the cells of shell m itself, that at |y| + 1
+//!   is the first behind the chain. Its direction (|y| + 1)/m is not beyond |y|/(m - 1) only if |y| = m - 1: then it is on the diagonal,
+//!   straight behind the cell of shell m - 1, which hides it alone.
+//!
+//! So a cell of shell m is hidden by the rule if and only if its direction is in the mask when the shells before it have been added. The
+//! masks hide every cell that [`caps`] hides, and more. Tests compare both, and the masks with the rule applied to each pair.
 //!
 //! # Objects
 //!
 //! An object is listed in every cell that shares a point with its bounds, and cells are closed. If a point p is the limit of points that
-//! an eye in V reaches, then one cell with p contains infinitely many of them. It is not hidden, and the walk finds the object there. The way
-//! from V to a point of the grid stays in the grid, if V is in it, and in the region of the view, which is convex and contains V.
+//! an eye in V reaches, then one cell with p contains infinitely many of them. It is not hidden, and the walk finds the object
+//! there. The way from V to a point of the grid stays in the grid, if V is in it, and in the region of the view, which is convex and
+//! contains V.
 
 mod caps;
 mod directions;

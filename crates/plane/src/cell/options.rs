@@ -23,9 +23,9 @@ pub enum Fusion {
 pub struct CellOptions {
     /// How cells hide others.
     pub fusion: Fusion,
-    /// Occluders that seem smaller than this hide nothing: an estimate of their angle in radians, from 0 on (Coorg & Teller 1997). 0 leaves out
-    /// none. Costs fewer cells set for [`Fusion::Straight`] and [`Fusion::LShaped`], and little for [`Fusion::Masks`], where fused occluders count
-    /// as one.
+    /// Occluders that seem smaller than this hide nothing: an estimate of their angle in radians, from 0 to π (Coorg & Teller 1997). 0
+    /// leaves out none. It saves time with [`Fusion::Straight`] and [`Fusion::LShaped`], which set each hidden cell. With
+    /// [`Fusion::Masks`] it saves little; occluders that fuse there count as one.
     pub min_angle: f32,
 }
 

@@ -194,7 +194,7 @@ impl<'a> Around<'a> {
         let doubt = 4.0 * share * offset.length() + ROUNDINGS * self.eye.length();
         let all = (wall.b - wall.a).length() * (1.0 + ROUNDINGS);
         // Comparisons with NaN are false: then the point may be anywhere on the wall.
-        if share < 0.1 && share >= 0.0 && doubt < all { (self.eye + offset, doubt) } else { (wall.a, all) }
+        if (0.0..0.1).contains(&share) && doubt < all { (self.eye + offset, doubt) } else { (wall.a, all) }
     }
 
     fn exact_lead(&self, a: &Wall, b: &Wall) -> Exact2 {

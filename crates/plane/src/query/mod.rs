@@ -76,16 +76,17 @@ impl Query {
         Ok(())
     }
 
-    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell that some point of the eye's cell sees a point of, inside the
-    /// view, and a few more. `None` after a run of another method, or on another scene. Costs all cells of the grid.
+    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell of which a point of the eye's cell sees a
+    /// point inside the view, and a few more. `None` if the last run was by another method, or on another scene. Costs all cells of the
+    /// grid.
     pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
         let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
         ran.then(|| self.cell.seen_cells(scene))
     }
 
-    /// Whether a point can be seen by the view of the last run: whether it belongs to the visible region, as
-    /// [`Method::Point`] defines it. Exact, but for the end of a range. `false` before the first run, and for points that are not finite. Costs
-    /// the logarithm of the number of sides in sight.
+    /// Whether a point can be seen by the view of the last run: whether it belongs to the visible region, as [`Method::Point`]
+    /// defines it. After a run of another method that is the whole view. Exact, but for the end of a range. `false` before the first
+    /// run, and for points that are not finite. Costs the logarithm of the number of sides in sight.
     pub fn sees_point(&self, point: Vec2) -> bool {
         self.sight.sees_point(point.as_dvec2())
     }

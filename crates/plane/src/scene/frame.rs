@@ -14,8 +14,8 @@ pub struct FrameReport {
     pub hidden: usize,
     /// Volumes that a view saw.
     pub revealed: usize,
-    /// Volumes that were drawn since the last frame ended: also those of objects that left their volume, and of those that were reported when
-    /// their volume had expired.
+    /// Volumes that were drawn since the last frame ended: also those of objects that left their volume, and of objects that were
+    /// reported when their volume had expired.
     pub drawn: usize,
 }
 

@@ -74,7 +74,7 @@ impl Scene {
             }
             return;
         }
-        self.adapt(slot, Validity::outlived);
+        self.adapt(slot, |validity| validity.outlived(hidden.lasts));
         self.volumes.remove(slot, &hidden.tbv);
         self.enclose_or_list(slot);
     }
@@ -103,7 +103,7 @@ impl Scene {
                 false
             }
             Some(State::Hidden(hidden)) => {
-                self.adapt(slot, Validity::outlived);
+                self.adapt(slot, |validity| validity.outlived(hidden.lasts));
                 self.lose(slot, &hidden.tbv);
                 true
             }
@@ -163,13 +163,15 @@ impl Scene {
         let speed = object.promised_speed();
         // Without a promise it is taken to cross a cell in a second.
         let seconds = object.mover.as_ref()?.validity.seconds();
-        let distance = speed.unwrap_or(self.grid.cell_size()) * seconds;
+        let pace = speed.unwrap_or(self.grid.cell_size());
         let on_expiry = object.on_expiry();
-        let tbv = Tbv::around(&self.grid, &object.bounds, distance, &self.viewers, on_expiry)?;
+        let tbv = Tbv::around(&self.grid, &object.bounds, pace * seconds, &self.viewers, on_expiry)?;
         let room = tbv.room(&self.grid, &object.bounds);
         let expires = earliest_arrival(self.now, room, speed.unwrap_or(0.0));
         let region = on_expiry.then(|| disc_around(tbv.disc(&self.grid)));
-        Some(Hidden { tbv, expires, queued: f64::INFINITY, region })
+        // An object that promised to stay outlives any volume.
+        let lasts = if pace > 0.0 { room / pace } else { f64::INFINITY };
+        Some(Hidden { tbv, lasts, expires, queued: f64::INFINITY, region })
     }
 
     /// Puts an object that is in no matrix into a volume, or into I and O.

@@ -35,6 +35,8 @@ pub(super) enum State {
 #[derive(Debug, Clone)]
 pub(super) struct Hidden {
     pub(super) tbv: Tbv,
+    /// How long it was made to last, in seconds.
+    pub(super) lasts: f64,
     /// Until then, in seconds, the object cannot leave the volume. Only objects that are reported on expiry use it.
     pub(super) expires: f64,
     /// The time of the object's entry in the queue of expiries, never later than `expires`; infinity without entry.

@@ -27,9 +27,12 @@ impl Validity {
         self.0
     }
 
-    /// The object left its volume, or the volume expired, before any view saw it.
-    pub(crate) fn outlived(&mut self) {
-        self.0 = (self.0 * LONGER).min(MOST);
+    /// The object left its volume, or the volume expired, before any view saw it. A volume that a limit kept from lasting as long as was
+    /// asked for tells nothing about larger ones.
+    pub(crate) fn outlived(&mut self, lasted: f64) {
+        if lasted >= self.0 {
+            self.0 = (self.0 * LONGER).min(MOST);
+        }
     }
 
     /// A view saw the volume.
@@ -45,7 +48,9 @@ mod tests {
     #[test]
     fn validity_rises_slowly_and_falls_fast_within_its_range() {
         let mut validity = Validity::first();
-        (0..100).for_each(|_| validity.outlived());
+        (0..100).for_each(|_| validity.outlived(20.0));
+        assert!((20.0..25.0).contains(&validity.seconds()));
+        (0..100).for_each(|_| validity.outlived(MOST));
         assert_eq!(validity.seconds(), MOST);
         for halvings in 1..=12 {
             validity.revealed();

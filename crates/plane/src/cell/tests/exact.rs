@@ -1,8 +1,8 @@
 //! Exact visibility between two cells of a grid, by whole numbers. It shares no code with the library.
 //!
 //! One cell sees another if some line crosses the insides of both and no opaque cell between them. Such lines form an open set.
-//! Each of its pieces has a corner: a line through two corners of the cells (move a line until it touches one, and turn it around that until
-//! it touches another). So it is enough to look at the lines through two corners, moved a little: at each such line, the corners
+//! Each of its pieces has a corner: a line through two corners of the cells (move a line until it touches one, and turn it around
+//! that until it touches another). So it is enough to look at the lines through two corners, moved a little: at each such line, the corners
 //! on it go to either side as a line does, with at most one change of side from one end to the other.
 
 use glam::IVec2;
