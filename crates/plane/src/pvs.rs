@@ -15,9 +15,9 @@ pub struct Stats {
     pub shells: u32,
     /// Cells visited. Cells of empty blocks of 8x8 cells are passed over and not counted.
     pub cells_visited: u64,
-    /// [`Method::Cell`]: how many of them were hidden. Cells on a diagonal of the viewer's count twice.
+    /// [`Method::Cell`]: how many of them were hidden. Cells on the diagonals through the viewer's count twice.
     pub cells_hidden: u64,
-    /// [`Method::Cell`]: rows and columns of cells, or extended occluders, that hide others.
+    /// [`Method::Cell`]: runs of cells that block, or extended occluders, that were used to hide others.
     pub occluders_drawn: u32,
     /// [`Method::Cell`]: extended occluders that were left out since their angle is small.
     pub occluders_skipped: u32,
@@ -33,7 +33,8 @@ pub struct Stats {
     pub eye_in_occluder: bool,
 }
 
-/// The potentially visible set: every object of which any point can be seen. That of [`Method::Point`] has no other.
+/// The potentially visible set: every object of which any point can be seen. That of [`Method::Point`] has no other, but for objects
+/// that go unreported ([`crate::Reports::OnExpiry`]): those that may be in sight.
 ///
 /// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone keeps it.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +54,8 @@ pub struct Pvs {
 
 impl Pvs {
     /// The objects that can be seen, in the order in which the walk found them: by chessboard shells from the eye outwards.
-    /// [`Method::Sector`] gives them in the order of their indices.
+    /// [`Method::Sector`] gives them in the order of their indices. Objects in no cells, and hidden ones that came into sight, may come
+    /// elsewhere.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
     }

@@ -10,14 +10,14 @@ use crate::scene::{Object, Scene};
 use crate::solid::filled;
 
 impl Scene {
-    /// Adds an object. Costs the cells that its bounds touch: four bytes each, and 1.5 kB for each 8x8 cells that were
-    /// empty. An object that leaves the grid, or touches more cells than twice the number around the grid, is looked at in every
+    /// Adds an object. A dynamic one counts as visible until a frame ends without it. Costs the cells that its bounds touch: four
+    /// bytes each, and 1.5 kB for each 8x8 cells that were empty; also the cells inside its occluder. An object that leaves the grid, or touches more cells than twice the number around the grid, is looked at in every
     /// query instead.
     ///
     /// # Errors
     /// Refuses shapes that are not finite or inverted, or have a negative radius, occluders that stick out of the rectangle
     /// around their bounds by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed objects,
-    /// and more than 2^31 objects.
+    /// objects without speed that are reported on expiry, and more than 2^31 objects.
     pub fn insert(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let slot = self.slots.insert(Object::new(desc, self.now))?;
@@ -26,7 +26,11 @@ impl Scene {
         Ok(self.slots.id(slot))
     }
 
-    /// Moves an object or changes its shape: all of it, in world units. Costs the cells that it touched and touches.
+    /// Moves an object or changes its shape: all of it, in world units. For an object that is reported on expiry this is the report, also
+    /// where nothing changed.
+    ///
+    /// A hidden object that stays inside its temporal bounding volume costs a comparison. One that leaves its volume, as fast as
+    /// it promised or faster, gets another one. Others cost the cells that they touched and touch, and those inside their occluders.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without occluder of an object that
@@ -67,7 +71,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes an object out. Costs the cells that it touches.
+    /// Takes an object out. Costs the cells that it touches; those of the outline of its volume, if it is hidden.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.

@@ -3,6 +3,13 @@
 //! Every object is stored in a slot ([`slots`]). Objects inside the grid are in the lists of the cells that they touch
 //! ([`lists`]). Those that leave the grid, or touch more cells than a query would skip by them, are in the list `outer`, which every
 //! query looks at.
+//!
+//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those and the cells inside dynamic ones
+//! ([`crate::matrix`]); I is the lists; T has the outlines of the volumes that stand for hidden dynamic objects ([`crate::volume`],
+//! [`state`]). H belongs to a query ([`crate::cell`]).
+//!
+//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the application moves objects; queries
+//! read the scene; [`Scene::end_frame`] takes their results, and puts dynamic objects that no view saw into volumes.
 
 mod edit;
 mod frame;
