@@ -8,3 +8,4 @@ mod fov;
 mod from_tile;
 mod maps;
 mod oracle;
+mod point;
