@@ -10,14 +10,44 @@ pub enum Fusion {
     /// All rows and columns of cells that block, with exact masks of directions: hides most, and costs least.
     #[default]
     Masks,
-    /// As in the thesis, section 3.3.4: each opaque cell in sight grows to a row or a column, and hides the cells behind it one by one.
-    /// For comparisons.
+    /// As in the thesis, section 3.3.4: each opaque cell in sight grows to a row or a column, and hides the cells behind it one by
+    /// one. For comparisons: it costs all rows of the grid for each opaque cell in sight.
     Straight,
     /// As [`Fusion::Straight`], with a second arm round the corner that is nearest to the viewer.
     LShaped,
 }
 
 /// The options of [`Method::Cell`](crate::Method::Cell).
+///
+/// ```
+/// use casca_plane::{CellOptions, Disc, GridSpec, Method, ObjectDesc, Query, Rect, Scene, View};
+/// use glam::{UVec2, Vec2};
+///
+/// # fn main() -> Result<(), casca_plane::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(64) })?;
+/// let wall = Rect::new(Vec2::new(30.0, 0.0), Vec2::new(33.0, 64.0));
+/// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+/// let mut guard = Disc::new(Vec2::new(48.5, 30.5), 0.4);
+/// let guard_id = scene.insert(ObjectDesc::dynamic(guard).max_speed(3.0).reported_on_expiry())?;
+///
+/// let mut query = Query::with_method(Method::Cell)?;
+/// query.set_cell_options(CellOptions::new().min_angle(0.01))?;
+/// let mut reports = 0;
+/// for frame in 0..120 {
+///     guard.center.y += 2.0 / 60.0;
+///     // While the guard is hidden, its motion costs nothing until its volume expires.
+///     if scene.begin_frame(f64::from(frame) / 60.0)?.contains(&guard_id) {
+///         scene.update(guard_id, guard, None)?;
+///         reports += 1;
+///     }
+///     let pvs = query.run(&scene, &View::all_round(Vec2::new(10.5, 30.5))?);
+///     assert!(!pvs.contains(guard_id));
+///     scene.end_frame([query.pvs()])?;
+/// }
+/// assert!(reports < 5);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct CellOptions {
