@@ -91,7 +91,7 @@ impl Query {
         self.sight.sees_point(point.as_dvec2())
     }
 
-    /// Whether any point of a shape can be seen by the view of the last run. Exact, but for discs and for the end of a range: these
+    /// Whether any point of a shape can be seen by the view of the last run, as [`Query::sees_point`] says. Exact, but for discs and for the end of a range: these
     /// are larger by their rounding. `false` before the first run. Costs the sides in sight in the directions of the shape.
     ///
     /// # Errors
@@ -108,6 +108,23 @@ impl Query {
     /// The polygon is star-shaped around the eye. The eye is a corner of it unless one sees in all directions. Where nothing
     /// stops the eye, the polygon ends at the range of the view: at chords around the circle, which leave it by 0.13% of the range at most.
     /// Without a range it ends a cell beyond the rectangle around the grid, all objects and the eye.
+    ///
+    /// ```
+    /// use casca_plane::{GridSpec, ObjectDesc, Query, Scene, Segment, View};
+    /// use glam::{UVec2, Vec2};
+    ///
+    /// # fn main() -> Result<(), casca_plane::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(8) })?;
+    /// let wall = Segment::new(Vec2::new(2.0, 4.0), Vec2::new(6.0, 4.0));
+    /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+    /// let mut query = Query::new();
+    /// query.run(&scene, &View::sector(Vec2::new(4.0, 2.0), Vec2::Y, 0.5)?);
+    /// assert!(query.sees_point(Vec2::new(4.0, 4.0)) && !query.sees_point(Vec2::new(4.0, 4.1)));
+    /// // The eye and two points of the wall.
+    /// assert_eq!(query.polygon().len(), 3);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn polygon(&self) -> Vec<Vec2> {
         self.sight.polygon()
     }
