@@ -62,7 +62,8 @@ impl FieldOfView {
     /// tiles as the line through their centres, a single tile as nothing. The range of the options is counted from the nearest eye.
     /// Their sector is not regarded: its apex could be anywhere in the tile.
     ///
-    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms, but among single rocks, which hide nothing, that of all the map.
+    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms. Among single rocks, which hide nothing, it costs the whole
+    /// map.
     ///
     /// # Errors
     /// A tile that the map does not have.
