@@ -49,8 +49,8 @@ impl FieldOfView {
     /// The tiles that are seen from `eye`.
     ///
     /// Costs the rows in sight, the words of 64 tiles that are seen in them, and the free intervals of directions in each row: 1 to 4
-    /// microseconds in rooms and caves, less than 100 on a field of 1024 by 1024 tiles with rocks. A map of other dimensions than
-    /// that of the last run costs new memory.
+    /// microseconds in rooms and caves that the cache holds, less than 200 on a field of 1024 by 1024 tiles with rocks. A map of
+    /// other dimensions than that of the last run costs new memory.
     pub fn run(&mut self, opaque: &OpaqueTiles, eye: TilePoint, options: &FovOptions) -> &BitGrid {
         self.sweep_all(opaque, Eyes::At(eye.units()), options)
     }
@@ -62,7 +62,8 @@ impl FieldOfView {
     /// tiles as the line through their centres, a single tile as nothing. The range of the options is counted from the nearest eye.
     /// Their sector is not regarded: its apex could be anywhere in the tile.
     ///
-    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms, but among single rocks, which hide nothing, that of all the map.
+    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms. Among single rocks, which hide nothing, it costs the whole
+    /// map.
     ///
     /// # Errors
     /// A tile that the map does not have.

@@ -1,11 +1,8 @@
 //! A layer of tiles, placed in a scene.
 
-use std::ops::Range;
-
 use glam::{DVec2, Vec2};
 
 use crate::bits::BitGrid;
-use crate::geometry::Rect;
 use crate::tiles::error::{TileError, finite, positive, within};
 use crate::tiles::faces::TileFace;
 use crate::tiles::opaque::OpaqueTiles;
@@ -100,45 +97,4 @@ impl TileLayer {
     pub fn ends(&self, face: TileFace) -> [DVec2; 2] {
         face.ends().map(|end| self.corner(end.x, end.y))
     }
-
-    /// The opaque tiles as rectangles that share no inside: occluders for a [`crate::Scene`]. Rectangles of one layer that touch let
-    /// nothing through between them.
-    ///
-    /// Corners are rounded to single precision, the same way for all rectangles. Costs the words of the layer and the runs of opaque tiles
-    /// in its rows.
-    pub fn rects(&self) -> Vec<Rect> {
-        let bits = self.opaque.bits();
-        let corner = |x, y| self.corner(x, y).as_vec2();
-        let mut rects = Vec::new();
-        // Rectangles that end above the last row: columns, and the row where they begin, from left to right.
-        let mut open: Vec<(Range<u32>, u32)> = Vec::new();
-        for y in 0..=bits.height() {
-            let mut runs = runs(bits, y).peekable();
-            let mut next = Vec::new();
-            let mut close = |(columns, first): (Range<u32>, u32)| {
-                rects.push(Rect::new(corner(columns.start, first), corner(columns.end, y)));
-            };
-            for rectangle in open {
-                while let Some(run) = runs.next_if(|run| run.start < rectangle.0.start) {
-                    next.push((run, y));
-                }
-                match runs.next_if_eq(&rectangle.0) {
-                    Some(_) => next.push(rectangle),
-                    None => close(rectangle),
-                }
-            }
-            next.extend(runs.map(|run| (run, y)));
-            open = next;
-        }
-        rects
-    }
-}
-
-/// The runs of set bits of a row, from left to right.
-fn runs(bits: &BitGrid, y: u32) -> impl Iterator<Item = Range<u32>> {
-    let from = move |x: u32| {
-        let start = bits.next_set(x, y);
-        (start < bits.width()).then(|| start..bits.next_clear(start, y))
-    };
-    std::iter::successors(from(0), move |run| from(run.end))
 }

@@ -53,22 +53,6 @@ proptest! {
             .collect();
         prop_assert_eq!(sides, truth);
     }
-
-    #[test]
-    fn rectangles_cover_the_opaque_tiles_once((map, _) in map_and_eye()) {
-        let layer = TileLayer::new(Vec2::new(-3.0, 5.0), 2.0, map.clone()).unwrap();
-        let mut covered = BitGrid::new(map.width(), map.height());
-        for rect in layer.rects() {
-            let (min, max) = ((rect.min - layer.origin()) / 2.0, (rect.max - layer.origin()) / 2.0);
-            for y in min.y as u32..max.y as u32 {
-                for x in min.x as u32..max.x as u32 {
-                    prop_assert!(!covered.get(x, y) && map.get(x, y));
-                    covered.set(x, y, true);
-                }
-            }
-        }
-        prop_assert_eq!(covered, map);
-    }
 }
 
 #[test]
@@ -87,12 +71,6 @@ fn faces_lie_in_the_scene() {
     let outside = TileError::Outside { x: 4, y: 0, width: 4, height: 3 };
     assert_eq!(layer.set_tile(4, 0, true), Err(outside));
     assert_eq!((layer.origin(), layer.tile_size()), (Vec2::new(-2.0, 10.0), 0.5));
-}
-
-#[test]
-fn rectangles_span_rows() {
-    let rects = TileLayer::new(Vec2::ZERO, 1.0, drawn(&["##.#", "##.#", "####"])).unwrap().rects();
-    assert_eq!(rects.len(), 3);
 }
 
 #[test]
