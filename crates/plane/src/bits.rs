@@ -77,6 +77,12 @@ impl BitGrid {
         self.words.get(first..first + self.stride).unwrap_or(&[])
     }
 
+    /// The words of a row, to be changed. Bits beyond the width must stay clear.
+    pub(crate) fn row_mut(&mut self, y: u32) -> &mut [u64] {
+        let first = y as usize * self.stride;
+        self.words.get_mut(first..first + self.stride).unwrap_or(&mut [])
+    }
+
     /// The first cell of a row, from `x` on, whose bit is set; the width if there is none.
     pub fn next_set(&self, x: u32, y: u32) -> u32 {
         self.next(x, y, 0)

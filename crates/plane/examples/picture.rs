@@ -1,0 +1,120 @@
+//! A picture of one view: the visible region of an eye, the tiles that it does not see, the guards that it sees, and the hidden guards
+//! with the hollow circles that stand for them.
+//!
+//! ```sh
+//! cargo run --release -p casca-plane --features maps --example picture -- docs/plane.svg
+//! ```
+
+use std::error::Error;
+use std::fmt::Write;
+
+use casca_plane::maps::{Drawing, HARBOUR};
+use casca_plane::{
+    Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, Query, Scene, TileLayer, TilePoint, View,
+};
+use glam::{IVec2, UVec2, Vec2};
+
+/// Pixels of a tile.
+const TILE: f32 = 14.0;
+/// The radius of guards, in tiles, and how far they walk in a second.
+const RADIUS: f32 = 0.4;
+const SPEED: f32 = 1.5;
+
+const HIDDEN: &str = "#20242e";
+const SEEN: &str = "#3d4658";
+const REGION: &str = "#ffe9a8";
+const HIDDEN_WALL: &str = "#59503f";
+const SEEN_WALL: &str = "#e2c896";
+const VISIBLE: &str = "#ff8c1a";
+const CULLED: &str = "#5aa2ff";
+const VOLUME: &str = "#4fae6a";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let file = std::env::args().nth(1).ok_or("name the file for the picture, as in: picture plane.svg")?;
+    let mut map = Drawing::read(HARBOUR);
+    // Some doors are closed.
+    for &(x, y) in map.doors.iter().step_by(3) {
+        map.walls.set(x, y, true);
+    }
+    let dims = UVec2::new(map.walls.width(), map.walls.height());
+    let layer = TileLayer::new(Vec2::ZERO, 1.0, map.walls)?;
+    let center = |(x, y): (u32, u32)| Vec2::new(x as f32, y as f32) + 0.5;
+    let eye = center(map.start.ok_or("the map has no start")?);
+
+    let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims })?;
+    scene.insert_tiles(&layer)?;
+    let mut guards = Vec::new();
+    for at in map.guards.into_iter().map(center) {
+        guards.push((at, scene.insert(ObjectDesc::dynamic(Disc::new(at, RADIUS)).max_speed(SPEED))?));
+    }
+    let (view, mut query) = (View::all_round(eye)?, Query::new());
+    for frame in 0..3 {
+        scene.begin_frame(f64::from(frame) / 60.0)?;
+        query.run(&scene, &view);
+        scene.end_frame([query.pvs()])?;
+    }
+
+    let mut fov = FieldOfView::new();
+    let at = TilePoint::new(eye.x.into(), eye.y.into())?;
+    let seen = fov.run(layer.opaque(), at, &FovOptions::default());
+
+    let cell = |(x, y): (u32, u32)| UVec2::new(x, y).as_ivec2();
+    let mut svg = Svg::new(dims);
+    svg.squares(seen.cells().filter(|&(x, y)| !layer.opaque().get(x, y)).map(cell), 0.3, SEEN);
+    svg.polygon(&query.polygon(), REGION);
+    let (lit, dark): (Vec<_>, Vec<_>) = layer.opaque().bits().cells().partition(|&(x, y)| seen.get(x, y));
+    svg.squares(lit.into_iter().map(cell), 0.3, SEEN_WALL);
+    svg.squares(dark.into_iter().map(cell), 0.3, HIDDEN_WALL);
+    for &(at, id) in &guards {
+        svg.squares(scene.volume_outline(id)?.into_iter(), 3.0, VOLUME);
+        svg.disc(at, RADIUS, if query.pvs().contains(id) { VISIBLE } else { CULLED });
+    }
+    svg.disc(eye, 0.5, "#d02060");
+    std::fs::write(file, svg.finished())?;
+    Ok(())
+}
+
+/// A drawing in pixels.
+struct Svg(String);
+
+impl Svg {
+    fn new(dims: UVec2) -> Self {
+        let size = dims.as_vec2() * TILE;
+        let mut text =
+            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\">\n", size.x, size.y);
+        let _ = writeln!(text, "<rect width=\"{}\" height=\"{}\" fill=\"{HIDDEN}\"/>", size.x, size.y);
+        Self(text)
+    }
+
+    /// Squares inside tiles, smaller by a margin at each side.
+    fn squares(&mut self, tiles: impl Iterator<Item = IVec2>, margin: f32, color: &str) {
+        let side = TILE - 2.0 * margin;
+        let path: String = tiles
+            .map(|tile| tile.as_vec2() * TILE + margin)
+            .map(|at| format!("M{} {}h{side}v{side}h-{side}z", at.x, at.y))
+            .collect();
+        let _ = writeln!(self.0, "<path d=\"{path}\" fill=\"{color}\"/>");
+    }
+
+    fn polygon(&mut self, corners: &[Vec2], color: &str) {
+        let points: String =
+            corners.iter().map(|at| format!("{:.2},{:.2} ", at.x * TILE, at.y * TILE)).collect();
+        let _ = writeln!(
+            self.0,
+            "<polygon points=\"{}\" fill=\"{color}\" fill-opacity=\"0.85\"/>",
+            points.trim_end()
+        );
+    }
+
+    fn disc(&mut self, at: Vec2, radius: f32, color: &str) {
+        let (x, y, radius) = (at.x * TILE, at.y * TILE, radius * TILE);
+        let _ = writeln!(
+            self.0,
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\" stroke=\"#111\" stroke-width=\"1\"/>"
+        );
+    }
+
+    fn finished(self) -> String {
+        self.0 + "</svg>\n"
+    }
+}

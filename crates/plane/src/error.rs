@@ -1,0 +1,143 @@
+//! The reasons for which calls are refused: every refusal says which argument and why.
+
+use std::fmt;
+
+use glam::{UVec2, Vec2};
+
+use crate::id::ObjectId;
+
+/// Why a call was refused. The scene or query is left as it was.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number that must be finite is not.
+    #[error("{what} must be finite, not {}", Short(*value))]
+    NotFinite {
+        /// The argument.
+        what: &'static str,
+        /// Its value, or the first component that is not finite.
+        value: f64,
+    },
+    /// A rectangle whose least corner lies beyond its greatest.
+    #[error("{what} must not be inverted: the corner {min} must lie below the corner {max} on both axes")]
+    InvertedRect {
+        /// The argument.
+        what: &'static str,
+        /// Its least corner.
+        min: Vec2,
+        /// Its greatest corner.
+        max: Vec2,
+    },
+    /// A direction without length.
+    #[error("{what} must not be zero")]
+    NoDirection {
+        /// The argument.
+        what: &'static str,
+    },
+    /// A length that must not be negative.
+    #[error("{what} must not be negative: {}", Short(*value))]
+    Negative {
+        /// The argument.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Points whose hull has no area.
+    #[error("the convex polygon has no area: its {points} points lie on a line")]
+    FlatPolygon {
+        /// How many points were given.
+        points: usize,
+    },
+    /// A polyline needs two points at least.
+    #[error("a polyline needs 2 points or more, not {points}")]
+    ShortPolyline {
+        /// How many points were given.
+        points: usize,
+    },
+    /// The cell size is not a positive normal number.
+    #[error("the cell size must be a positive normal number, but is {0}")]
+    CellSize(f32),
+    /// The grid has no cells or too many.
+    #[error("a grid needs 1 to {max} cells along each axis, but {dims} were asked for")]
+    GridDims {
+        /// The numbers of cells asked for.
+        dims: UVec2,
+        /// The limit along each axis.
+        max: u32,
+    },
+    /// The grid lies so far from the origin that its cells cannot be told apart.
+    #[error(
+        "a grid at {min} with cells of {cell} is too far from the origin: its lines are not exact numbers"
+    )]
+    GridTooFar {
+        /// The least corner asked for.
+        min: Vec2,
+        /// The cell size asked for.
+        cell: f32,
+    },
+    /// The id belongs to no object of this scene.
+    #[error("{0} is not an object of this scene: it was removed, or belongs to another scene")]
+    UnknownObject(ObjectId),
+    /// The scene holds as many objects as ids can name.
+    #[error("the scene is full: it already holds {0} objects")]
+    SceneFull(usize),
+    /// A speed for an object that does not move.
+    #[error("a fixed object has no speed: describe it by ObjectDesc::dynamic")]
+    FixedMoves,
+    /// An object that may go unreported needs a promised greatest speed.
+    #[error("an object that is reported on expiry needs a greatest speed: give ObjectDesc::max_speed")]
+    SpeedNeeded,
+    /// An occluder that sticks out of its bounds: it would hide more than the object does.
+    #[error("the occluder sticks out of the rectangle around its bounds by {} world units", Short(*by))]
+    OccluderOutside {
+        /// By how much along an axis, in world units.
+        by: f64,
+    },
+    /// An update without occluder of an object that has one.
+    #[error("{0} has an occluder: update it with the occluder, or take that away by Scene::set_occluder")]
+    OccluderMissing(ObjectId),
+    /// The result belongs to another scene.
+    #[error("the PVS was computed on another scene")]
+    ForeignPvs,
+    /// A setting is out of its range.
+    #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]
+    Setting {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value.
+        min: f64,
+        /// The greatest value.
+        max: f64,
+    },
+}
+
+/// A number as short as it can be told from its neighbours: most were given in single precision.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let single = self.0 as f32;
+        if f64::from(single) == self.0 { single.fmt(f) } else { self.0.fmt(f) }
+    }
+}
+
+/// Refuses a vector with a component that is not finite.
+pub(crate) fn finite2(what: &'static str, v: Vec2) -> Result<(), Error> {
+    match v.to_array().into_iter().find(|c| !c.is_finite()) {
+        Some(value) => Err(Error::NotFinite { what, value: value.into() }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a number that is not finite or negative.
+pub(crate) fn not_negative(what: &'static str, v: f32) -> Result<(), Error> {
+    if !v.is_finite() {
+        Err(Error::NotFinite { what, value: v.into() })
+    } else if v < 0.0 {
+        Err(Error::Negative { what, value: v.into() })
+    } else {
+        Ok(())
+    }
+}

@@ -1,0 +1,134 @@
+//! All shapes as one type.
+
+use glam::DVec2;
+
+use crate::error::Error;
+use crate::geometry::block::Block;
+use crate::geometry::polygon::ring;
+use crate::geometry::{ConvexPolygon, Disc, Polyline, Rect, Segment, orient};
+
+/// A shape of an object: its bounds, or its occluder.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// A solid disc.
+    Disc(Disc),
+    /// A solid rectangle along the axes.
+    Rect(Rect),
+    /// A solid convex polygon.
+    Polygon(ConvexPolygon),
+    /// A wall without thickness.
+    Segment(Segment),
+    /// A chain of walls without thickness.
+    Polyline(Polyline),
+}
+
+impl From<Disc> for Shape {
+    fn from(disc: Disc) -> Self {
+        Self::Disc(disc)
+    }
+}
+
+impl From<Rect> for Shape {
+    fn from(rect: Rect) -> Self {
+        Self::Rect(rect)
+    }
+}
+
+impl From<ConvexPolygon> for Shape {
+    fn from(polygon: ConvexPolygon) -> Self {
+        Self::Polygon(polygon)
+    }
+}
+
+impl From<Segment> for Shape {
+    fn from(segment: Segment) -> Self {
+        Self::Segment(segment)
+    }
+}
+
+impl From<Polyline> for Shape {
+    fn from(polyline: Polyline) -> Self {
+        Self::Polyline(polyline)
+    }
+}
+
+impl Shape {
+    /// Refuses shapes that are not finite, inverted or of negative size.
+    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
+        match self {
+            Self::Disc(disc) => disc.check(what),
+            Self::Rect(rect) => rect.check(what),
+            Self::Segment(segment) => segment.check(what),
+            // Checked when they were made.
+            Self::Polygon(_) | Self::Polyline(_) => Ok(()),
+        }
+    }
+
+    /// The rectangle around it.
+    pub(crate) fn block(&self) -> Block {
+        match self {
+            Self::Disc(disc) => disc.block(),
+            Self::Rect(rect) => rect.block(),
+            Self::Polygon(polygon) => polygon.block(),
+            Self::Segment(segment) => segment.block(),
+            Self::Polyline(polyline) => polyline.block(),
+        }
+    }
+
+    /// Whether a point belongs to the shape, the border included. Exact but for discs: there in doubt, yes.
+    pub(crate) fn contains(&self, p: DVec2) -> bool {
+        match self {
+            Self::Disc(disc) => disc.contains(p),
+            Self::Rect(rect) => rect.block().contains(p),
+            Self::Polygon(polygon) => polygon.contains(p),
+            Self::Segment(segment) => segment.contains(p),
+            Self::Polyline(polyline) => polyline.contains(p),
+        }
+    }
+
+    /// Whether a point lies inside a solid, and not on its border; in doubt, yes. Walls without thickness have no inside.
+    pub(crate) fn surrounds(&self, p: DVec2) -> bool {
+        match self {
+            Self::Disc(disc) => disc.contains(p),
+            Self::Rect(rect) => rect.surrounds(p),
+            Self::Polygon(polygon) => polygon.surrounds(p),
+            Self::Segment(_) | Self::Polyline(_) => false,
+        }
+    }
+
+    /// The sides that turn to an eye outside, all of a wall's. The sides of a disc are those of its [polygon](Disc::polygon). No
+    /// ray from the eye reaches a point of the shape (of the polygon) before one of these sides.
+    pub(crate) fn front_sides(&self, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
+        match self {
+            Self::Disc(disc) => turned_to(ring(&disc.polygon()), eye, side),
+            Self::Rect(rect) => front_of_block(&rect.block(), eye, side),
+            Self::Polygon(polygon) => turned_to(ring(polygon.corners()), eye, side),
+            Self::Segment(s) => side(s.a.as_dvec2(), s.b.as_dvec2()),
+            Self::Polyline(line) => line.segments().for_each(|s| side(s.a.as_dvec2(), s.b.as_dvec2())),
+        }
+    }
+}
+
+/// The sides of a ring that have the eye on their outer side.
+fn turned_to(sides: impl Iterator<Item = (DVec2, DVec2)>, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
+    sides.filter(|&(a, b)| orient(a, b, eye) < 0.0).for_each(|(a, b)| side(a, b));
+}
+
+/// The sides of a rectangle that have the eye on their outer side: two at most.
+pub(crate) fn front_of_block(block: &Block, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
+    let Block { min, max } = *block;
+    let (right, left) = (DVec2::new(max.x, min.y), DVec2::new(min.x, max.y));
+    if eye.y < min.y {
+        side(min, right);
+    }
+    if eye.x > max.x {
+        side(right, max);
+    }
+    if eye.y > max.y {
+        side(max, left);
+    }
+    if eye.x < min.x {
+        side(left, min);
+    }
+}

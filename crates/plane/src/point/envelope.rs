@@ -1,0 +1,209 @@
+//! The nearest wall in each direction: the lower envelope of the walls around the eye.
+//!
+//! Envelopes of half of the walls each are merged, again and again (Hershberger 1989, "Finding the upper envelope of n line segments
+//! in O(n log n) time"; sorted by the directions where walls begin, halves hardly overlap). An envelope of n walls has O(n α(n)) steps, also if
+//! walls cross, so that all merges together cost O(n α(n) log n) comparisons, however many crossings there are behind it.
+
+use std::ops::Range;
+
+use crate::point::arcs::{Arc, between, order};
+use crate::point::wall::{Around, Direction};
+
+/// In place of a wall: nothing stops the eye.
+pub(crate) const OPEN: u32 = u32::MAX;
+
+/// In place of a wall: a solid stops the eye at once.
+pub(crate) const BLOCKED: u32 = u32::MAX - 1;
+
+/// From this direction on, a wall is the nearest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    pub(crate) from: Direction,
+    /// Its number, [`OPEN`] or [`BLOCKED`].
+    pub(crate) wall: u32,
+}
+
+/// A part of the view in one quarter of the circle.
+#[derive(Debug, Clone)]
+pub(crate) struct Domain {
+    pub(crate) arc: Arc,
+    /// The steps that cover it.
+    pub(crate) steps: Range<usize>,
+}
+
+impl Domain {
+    /// One of the pieces that it falls into at its steps.
+    pub(crate) fn piece(&self, steps: &[Step], i: usize) -> Piece {
+        let to = steps.get(i + 1).map_or(Direction::Point(self.arc.to), |next| next.from);
+        Piece { from: steps[i].from, to, wall: steps[i].wall }
+    }
+}
+
+/// A part of the region: the directions between two, as far as a wall, [`OPEN`] or [`BLOCKED`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub(crate) from: Direction,
+    pub(crate) to: Direction,
+    pub(crate) wall: u32,
+}
+
+/// The nearest walls in all directions of a view.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Envelope {
+    pub(crate) domains: Vec<Domain>,
+    pub(crate) steps: Vec<Step>,
+    /// Memory used again.
+    items: Vec<(u8, u32, Arc)>,
+    runs: [Runs; 2],
+}
+
+/// Envelopes one after the other: their steps, and where each ends.
+#[derive(Debug, Clone, Default)]
+struct Runs {
+    steps: Vec<Step>,
+    ends: Vec<usize>,
+}
+
+impl Runs {
+    fn clear(&mut self) {
+        self.steps.clear();
+        self.ends.clear();
+    }
+
+    fn get(&self, run: usize) -> &[Step] {
+        &self.steps[run.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[run]]
+    }
+
+    fn end(&mut self) {
+        self.ends.push(self.steps.len());
+    }
+
+    /// Adds a step to the last envelope.
+    fn push(&mut self, from: Direction, wall: u32) {
+        let first = self.ends.last().copied().unwrap_or(0);
+        if self.steps[first..].last().is_none_or(|last| last.wall != wall) {
+            self.steps.push(Step { from, wall });
+        }
+    }
+}
+
+impl Envelope {
+    /// Finds the nearest walls in the arcs of a view, of which each is in one quarter. In the arcs of `blocked` nothing is seen.
+    pub(crate) fn build(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
+        self.collect(around, view, blocked);
+        self.domains.clear();
+        self.steps.clear();
+        let mut rest = &self.items[..];
+        for (number, arc) in view.iter().enumerate() {
+            let count = rest.partition_point(|item| usize::from(item.0) == number);
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            let first = self.steps.len();
+            merge_all(around, arc, own, &mut self.runs);
+            self.steps.extend_from_slice(self.runs[0].get(0));
+            self.domains.push(Domain { arc: *arc, steps: first..self.steps.len() });
+        }
+    }
+
+    /// Clips the walls to the arcs of the view, and sorts the parts by arc and by the direction where they begin.
+    fn collect(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
+        let eye = around.eye;
+        self.items.clear();
+        let walls = around.walls.iter().zip(0u32..);
+        let walls = walls
+            .flat_map(|(wall, number)| between(around.circle, wall.a, wall.b).map(move |arc| (number, arc)));
+        for (wall, part) in walls.chain(blocked.iter().map(|&arc| (BLOCKED, arc))) {
+            for (number, arc) in view.iter().enumerate().filter(|(_, arc)| arc.quarter == part.quarter) {
+                let from = if order(eye, arc.from, part.from).is_lt() { part.from } else { arc.from };
+                let to = if order(eye, arc.to, part.to).is_lt() { arc.to } else { part.to };
+                if order(eye, from, to).is_lt() {
+                    self.items.push((number as u8, wall, Arc { from, to, ..part }));
+                }
+            }
+        }
+        self.items.sort_unstable_by(|a, b| {
+            a.0.cmp(&b.0).then_with(|| order(eye, a.2.from, b.2.from)).then(a.1.cmp(&b.1))
+        });
+    }
+}
+
+/// Makes the envelope of parts of walls in an arc: it is the only one in the first of `runs` then.
+fn merge_all(around: &Around, arc: &Arc, items: &[(u8, u32, Arc)], runs: &mut [Runs; 2]) {
+    let [now, next] = runs;
+    now.clear();
+    for (_, wall, part) in items {
+        if order(around.eye, arc.from, part.from).is_lt() {
+            now.push(Direction::Point(arc.from), OPEN);
+        }
+        now.push(Direction::Point(part.from), *wall);
+        if order(around.eye, part.to, arc.to).is_lt() {
+            now.push(Direction::Point(part.to), OPEN);
+        }
+        now.end();
+    }
+    if items.is_empty() {
+        now.push(Direction::Point(arc.from), OPEN);
+        now.end();
+    }
+    while now.ends.len() > 1 {
+        next.clear();
+        for pair in 0..now.ends.len() / 2 {
+            merge(around, &Direction::Point(arc.to), [now.get(2 * pair), now.get(2 * pair + 1)], next);
+            next.end();
+        }
+        if now.ends.len() % 2 == 1 {
+            next.steps.extend_from_slice(now.get(now.ends.len() - 1));
+            next.end();
+        }
+        std::mem::swap(now, next);
+    }
+}
+
+/// Merges two envelopes that begin at the same direction and end at `end`.
+fn merge(around: &Around, end: &Direction, [a, b]: [&[Step]; 2], out: &mut Runs) {
+    let (mut i, mut j) = (0, 0);
+    let Some(Step { from, .. }) = a.first() else { return };
+    let mut from = *from;
+    loop {
+        let (next_a, next_b) = (a.get(i + 1), b.get(j + 1));
+        let turn = match (next_a, next_b) {
+            (Some(a), Some(b)) => around.turn(&a.from, &b.from),
+            (Some(_), None) => 1.0,
+            (None, Some(_)) => -1.0,
+            (None, None) => 0.0,
+        };
+        let next = if turn >= 0.0 { next_a } else { next_b };
+        let to = next.map_or(end, |step| &step.from);
+        nearest(around, [a[i].wall, b[j].wall], &from, to, out);
+        if next.is_none() {
+            return;
+        }
+        from = *to;
+        i += usize::from(turn >= 0.0);
+        j += usize::from(turn <= 0.0);
+    }
+}
+
+/// Adds the nearer of two walls between two directions.
+fn nearest(around: &Around, [a, b]: [u32; 2], from: &Direction, to: &Direction, out: &mut Runs) {
+    if a == b || a == OPEN || b == BLOCKED {
+        return out.push(*from, b);
+    }
+    if b == OPEN || a == BLOCKED {
+        return out.push(*from, a);
+    }
+    let walls = [a, b].map(|number| around.wall(number));
+    let lead = around.lead(walls[0], walls[1]);
+    let first = around.nearer(walls[0], walls[1], &lead, from);
+    let last = around.nearer(walls[0], walls[1], &lead, to);
+    if first >= 0.0 && last >= 0.0 {
+        out.push(*from, a);
+    } else if first <= 0.0 && last <= 0.0 {
+        out.push(*from, b);
+    } else {
+        // The first is nearer clockwise of the crossing, or else counterclockwise.
+        let flipped = first < 0.0;
+        out.push(*from, if flipped { b } else { a });
+        out.push(lead.crossing([a, b], flipped), if flipped { a } else { b });
+    }
+}

@@ -1,0 +1,183 @@
+//! The visible region: which points and shapes meet it.
+//!
+//! It is the closure of the set of points before the nearest walls, so that its borders belong to it. Comparisons are exact, but for
+//! distances: those to the end of the range and those of discs are rounded outwards.
+
+use glam::DVec2;
+
+use crate::geometry::polygon::ring;
+use crate::geometry::shape::front_of_block;
+use crate::geometry::{Disc, Shape, orient};
+use crate::numeric::DISTANCE;
+use crate::point::arcs::{order, touching};
+use crate::point::envelope::{BLOCKED, Domain, Envelope, OPEN, Piece, Step};
+use crate::point::target::{self, distance};
+use crate::point::wall::{Around, Direction, Wall};
+
+/// The visible region of a view.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Region<'a> {
+    pub(crate) around: Around<'a>,
+    pub(crate) envelope: &'a Envelope,
+    /// How far the view goes, rounded outwards; infinity if it does not end.
+    pub(crate) range: f64,
+}
+
+impl<'a> Region<'a> {
+    pub(crate) fn new(around: Around<'a>, envelope: &'a Envelope, range: Option<f64>) -> Self {
+        let range = range.map_or(f64::INFINITY, |range| range * (1.0 + DISTANCE));
+        Self { around, envelope, range }
+    }
+
+    /// Whether nothing is seen at all.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.envelope.steps.iter().all(|step| step.wall == BLOCKED)
+    }
+
+    /// The pieces of a domain, counterclockwise.
+    pub(crate) fn pieces(&self, domain: &'a Domain) -> impl Iterator<Item = Piece> {
+        let steps = &self.envelope.steps[domain.steps.clone()];
+        (0..steps.len()).map(move |i| domain.piece(steps, i))
+    }
+
+    /// The pieces that have a direction in common with those from one to another, which are in the quarter of the domain.
+    fn pieces_between(
+        &self,
+        domain: &'a Domain,
+        from: Direction,
+        to: Direction,
+    ) -> impl Iterator<Item = Piece> {
+        let steps = &self.envelope.steps[domain.steps.clone()];
+        let around = self.around;
+        // The first piece that does not end before.
+        let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
+        let first = steps.partition_point(before).saturating_sub(1);
+        (first..steps.len())
+            .map(move |i| domain.piece(steps, i))
+            .take_while(move |piece| around.turn(&piece.from, &to) >= 0.0)
+    }
+
+    /// The directions between those to two points that are in the region's view, with the pieces there.
+    fn meeting(&self, from: DVec2, to: DVec2) -> impl Iterator<Item = Piece> {
+        let eye = self.around.eye;
+        touching(self.around.circle, from, to).flat_map(move |part| {
+            let domains =
+                self.envelope.domains.iter().filter(move |domain| domain.arc.quarter == part.quarter);
+            domains.flat_map(move |domain| {
+                let arc = domain.arc;
+                let from = if order(eye, arc.from, part.from).is_lt() { part.from } else { arc.from };
+                let to = if order(eye, arc.to, part.to).is_lt() { arc.to } else { part.to };
+                let meet = order(eye, from, to).is_le();
+                let (from, to) = (Direction::Point(from), Direction::Point(to));
+                let pieces = meet.then(|| self.pieces_between(domain, from, to));
+                pieces.into_iter().flatten().filter_map(move |piece| {
+                    let from = self.around.later(from, piece.from);
+                    let to = self.around.earlier(to, piece.to);
+                    let meet = self.around.turn(&from, &to) >= 0.0;
+                    meet.then_some(Piece { from, to, wall: piece.wall })
+                })
+            })
+        })
+    }
+
+    /// Whether a point belongs to the region.
+    pub(crate) fn contains(&self, p: DVec2) -> bool {
+        if p == self.around.eye {
+            return !self.is_empty();
+        }
+        let seen = |piece: Piece| match piece.wall {
+            OPEN => true,
+            BLOCKED => false,
+            wall => {
+                let wall = self.around.wall(wall);
+                orient(wall.a, wall.b, p) >= 0.0
+            }
+        };
+        (p - self.around.eye).length() <= self.range && self.meeting(p, p).any(seen)
+    }
+
+    /// Whether a segment meets the region.
+    pub(crate) fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
+        match Wall::new(self.around.eye, a, b) {
+            Some(target) => self.meets_wall(&target),
+            None => self.meets_radial(a, b),
+        }
+    }
+
+    /// Whether a segment that is collinear with the eye meets the region: whether its nearest point does.
+    fn meets_radial(&self, a: DVec2, b: DVec2) -> bool {
+        let eye = self.around.eye;
+        let (low, high) = (a.min(b), a.max(b));
+        if eye.cmpge(low).all() && eye.cmple(high).all() {
+            return self.contains(eye);
+        }
+        let axis = usize::from(a.x == b.x);
+        let a_is_nearer = (a[axis] < b[axis]) == (eye[axis] < a[axis].min(b[axis]));
+        self.contains(if a_is_nearer { a } else { b })
+    }
+
+    fn meets_wall(&self, target: &Wall) -> bool {
+        let ends = [target.a, target.b].map(|p| (p - self.around.eye).length());
+        let within = ends[0].max(ends[1]) <= self.range;
+        self.meeting(target.a, target.b).any(|piece| match piece.wall {
+            BLOCKED => false,
+            OPEN => within || self.is_near(target, None, &piece),
+            wall => {
+                let wall = self.around.wall(wall);
+                let lead = self.around.lead(target, wall);
+                let before = |along| self.around.nearer(target, wall, &lead, along) >= 0.0;
+                (before(&piece.from) || before(&piece.to))
+                    && (within || self.is_near(target, Some(wall), &piece))
+            }
+        })
+    }
+
+    /// Whether the part of a target in a piece, and before the wall of the piece, comes as near as the range; in doubt, yes.
+    fn is_near(&self, target: &Wall, wall: Option<&Wall>, piece: &Piece) -> bool {
+        let eye = self.around.eye;
+        let mut ends = [&piece.from, &piece.to].map(|along| self.around.hit(target, along));
+        if let Some(wall) = wall {
+            let lead = self.around.lead(target, wall);
+            let signs = [&piece.from, &piece.to].map(|along| self.around.nearer(target, wall, &lead, along));
+            // The end behind the wall moves to the crossing.
+            let crossing = lead.direction(signs[0] < 0.0);
+            for i in 0..2 {
+                if signs[i] < 0.0 {
+                    ends[i] = self.around.hit_along(target, crossing);
+                }
+            }
+        }
+        let doubt = ends[0].1 + ends[1].1;
+        let (a, b) = (ends[0].0 - eye, ends[1].0 - eye);
+        distance(DVec2::ZERO, a, b) <= self.range + doubt
+    }
+
+    fn meets_disc(&self, disc: &Disc) -> bool {
+        let [from, to] = target::sides(self.around.eye, disc);
+        self.meeting(from, to).any(|piece| target::meets(&self.around, self.range, disc, &piece))
+    }
+
+    /// Whether a shape meets the region.
+    pub(crate) fn meets(&self, shape: &Shape) -> bool {
+        let eye = self.around.eye;
+        if shape.contains(eye) {
+            return !self.is_empty();
+        }
+        let mut met = false;
+        let mut side = |a: DVec2, b: DVec2| met = met || self.meets_segment(a, b);
+        match shape {
+            Shape::Disc(disc) => return self.meets_disc(disc),
+            Shape::Rect(rect) => front_of_block(&rect.block(), eye, side),
+            Shape::Polygon(polygon) => {
+                ring(polygon.corners())
+                    .filter(|(a, b)| orient(*a, *b, eye) < 0.0)
+                    .for_each(|(a, b)| side(a, b));
+            }
+            Shape::Segment(s) => side(s.a.as_dvec2(), s.b.as_dvec2()),
+            Shape::Polyline(line) => {
+                return line.segments().any(|s| self.meets_segment(s.a.as_dvec2(), s.b.as_dvec2()));
+            }
+        }
+        met
+    }
+}

@@ -1,0 +1,150 @@
+//! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their occluders.
+
+use glam::IVec2;
+
+use crate::geometry::Shape;
+use crate::point::arcs::{Arc, Circle};
+use crate::point::blocked;
+use crate::point::covers::Covers;
+use crate::point::shells::{Run, Shells};
+use crate::point::wall::Wall;
+use crate::pvs::Stats;
+use crate::scene::Scene;
+use crate::scene::lists::BLOCK;
+use crate::view::View;
+
+/// The memory and the result of a walk.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Walk {
+    /// The slots of the objects in cells in sight, those of near shells first.
+    pub(crate) found: Vec<u32>,
+    /// The sides of their occluders.
+    pub(crate) walls: Vec<Wall>,
+    /// The directions into solids whose border the eye is on.
+    pub(crate) blocked: Vec<Arc>,
+    covers: Covers,
+    /// By slot: the last walk that found it.
+    marks: Vec<u32>,
+    number: u32,
+}
+
+impl Walk {
+    /// Forgets what was found.
+    pub(crate) fn clear(&mut self) {
+        self.found.clear();
+        self.walls.clear();
+        self.blocked.clear();
+    }
+
+    /// Walks through a scene in the arcs of a view.
+    pub(crate) fn run(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        circle: &Circle,
+        arcs: &[Arc],
+        stats: &mut Stats,
+    ) {
+        self.clear();
+        self.mark_nothing(scene.slot_count());
+        let eye = circle.eye;
+        let always = scene.outer().iter().chain(scene.lost());
+        always.for_each(|&slot| self.find(slot, scene, circle, stats));
+        scene.volumes_around(scene.grid().cell_of(eye), |slot| self.find(slot, scene, circle, stats));
+        let Some(shells) = Shells::new(scene.grid(), eye) else {
+            return scene.living().for_each(|(slot, _)| self.find(slot, scene, circle, stats));
+        };
+        self.covers.reset(eye, arcs);
+        let cell = scene.grid().cell_size();
+        let (first, last) = shells.numbers();
+        // The nearest points of a shell are one cell less away than its number says.
+        let end = view.range().map_or(f64::INFINITY, |range| range / cell + 2.0);
+        let mut noticed = 0;
+        for shell in first..=last {
+            if f64::from(shell) > end || self.covers.open().is_empty() {
+                break;
+            }
+            stats.shells += 1;
+            if shell == 0 {
+                self.visit(scene, (scene.grid().cell_of(eye), scene.grid().cell_of(eye)), circle, stats);
+                self.covers.block(&self.blocked);
+            } else {
+                let covers = std::mem::take(&mut self.covers);
+                shells.runs(shell, covers.open(), &mut |run| self.visit(scene, run, circle, stats));
+                self.covers = covers;
+            }
+            self.keep_shown(circle, &shells, noticed);
+            noticed = self.walls.len();
+            self.covers.close(circle, &self.walls, &shells, shell);
+        }
+    }
+
+    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide them.
+    fn keep_shown(&mut self, circle: &Circle, shells: &Shells, first: usize) {
+        let mut kept = first;
+        for i in first..self.walls.len() {
+            let wall = self.walls[i];
+            if self.covers.may_show(circle, &wall) {
+                self.covers.wait(shells, kept as u32, &wall);
+                self.walls[kept] = wall;
+                kept += 1;
+            }
+        }
+        self.walls.truncate(kept);
+    }
+
+    fn mark_nothing(&mut self, slots: usize) {
+        self.marks.resize(slots, 0);
+        self.number = self.number.wrapping_add(1);
+        if self.number == 0 {
+            self.marks.fill(0);
+            self.number = 1;
+        }
+    }
+
+    /// Finds the objects in some cells of a column or row.
+    fn visit(&mut self, scene: &Scene, (mut cell, last): Run, circle: &Circle, stats: &mut Stats) {
+        let (lists, volumes) = (scene.lists(), scene.volumes());
+        let step = (last - cell).signum();
+        // Along the column or row, beyond the last cell.
+        while cell.cmple(last).all() {
+            if lists.is_block_empty(cell) && volumes.is_block_empty(cell) {
+                let next = (cell / BLOCK + 1) * BLOCK;
+                cell = if step == IVec2::ZERO {
+                    last + 1
+                } else {
+                    IVec2::select(step.cmpgt(IVec2::ZERO), next, cell)
+                };
+                continue;
+            }
+            stats.cells_visited += 1;
+            let slots = lists.get(cell).iter().chain(volumes.at(cell));
+            slots.for_each(|&slot| self.find(slot, scene, circle, stats));
+            cell += if step == IVec2::ZERO { IVec2::ONE } else { step };
+        }
+    }
+
+    /// Takes notice of an object, once, and of its occluder.
+    fn find(&mut self, slot: u32, scene: &Scene, circle: &Circle, stats: &mut Stats) {
+        let mark = &mut self.marks[slot as usize];
+        if std::mem::replace(mark, self.number) == self.number {
+            return;
+        }
+        self.found.push(slot);
+        let certain = scene.object(slot).filter(|object| object.is_certain());
+        let Some(occluder) = certain.and_then(|object| object.occluder.as_ref()) else { return };
+        if occluder.surrounds(circle.eye) {
+            stats.eye_in_occluder = true;
+        } else {
+            self.add(occluder, circle);
+        }
+    }
+
+    fn add(&mut self, occluder: &Shape, circle: &Circle) {
+        if occluder.contains(circle.eye) {
+            self.blocked.extend(blocked::into(occluder, circle));
+        }
+        let eye = circle.eye;
+        occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b)));
+    }
+}

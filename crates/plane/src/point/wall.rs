@@ -1,0 +1,215 @@
+//! Walls and directions as an eye sees them, and exact comparisons of them.
+//!
+//! A wall from `a` to `b` runs counterclockwise around the eye `e`. Along a direction `d` it lies at the distance
+//! `c / cross(d, u)` with `u = b - a` and `c = cross(a - e, b - e) > 0`. So of two walls the first is nearer if
+//! `cross(d, w) > 0` with `w = c' u - c u'`, and the two cross in the direction of `w` or `-w`. All comparisons are signs of
+//! polynomials of degree 6 at most. A filter computes them in double precision; where it is not sure they are computed exactly.
+
+use glam::DVec2;
+
+use crate::geometry::expansion::{Exact2, between, combined, cross};
+use crate::geometry::orient;
+use crate::numeric::ROUNDINGS;
+use crate::point::arcs::Circle;
+
+/// A vector, and how far each of its components may be off.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vague {
+    pub(crate) v: DVec2,
+    pub(crate) error: f64,
+}
+
+impl Vague {
+    fn between(from: DVec2, to: DVec2) -> Self {
+        let v = to - from;
+        Self { v, error: ROUNDINGS * v.abs().max_element() }
+    }
+
+    /// The cross product, and its greatest error.
+    fn cross(self, other: Self) -> (f64, f64) {
+        let (a, b) = (self.v.x * other.v.y, self.v.y * other.v.x);
+        let sums = [self, other].map(|s| s.v.x.abs() + s.v.y.abs());
+        let error = self.error * (sums[1] + 2.0 * other.error) + other.error * sums[0];
+        (a - b, error + ROUNDINGS * (a.abs() + b.abs()))
+    }
+}
+
+/// A wall that is not collinear with the eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wall {
+    pub(crate) a: DVec2,
+    pub(crate) b: DVec2,
+    pub(crate) u: Vague,
+    /// Twice the area of the triangle that it makes with the eye, and the error of it.
+    pub(crate) c: (f64, f64),
+}
+
+impl Wall {
+    /// The wall between two points; `None` if they are collinear with the eye.
+    pub(crate) fn new(eye: DVec2, a: DVec2, b: DVec2) -> Option<Self> {
+        let turn = orient(eye, a, b);
+        let (a, b) = if turn > 0.0 { (a, b) } else { (b, a) };
+        let c = Vague::between(eye, a).cross(Vague::between(eye, b));
+        (turn != 0.0).then(|| Self { a, b, u: Vague::between(a, b), c })
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        self.a == other.a && self.b == other.b
+    }
+}
+
+/// `w` of two walls.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lead {
+    w: Vague,
+}
+
+impl Lead {
+    /// The direction of [`Lead::crossing`] as a vector.
+    pub(crate) fn direction(&self, flipped: bool) -> Vague {
+        let Vague { v, error } = self.w;
+        Vague { v: if flipped { -v } else { v }, error }
+    }
+
+    /// The direction in which two walls cross, whose numbers are given, if the first is the nearer one clockwise of it; if
+    /// `flipped`, counterclockwise.
+    pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool) -> Direction {
+        Direction::Crossing { walls, flipped, v: self.direction(flipped) }
+    }
+}
+
+/// A direction from the eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Direction {
+    /// To a point.
+    Point(DVec2),
+    /// To the point where two walls cross.
+    Crossing {
+        /// The two walls.
+        walls: [u32; 2],
+        /// Whether it is that of `-w`, and not of `w`.
+        flipped: bool,
+        /// The direction in double precision, of any length.
+        v: Vague,
+    },
+}
+
+/// An eye among walls: compares directions and walls. The walls that directions name are in `walls`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Around<'a> {
+    pub(crate) circle: &'a Circle,
+    pub(crate) eye: DVec2,
+    pub(crate) walls: &'a [Wall],
+}
+
+impl<'a> Around<'a> {
+    pub(crate) fn new(circle: &'a Circle, walls: &'a [Wall]) -> Self {
+        Self { circle, eye: circle.eye, walls }
+    }
+
+    pub(crate) fn wall(&self, number: u32) -> &Wall {
+        &self.walls[number as usize]
+    }
+
+    /// The direction as a vector.
+    pub(crate) fn vague(&self, direction: &Direction) -> Vague {
+        match *direction {
+            Direction::Point(p) => Vague::between(self.eye, p),
+            Direction::Crossing { v, .. } => v,
+        }
+    }
+
+    /// Positive if the second direction lies counterclockwise of the first, by less than half a turn; 0 if they are the same (or
+    /// opposite).
+    pub(crate) fn turn(&self, from: &Direction, to: &Direction) -> f64 {
+        use Direction::{Crossing, Point};
+        match (from, to) {
+            (Point(p), Point(q)) if p == q => 0.0,
+            (Point(p), Point(q)) => orient(self.eye, *p, *q),
+            (Crossing { walls: p, .. }, Crossing { walls: q, .. }) if p == q => 0.0,
+            _ => {
+                let (turn, error) = self.vague(from).cross(self.vague(to));
+                if turn.abs() > error {
+                    return turn;
+                }
+                cross(&self.exact(from), &self.exact(to)).sign()
+            }
+        }
+    }
+
+    /// The later of two directions that are less than half a turn apart.
+    pub(crate) fn later(&self, a: Direction, b: Direction) -> Direction {
+        if self.turn(&a, &b) > 0.0 { b } else { a }
+    }
+
+    /// The earlier of two directions that are less than half a turn apart.
+    pub(crate) fn earlier(&self, a: Direction, b: Direction) -> Direction {
+        if self.turn(&a, &b) > 0.0 { a } else { b }
+    }
+
+    /// `w` of two walls.
+    pub(crate) fn lead(&self, a: &Wall, b: &Wall) -> Lead {
+        let (p, q) = (a.u.v * b.c.0, b.u.v * a.c.0);
+        let size = |v: DVec2| v.abs().max_element();
+        let of = |u: Vague, c: (f64, f64)| u.error * (c.0.abs() + c.1) + c.1 * size(u.v);
+        let error = of(a.u, b.c) + of(b.u, a.c) + ROUNDINGS * (size(p) + size(q));
+        Lead { w: Vague { v: p - q, error } }
+    }
+
+    /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they meet there. `lead` is that
+    /// of `a` and `b`.
+    pub(crate) fn nearer(&self, a: &Wall, b: &Wall, lead: &Lead, along: &Direction) -> f64 {
+        if a.is(b) {
+            return 0.0;
+        }
+        if let Direction::Point(p) = *along {
+            if p == a.a || p == a.b {
+                return orient(b.a, b.b, p);
+            }
+            if p == b.a || p == b.b {
+                return -orient(a.a, a.b, p);
+            }
+        }
+        let (sign, error) = self.vague(along).cross(lead.w);
+        if sign.abs() > error {
+            return sign;
+        }
+        cross(&self.exact(along), &self.exact_lead(a, b)).sign()
+    }
+
+    /// The point of a wall in a direction that it covers, and how far from it the true one may be.
+    pub(crate) fn hit(&self, wall: &Wall, along: &Direction) -> (DVec2, f64) {
+        match *along {
+            Direction::Point(p) if p == wall.a || p == wall.b => (p, 0.0),
+            _ => self.hit_along(wall, self.vague(along)),
+        }
+    }
+
+    /// As [`Around::hit`], for a direction as a vector.
+    pub(crate) fn hit_along(&self, wall: &Wall, along: Vague) -> (DVec2, f64) {
+        let (turn, error) = along.cross(wall.u);
+        let offset = along.v * (wall.c.0 / turn);
+        let share =
+            wall.c.1 / wall.c.0 + error / turn + along.error / along.v.abs().max_element() + ROUNDINGS;
+        let doubt = 4.0 * share * offset.length() + ROUNDINGS * self.eye.length();
+        let all = (wall.b - wall.a).length() * (1.0 + ROUNDINGS);
+        // Comparisons with NaN are false: then the point may be anywhere on the wall.
+        if (0.0..0.1).contains(&share) && doubt < all { (self.eye + offset, doubt) } else { (wall.a, all) }
+    }
+
+    fn exact_lead(&self, a: &Wall, b: &Wall) -> Exact2 {
+        let c = |wall: &Wall| cross(&between(self.eye, wall.a), &between(self.eye, wall.b));
+        combined(&between(a.a, a.b), &c(b), &between(b.a, b.b), &c(a))
+    }
+
+    fn exact(&self, direction: &Direction) -> Exact2 {
+        match *direction {
+            Direction::Point(p) => between(self.eye, p),
+            Direction::Crossing { walls: [a, b], flipped, .. } => {
+                let (a, b) = if flipped { (b, a) } else { (a, b) };
+                // `w` of the walls in the other order is `-w`.
+                self.exact_lead(self.wall(a), self.wall(b))
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Slots: where objects are stored, and which ids name them.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::error::Error;
+use crate::id::ObjectId;
+use crate::scene::Object;
+
+/// Places of objects are `u32`, and some tables store twice a place.
+const MOST: usize = (1 << 31) - 1;
+
+static SCENES: AtomicU32 = AtomicU32::new(1);
+
+/// Tells the scenes of a process apart. A copy of a scene changes on its own, so that cloning makes a new tag.
+#[derive(Debug)]
+struct Tag(u32);
+
+impl Tag {
+    fn new() -> Self {
+        Self(SCENES.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+impl Clone for Tag {
+    fn clone(&self) -> Self {
+        Self::new()
+    }
+}
+
+/// A place for one object at a time.
+#[derive(Debug, Clone, Default)]
+struct Slot {
+    /// How many objects were removed from here.
+    generation: u32,
+    /// The scene that the object was inserted into: this one, or one that this is a copy of.
+    scene: u32,
+    object: Option<Object>,
+}
+
+/// The objects of a scene by slot.
+#[derive(Debug, Clone)]
+pub(super) struct Slots {
+    tag: Tag,
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+    len: usize,
+}
+
+impl Slots {
+    pub(super) fn new() -> Self {
+        Self { tag: Tag::new(), slots: Vec::new(), free: Vec::new(), len: 0 }
+    }
+
+    /// The tag of the scene.
+    pub(super) fn tag(&self) -> u32 {
+        self.tag.0
+    }
+
+    /// Number of objects.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Number of slots, free ones included.
+    pub(super) fn count(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// The id of the object in a slot.
+    pub(super) fn id(&self, slot: u32) -> ObjectId {
+        let Slot { scene, generation, .. } = self.slots[slot as usize];
+        ObjectId { scene, slot, generation }
+    }
+
+    /// The object that an id names.
+    pub(super) fn find(&self, id: ObjectId) -> Result<&Object, Error> {
+        let slot = self.slots.get(id.slot as usize).filter(|s| s.scene == id.scene);
+        slot.filter(|s| s.generation == id.generation)
+            .and_then(|s| s.object.as_ref())
+            .ok_or(Error::UnknownObject(id))
+    }
+
+    /// The object of a slot, if there is one.
+    pub(super) fn get(&self, slot: u32) -> Option<&Object> {
+        self.slots.get(slot as usize)?.object.as_ref()
+    }
+
+    /// As [`Slots::get`], to change it.
+    pub(super) fn get_mut(&mut self, slot: u32) -> Option<&mut Object> {
+        self.slots.get_mut(slot as usize)?.object.as_mut()
+    }
+
+    /// All objects, in the order of their slots.
+    pub(super) fn living(&self) -> impl DoubleEndedIterator<Item = (u32, &Object)> {
+        let slots = self.slots.iter().enumerate();
+        slots.filter_map(|(i, slot)| Some((i as u32, slot.object.as_ref()?)))
+    }
+
+    /// Stores an object in a free slot, or in a new one.
+    pub(super) fn insert(&mut self, object: Object) -> Result<u32, Error> {
+        let at = match self.free.pop() {
+            Some(slot) => slot,
+            None if self.slots.len() < MOST => {
+                self.slots.push(Slot::default());
+                self.slots.len() as u32 - 1
+            }
+            None => return Err(Error::SceneFull(self.len)),
+        };
+        let slot = &mut self.slots[at as usize];
+        (slot.scene, slot.object) = (self.tag.0, Some(object));
+        self.len += 1;
+        Ok(at)
+    }
+
+    /// Empties a slot that contains an object. The ids of the object name nothing from now on.
+    pub(super) fn remove(&mut self, at: u32) {
+        let slot = &mut self.slots[at as usize];
+        slot.object = None;
+        self.len -= 1;
+        // A slot whose generations are used up is never given again.
+        if let Some(next) = slot.generation.checked_add(1) {
+            slot.generation = next;
+            self.free.push(at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::geometry::Disc;
+    use crate::object::ObjectDesc;
+
+    fn object() -> Object {
+        Object::new(ObjectDesc::fixed(Disc::new(Vec2::ZERO, 1.0)), 0.0)
+    }
+
+    #[test]
+    fn a_slot_is_used_again_and_its_old_id_is_not() {
+        let mut slots = Slots::new();
+        let first = slots.insert(object()).unwrap();
+        let old = slots.id(first);
+        slots.remove(first);
+        assert_eq!(slots.find(old).unwrap_err(), Error::UnknownObject(old));
+        let second = slots.insert(object()).unwrap();
+        let new = slots.id(second);
+        assert!(first == second && old != new && slots.find(new).is_ok() && slots.find(old).is_err());
+        assert_eq!((slots.len(), slots.count(), slots.living().count()), (1, 1, 1));
+    }
+
+    #[test]
+    fn a_slot_without_generations_is_given_up() {
+        let mut slots = Slots::new();
+        let slot = slots.insert(object()).unwrap();
+        slots.slots[slot as usize].generation = u32::MAX;
+        slots.remove(slot);
+        assert_ne!(slots.insert(object()).unwrap(), slot);
+        assert_eq!(slots.len(), 1);
+    }
+
+    #[test]
+    fn copies_know_old_ids_and_tell_new_ones_apart() {
+        let mut slots = Slots::new();
+        let common = slots.insert(object()).unwrap();
+        let common = slots.id(common);
+        let mut copy = slots.clone();
+        assert!(copy.find(common).is_ok() && copy.tag() != slots.tag());
+        let (a, b) = (slots.insert(object()).unwrap(), copy.insert(object()).unwrap());
+        assert_eq!(a, b);
+        assert!(slots.find(copy.id(b)).is_err() && copy.find(slots.id(a)).is_err());
+    }
+}

@@ -1,0 +1,137 @@
+//! Fog of war: the memory of what a group of viewers has seen.
+
+use crate::bits::BitGrid;
+use crate::tiles::error::TileError;
+use crate::tiles::fov::FieldOfView;
+use crate::tiles::marks::Marks;
+
+/// What a group of viewers knows of a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum TileState {
+    /// No viewer has seen it yet.
+    Unseen,
+    /// It was seen before, but not in this frame.
+    Remembered,
+    /// A viewer sees it in this frame.
+    Seen,
+}
+
+/// Which tiles a group of viewers sees in a frame, and which it has ever seen.
+///
+/// ```
+/// use casca_plane::{FieldOfView, Fog, FovOptions, OpaqueTiles, BitGrid, TilePoint, TileState};
+///
+/// # fn main() -> Result<(), casca_plane::TileError> {
+/// let map = OpaqueTiles::new(BitGrid::new(30, 20));
+/// let (mut fog, mut fov) = (Fog::new(30, 20), FieldOfView::new());
+/// for step in 0..5 {
+///     fog.begin_frame();
+///     for y in [3, 15] {
+///         fov.run(&map, TilePoint::center_of(2 + step, y), &FovOptions::default().in_circle(4.0)?);
+///         fog.add(&fov)?;
+///     }
+///     for (x, y) in fog.newly_seen().cells() {
+///         // Draw this tile for the first time.
+/// #       let _ = (x, y);
+///     }
+/// }
+/// assert_eq!(fog.state(1, 3), TileState::Remembered);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fog {
+    seen: Marks,
+    fresh: Marks,
+    ever: BitGrid,
+}
+
+impl Fog {
+    /// A map of which nothing was seen. Takes three bits a tile.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self::with_memory(BitGrid::new(width, height))
+    }
+
+    /// A map of which some tiles were seen before, as from a saved game.
+    pub fn with_memory(ever: BitGrid) -> Self {
+        let (mut seen, mut fresh) = (Marks::default(), Marks::default());
+        seen.clear(&ever);
+        fresh.clear(&ever);
+        Self { seen, fresh, ever }
+    }
+
+    /// Ends the sight of the last frame: the tiles that were seen are remembered. Costs the tiles that were seen, by words.
+    pub fn begin_frame(&mut self) {
+        self.seen.clear(&self.ever);
+        self.fresh.clear(&self.ever);
+    }
+
+    /// Adds the tiles that the last run of a field of view found. Costs its bounds, by words.
+    ///
+    /// # Errors
+    /// A field of view on a map of other dimensions, or one that has not run yet.
+    pub fn add(&mut self, fov: &FieldOfView) -> Result<(), TileError> {
+        let (columns, rows) = fov.bounds();
+        self.add_part(fov.seen(), columns, rows)
+    }
+
+    /// Adds tiles that are seen in some other way. Costs a pass over the words of the map.
+    ///
+    /// # Errors
+    /// A grid of other dimensions.
+    pub fn add_tiles(&mut self, tiles: &BitGrid) -> Result<(), TileError> {
+        self.add_part(tiles, 0..tiles.width(), 0..tiles.height())
+    }
+
+    fn add_part(
+        &mut self,
+        tiles: &BitGrid,
+        columns: std::ops::Range<u32>,
+        rows: std::ops::Range<u32>,
+    ) -> Result<(), TileError> {
+        let (width, height) = (self.ever.width(), self.ever.height());
+        if (tiles.width(), tiles.height()) != (width, height) {
+            let (found_width, found_height) = (tiles.width(), tiles.height());
+            return Err(TileError::Dimensions { found_width, found_height, width, height });
+        }
+        let words = columns.start as usize / 64..(columns.end as usize).div_ceil(64);
+        for y in rows.clone() {
+            let added = &tiles.row(y)[words.clone()];
+            let seen = &mut self.seen.bits.row_mut(y)[words.clone()];
+            let fresh = &mut self.fresh.bits.row_mut(y)[words.clone()];
+            let ever = &mut self.ever.row_mut(y)[words.clone()];
+            for (((added, seen), fresh), ever) in added.iter().zip(seen).zip(fresh).zip(ever) {
+                *seen |= added;
+                *fresh |= added & !*ever;
+                *ever |= added;
+            }
+        }
+        self.seen.widen(columns.clone(), rows.clone());
+        self.fresh.widen(columns, rows);
+        Ok(())
+    }
+
+    /// What is known of a tile. Tiles outside of the map are unseen.
+    pub fn state(&self, x: u32, y: u32) -> TileState {
+        match (self.seen.bits.get(x, y), self.ever.get(x, y)) {
+            (true, _) => TileState::Seen,
+            (false, true) => TileState::Remembered,
+            (false, false) => TileState::Unseen,
+        }
+    }
+
+    /// The tiles that are seen in this frame.
+    pub fn seen(&self) -> &BitGrid {
+        &self.seen.bits
+    }
+
+    /// The tiles that are seen in this frame for the first time.
+    pub fn newly_seen(&self) -> &BitGrid {
+        &self.fresh.bits
+    }
+
+    /// The tiles that were ever seen, also in this frame: the memory to be saved.
+    pub fn ever_seen(&self) -> &BitGrid {
+        &self.ever
+    }
+}

@@ -1,0 +1,186 @@
+//! The field of view of an eye: a bit for each tile.
+
+use std::ops::Range;
+
+use crate::bits::BitGrid;
+use crate::tiles::error::TileError;
+use crate::tiles::marks::Marks;
+use crate::tiles::octant::Octant;
+use crate::tiles::opaque::OpaqueTiles;
+use crate::tiles::options::FovOptions;
+use crate::tiles::point::TilePoint;
+use crate::tiles::ray::Sink;
+use crate::tiles::scan::fill;
+use crate::tiles::sweep::Sweep;
+use crate::tiles::transpose::add_transposed;
+
+/// Finds the tiles that an eye sees, exactly.
+///
+/// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part of its inside if it is free,
+/// a part of its border if it is opaque. So walls are seen, rays that only graze do not count, and two opaque tiles that touch at a
+/// corner let nothing through. Tiles beyond the range or outside of the sector of [`FovOptions`] are not seen.
+///
+/// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile does not see through it.
+///
+/// Keeps its memory from run to run: have one for each thread. Takes two bits for each tile of the map.
+///
+/// ```
+/// use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
+///
+/// let mut walls = BitGrid::new(7, 3);
+/// walls.set(3, 1, true);
+/// let mut fov = FieldOfView::new();
+/// let seen = fov.run(&OpaqueTiles::new(walls), TilePoint::center_of(0, 1), &FovOptions::default());
+/// assert!(seen.get(3, 1) && !seen.get(4, 1) && seen.get(6, 0));
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct FieldOfView {
+    sweep: Sweep,
+    rows: Marks,
+    columns: Marks,
+}
+
+impl FieldOfView {
+    /// A field of view that sees nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The tiles that are seen from `eye`.
+    ///
+    /// Costs the rows in sight, the words of 64 tiles that are seen in them, and the free intervals of directions in each row: 1 to 4
+    /// microseconds in rooms and caves that the cache holds, less than 200 on a field of 1024 by 1024 tiles with rocks. A map of
+    /// other dimensions than that of the last run costs new memory.
+    pub fn run(&mut self, opaque: &OpaqueTiles, eye: TilePoint, options: &FovOptions) -> &BitGrid {
+        self.sweep_all(opaque, Eyes::At(eye.units()), options)
+    }
+
+    /// The tiles that are seen from anywhere in a tile of the map, its border included, and some more: a result for all viewers in
+    /// the tile, or for one that moves in it. Nothing that [`Self::run`] finds for one of these eyes is missing.
+    ///
+    /// Opaque tiles hide together what lies behind them, as for one eye, but count as half a tile thinner on every side: a row of
+    /// tiles as the line through their centres, a single tile as nothing. The range of the options is counted from the nearest eye.
+    /// Their sector is not regarded: its apex could be anywhere in the tile.
+    ///
+    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms. Among single rocks, which hide nothing, it costs the whole
+    /// map.
+    ///
+    /// # Errors
+    /// A tile that the map does not have.
+    pub fn run_from_tile(
+        &mut self,
+        opaque: &OpaqueTiles,
+        x: u32,
+        y: u32,
+        options: &FovOptions,
+    ) -> Result<&BitGrid, TileError> {
+        let (width, height) = (opaque.width(), opaque.height());
+        if x >= width || y >= height {
+            return Err(TileError::Outside { x, y, width, height });
+        }
+        Ok(self.sweep_all(opaque, Eyes::In([x, y]), options))
+    }
+
+    fn sweep_all(&mut self, opaque: &OpaqueTiles, eyes: Eyes, options: &FovOptions) -> &BitGrid {
+        self.rows.clear(opaque.bits());
+        self.columns.clear(opaque.columns());
+        for (marks, tiles, turned) in
+            [(&mut self.rows, opaque.bits(), false), (&mut self.columns, opaque.columns(), true)]
+        {
+            for octant in Octant::four(turned) {
+                match octant.flip_x {
+                    true => mark_octant::<true>(marks, &mut self.sweep, tiles, octant, eyes, options),
+                    false => mark_octant::<false>(marks, &mut self.sweep, tiles, octant, eyes, options),
+                }
+            }
+        }
+        let turned = &self.columns;
+        add_transposed(&turned.bits, &mut self.rows.bits, turned.columns.clone(), turned.rows.clone());
+        self.rows.widen(turned.rows.clone(), turned.columns.clone());
+        &self.rows.bits
+    }
+
+    /// The tiles that the last run found.
+    pub fn seen(&self) -> &BitGrid {
+        &self.rows.bits
+    }
+
+    /// Columns and rows that hold all tiles that the last run found.
+    pub fn bounds(&self) -> (Range<u32>, Range<u32>) {
+        (self.rows.columns.clone(), self.rows.rows.clone())
+    }
+}
+
+/// Who looks.
+#[derive(Clone, Copy)]
+enum Eyes {
+    /// One eye, in units of positions.
+    At([i64; 2]),
+    /// All eyes in a tile.
+    In([u32; 2]),
+}
+
+/// Marks the tiles that are seen in an octant. `MIRROR` is its `flip_x`.
+fn mark_octant<const MIRROR: bool>(
+    marks: &mut Marks,
+    sweep: &mut Sweep,
+    tiles: &BitGrid,
+    octant: Octant,
+    eyes: Eyes,
+    options: &FovOptions,
+) {
+    let mut marker = Marker::<MIRROR>::new(&mut marks.bits, octant.flip_y);
+    match eyes {
+        Eyes::At(eye) => sweep.run::<MIRROR>(tiles, octant, eye, options, &mut marker),
+        Eyes::In(tile) => sweep.run_from_tile::<MIRROR>(tiles, octant, tile, options.range, &mut marker),
+    }
+    let (columns, rows) = marker.bounds();
+    marks.widen(columns, rows);
+}
+
+/// Marks the tiles of an octant.
+struct Marker<'a, const MIRROR: bool> {
+    bits: &'a mut BitGrid,
+    flip_y: bool,
+    /// The row at hand, of the map.
+    y: u32,
+    columns: Range<usize>,
+    /// Rows of the octant.
+    rows: Range<usize>,
+}
+
+impl<'a, const MIRROR: bool> Marker<'a, MIRROR> {
+    fn new(bits: &'a mut BitGrid, flip_y: bool) -> Self {
+        let none = Range { start: usize::MAX, end: 0 };
+        Self { bits, flip_y, y: 0, columns: none.clone(), rows: none }
+    }
+
+    /// The columns and rows of the map that hold the marks.
+    fn bounds(&self) -> (Range<u32>, Range<u32>) {
+        let part = |range: &Range<usize>, size: u32, flip: bool| {
+            let (start, end) = (range.start as u32, range.end as u32);
+            match (range.is_empty(), flip) {
+                (true, _) => 0..0,
+                (false, false) => start..end,
+                (false, true) => size - end..size - start,
+            }
+        };
+        (part(&self.columns, self.bits.width(), MIRROR), part(&self.rows, self.bits.height(), self.flip_y))
+    }
+}
+
+impl<const MIRROR: bool> Sink for Marker<'_, MIRROR> {
+    #[inline]
+    fn begin_row(&mut self, row: usize) {
+        self.y = if self.flip_y { self.bits.height() - 1 - row as u32 } else { row as u32 };
+        self.rows = self.rows.start.min(row)..row + 1;
+    }
+
+    #[inline(always)]
+    fn seen(&mut self, from: usize, end: usize) {
+        self.columns = self.columns.start.min(from)..self.columns.end.max(end);
+        let width = self.bits.width() as usize;
+        let (first, end) = if MIRROR { (width - end, width - from) } else { (from, end) };
+        fill(self.bits.row_mut(self.y), first, end);
+    }
+}

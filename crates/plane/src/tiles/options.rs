@@ -1,0 +1,145 @@
+//! Limits of a field of view: how far, and in which directions.
+
+use glam::Vec2;
+
+use crate::numeric::tiles::{DIRECTION, SECTOR, TILE};
+use crate::tiles::error::{TileError, finite, positive};
+
+/// How far and in which directions a viewer sees.
+///
+/// ```
+/// use casca_plane::FovOptions;
+/// use glam::Vec2;
+///
+/// # fn main() -> Result<(), casca_plane::TileError> {
+/// let guard = FovOptions::default().in_circle(12.0)?.in_sector(Vec2::X, 0.8)?;
+/// # let _ = guard;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FovOptions {
+    pub(super) range: Option<Range>,
+    pub(super) sector: Option<Sector>,
+}
+
+impl FovOptions {
+    /// Only tiles of which some point lies nearer to the eye than `radius` tiles. An infinite radius is no limit.
+    ///
+    /// # Errors
+    /// A radius that is NaN, zero or negative.
+    pub fn in_circle(self, radius: f32) -> Result<Self, TileError> {
+        Ok(Self { range: Range::new(Norm::Euclidean, radius)?, ..self })
+    }
+
+    /// Only tiles of which some point is nearer to the eye than `distance` tiles, in x as in y: a square about the eye. An infinite
+    /// distance is no limit.
+    ///
+    /// # Errors
+    /// A distance that is NaN, zero or negative.
+    pub fn in_square(self, distance: f32) -> Result<Self, TileError> {
+        Ok(Self { range: Range::new(Norm::Chessboard, distance)?, ..self })
+    }
+
+    /// Only directions that differ from `direction` by less than `half_angle`, in radians. An angle of pi or more is no limit.
+    /// The sector is wider by 2e-9 radians at each side, to make up for rounding.
+    ///
+    /// # Errors
+    /// A direction that is zero or not finite; an angle that is NaN, zero or negative.
+    pub fn in_sector(self, direction: Vec2, half_angle: f32) -> Result<Self, TileError> {
+        Ok(Self { sector: Sector::new(direction, half_angle)?, ..self })
+    }
+}
+
+/// How distances are measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Norm {
+    Euclidean,
+    Chessboard,
+}
+
+/// A distance from the eye that no tile is as far away as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Range {
+    norm: Norm,
+    /// In units of positions, rounded up, at most 2^61.
+    radius: i64,
+}
+
+impl Range {
+    fn new(norm: Norm, radius: f32) -> Result<Option<Self>, TileError> {
+        let units = (positive("the range", radius.into())? * TILE as f64).ceil();
+        Ok((units <= (1u64 << 61) as f64).then_some(Self { norm, radius: units as i64 }))
+    }
+
+    /// The column after the last one of a row in which some point inside a tile is in range, right of an eye at `eye` units.
+    /// `None` if the whole row is out of range. The row begins at the distance `ahead`, which is not negative.
+    #[inline]
+    pub fn end(self, eye: i64, ahead: i64) -> Option<i64> {
+        if ahead >= self.radius {
+            return None;
+        }
+        // Tiles from the eye's column on begin this far aside.
+        let aside = |column: i64| column * TILE - eye;
+        let own = eye.div_euclid(TILE);
+        match self.norm {
+            Norm::Chessboard => Some((eye + self.radius - 1).div_euclid(TILE) + 1),
+            Norm::Euclidean => {
+                let square = |side: i64| i128::from(side) * i128::from(side);
+                let rest = square(self.radius) - square(ahead);
+                let in_range = |column: i64| column <= own || square(aside(column)) < rest;
+                // Off by a column at most; then made exact.
+                let mut end = ((eye as f64 + (rest as f64).sqrt()) / TILE as f64) as i64;
+                while in_range(end) {
+                    end += 1;
+                }
+                while !in_range(end - 1) {
+                    end -= 1;
+                }
+                Some(end)
+            }
+        }
+    }
+}
+
+/// The directions from one to another, counterclockwise (x to y), without these two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sector {
+    /// Whole numbers of about [`DIRECTION`].
+    pub from: [i64; 2],
+    pub to: [i64; 2],
+    /// Whether the angle between the two exceeds a half turn.
+    wide: bool,
+}
+
+impl Sector {
+    fn new(direction: Vec2, half_angle: f32) -> Result<Option<Self>, TileError> {
+        let what = "the direction of a sector";
+        let (x, y) = (finite(what, direction.x.into())?, finite(what, direction.y.into())?);
+        if (x, y) == (0.0, 0.0) {
+            return Err(TileError::NoDirection { what });
+        }
+        let half = positive("the half angle of a sector", half_angle.into())? + SECTOR;
+        if half >= std::f64::consts::PI - SECTOR {
+            return Ok(None);
+        }
+        let middle = y.atan2(x);
+        let whole = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            [cos, sin].map(|part| (part * DIRECTION).round() as i64)
+        };
+        let (from, to) = (whole(middle - half), whole(middle + half));
+        Ok(Some(Self { from, to, wide: left(to, from) }))
+    }
+
+    /// Whether the sector holds a direction of numbers up to 2^32.
+    pub fn holds(self, direction: [i64; 2]) -> bool {
+        let (after, before) = (left(self.from, direction), left(direction, self.to));
+        if self.wide { after || before } else { after && before }
+    }
+}
+
+/// Whether a direction lies less than a half turn counterclockwise of another.
+fn left(of: [i64; 2], direction: [i64; 2]) -> bool {
+    i128::from(of[0]) * i128::from(direction[1]) > i128::from(of[1]) * i128::from(direction[0])
+}
