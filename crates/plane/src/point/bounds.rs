@@ -32,10 +32,10 @@ impl Bounds {
     pub(crate) fn skip(&self, target: &Wall, mut i: usize) -> usize {
         let (mut level, mut size) = (0, FAN);
         while let Some(block) = self.levels.get(level).and_then(|blocks| blocks.get(i / size)) {
-            if i % size == 0 && hides(block, target) {
+            if i.is_multiple_of(size) && hides(block, target) {
                 i += size;
                 // Upwards as long as blocks are passed as a whole.
-                if i % (size * FAN) == 0 && level + 1 < self.levels.len() {
+                if i.is_multiple_of(size * FAN) && level + 1 < self.levels.len() {
                     (level, size) = (level + 1, size * FAN);
                 }
             } else if level > 0 {
