@@ -217,3 +217,15 @@ fn results_and_ids_of_other_scenes_are_refused() {
     a.remove(id).unwrap();
     assert!(query.run(&a, &View::all_round(Vec2::ZERO).unwrap()).is_empty() && !query.pvs().contains(id));
 }
+
+/// Comparing each hidden wall with each piece of the fence would take minutes.
+#[test]
+fn walls_behind_a_long_fence_cost_no_square() {
+    let x = |i: u16| -9.0 + 18.0 * f32::from(i) / 16384.0;
+    let fence = (0..16384).map(|i| wall((x(i), 2.25), (x(i + 1), 2.25)));
+    let behind = (0..16384u16).map(|i| 2.3 + 0.6 * f32::from(i) / 16384.0);
+    let occluders: Vec<Shape> = fence.chain(behind.map(|y| wall((-6.9, y), (6.9, y)))).collect();
+    let query = look(&occluders, (0.0, 0.0));
+    assert_eq!(query.pvs().len(), 16384);
+    assert_eq!(query.pvs().stats().objects_tested, 32768);
+}

@@ -88,6 +88,14 @@ impl Runs {
 }
 
 impl Envelope {
+    /// All pieces, in the order of the steps.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
+        self.domains.iter().flat_map(|domain| {
+            let steps = &self.steps[domain.steps.clone()];
+            (0..steps.len()).map(move |i| domain.piece(steps, i))
+        })
+    }
+
     /// Finds the nearest walls in the arcs of a view, of which each is in one quarter. In the arcs of `blocked` nothing is seen.
     pub(crate) fn build(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         self.collect(around, view, blocked);

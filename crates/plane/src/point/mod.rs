@@ -14,6 +14,7 @@
 
 mod arcs;
 mod blocked;
+mod bounds;
 mod covers;
 mod envelope;
 mod outline;
@@ -28,6 +29,7 @@ use glam::{DVec2, Vec2};
 use crate::geometry::Shape;
 use crate::geometry::block::Block;
 use crate::point::arcs::{Arcs, Circle};
+use crate::point::bounds::Bounds;
 use crate::point::envelope::Envelope;
 use crate::point::region::Region;
 use crate::point::walk::Walk;
@@ -41,6 +43,7 @@ use crate::view::View;
 pub(crate) struct Sight {
     walk: Walk,
     envelope: Envelope,
+    bounds: Bounds,
     view: Option<(View, Circle)>,
     /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
@@ -53,6 +56,7 @@ impl Sight {
         self.walk.run(scene, view, &circle, &arcs, &mut pvs.stats);
         let around = Around::new(&circle, &self.walk.walls);
         self.envelope.build(&around, &arcs, &self.walk.blocked);
+        self.bounds.build(&around, self.envelope.pieces());
         pvs.stats.segments = self.walk.walls.len() as u32;
         pvs.stats.pieces = self.envelope.steps.len() as u32;
         let found = self.walk.found.iter().filter_map(|&slot| Some((slot, scene.object(slot)?)));
@@ -72,7 +76,9 @@ impl Sight {
     pub(crate) fn open(&mut self, scene: &Scene, view: &View) -> Circle {
         let (circle, arcs) = self.start(scene, view);
         self.walk.clear();
-        self.envelope.build(&Around::new(&circle, &[]), &arcs, &[]);
+        let around = Around::new(&circle, &[]);
+        self.envelope.build(&around, &arcs, &[]);
+        self.bounds.build(&around, self.envelope.pieces());
         circle
     }
 
@@ -96,7 +102,7 @@ impl Sight {
 
     fn region<'a>(&'a self, view: &View, circle: &'a Circle) -> Region<'a> {
         let around = Around::new(circle, &self.walk.walls);
-        Region::new(around, &self.envelope, view.range())
+        Region::new(around, &self.envelope, &self.bounds, view.range())
     }
 
     /// Whether a point belongs to the visible region; `false` before the first run.

@@ -10,6 +10,7 @@ use crate::geometry::shape::front_of_block;
 use crate::geometry::{Disc, Shape, orient};
 use crate::numeric::DISTANCE;
 use crate::point::arcs::{order, touching};
+use crate::point::bounds::Bounds;
 use crate::point::envelope::{BLOCKED, Domain, Envelope, OPEN, Piece, Step};
 use crate::point::target::{self, distance};
 use crate::point::wall::{Around, Direction, Wall};
@@ -19,14 +20,21 @@ use crate::point::wall::{Around, Direction, Wall};
 pub(crate) struct Region<'a> {
     pub(crate) around: Around<'a>,
     pub(crate) envelope: &'a Envelope,
+    bounds: &'a Bounds,
     /// How far the view goes, rounded outwards; infinity if it does not end.
     pub(crate) range: f64,
 }
 
 impl<'a> Region<'a> {
-    pub(crate) fn new(around: Around<'a>, envelope: &'a Envelope, range: Option<f64>) -> Self {
+    /// The region before the walls of an envelope; `bounds` are those of its pieces.
+    pub(crate) fn new(
+        around: Around<'a>,
+        envelope: &'a Envelope,
+        bounds: &'a Bounds,
+        range: Option<f64>,
+    ) -> Self {
         let range = range.map_or(f64::INFINITY, |range| range * (1.0 + DISTANCE));
-        Self { around, envelope, range }
+        Self { around, envelope, bounds, range }
     }
 
     /// Whether nothing is seen at all.
@@ -40,25 +48,33 @@ impl<'a> Region<'a> {
         (0..steps.len()).map(move |i| domain.piece(steps, i))
     }
 
-    /// The pieces that have a direction in common with those from one to another, which are in the quarter of the domain.
+    /// The pieces that have a direction in common with those from one to another, which are in the quarter of the domain; without some that
+    /// a target does not meet, if there is one.
     fn pieces_between(
         &self,
         domain: &'a Domain,
         from: Direction,
         to: Direction,
+        target: Option<Wall>,
     ) -> impl Iterator<Item = Piece> {
         let steps = &self.envelope.steps[domain.steps.clone()];
         let around = self.around;
         // The first piece that does not end before.
         let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
         let first = steps.partition_point(before).saturating_sub(1);
-        (first..steps.len())
-            .map(move |i| domain.piece(steps, i))
-            .take_while(move |piece| around.turn(&piece.from, &to) >= 0.0)
+        let (bounds, start) = (self.bounds, domain.steps.start);
+        let mut next = start + first;
+        std::iter::from_fn(move || {
+            next = target.map_or(next, |target| bounds.skip(&target, next));
+            let piece = (next - start < steps.len()).then(|| domain.piece(steps, next - start));
+            next += 1;
+            piece.filter(|piece| around.turn(&piece.from, &to) >= 0.0)
+        })
     }
 
-    /// The directions between those to two points that are in the region's view, with the pieces there.
-    fn meeting(&self, from: DVec2, to: DVec2) -> impl Iterator<Item = Piece> {
+    /// The directions between those to two points that are in the region's view, with the pieces there; without some that a
+    /// target does not meet, if there is one.
+    fn meeting(&self, from: DVec2, to: DVec2, target: Option<Wall>) -> impl Iterator<Item = Piece> {
         let eye = self.around.eye;
         touching(self.around.circle, from, to).flat_map(move |part| {
             let domains =
@@ -69,7 +85,7 @@ impl<'a> Region<'a> {
                 let to = if order(eye, arc.to, part.to).is_lt() { arc.to } else { part.to };
                 let meet = order(eye, from, to).is_le();
                 let (from, to) = (Direction::Point(from), Direction::Point(to));
-                let pieces = meet.then(|| self.pieces_between(domain, from, to));
+                let pieces = meet.then(|| self.pieces_between(domain, from, to, target));
                 pieces.into_iter().flatten().filter_map(move |piece| {
                     let from = self.around.later(from, piece.from);
                     let to = self.around.earlier(to, piece.to);
@@ -93,7 +109,7 @@ impl<'a> Region<'a> {
                 orient(wall.a, wall.b, p) >= 0.0
             }
         };
-        (p - self.around.eye).length() <= self.range && self.meeting(p, p).any(seen)
+        (p - self.around.eye).length() <= self.range && self.meeting(p, p, None).any(seen)
     }
 
     /// Whether a segment meets the region.
@@ -119,7 +135,7 @@ impl<'a> Region<'a> {
     fn meets_wall(&self, target: &Wall) -> bool {
         let ends = [target.a, target.b].map(|p| (p - self.around.eye).length());
         let within = ends[0].max(ends[1]) <= self.range;
-        self.meeting(target.a, target.b).any(|piece| match piece.wall {
+        self.meeting(target.a, target.b, Some(*target)).any(|piece| match piece.wall {
             BLOCKED => false,
             OPEN => within || self.is_near(target, None, &piece),
             wall => {
@@ -154,7 +170,7 @@ impl<'a> Region<'a> {
 
     fn meets_disc(&self, disc: &Disc) -> bool {
         let [from, to] = target::sides(self.around.eye, disc);
-        self.meeting(from, to).any(|piece| target::meets(&self.around, self.range, disc, &piece))
+        self.meeting(from, to, None).any(|piece| target::meets(&self.around, self.range, disc, &piece))
     }
 
     /// Whether a shape meets the region.
