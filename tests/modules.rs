@@ -2,7 +2,7 @@
 //! between rooms (the folders and single files below `src`), no file is too long, and the drawing in
 //! ARCHITECTURE.md shows the imports as they are.
 //!
-//! `CASCA_GRAPH=write cargo test --test modules` draws it anew.
+//! `CASCA_GRAPH=write cargo test --test modules` draws it anew. Imports and files of `crates/plane` are checked, too.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 
 use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
+
+/// The sources that are checked; the first one is drawn.
+const ROOTS: [&str; 2] = ["src", "crates/plane/src"];
 
 /// A longer file says at its head why: a line that starts with `//! Long because`.
 const LONGEST: usize = 450;
@@ -121,12 +124,14 @@ fn sources(folder: &Path, module: &Module, out: &mut BTreeMap<Module, PathBuf>) 
     for path in entries {
         let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let child = [module.clone(), vec![stem.clone()]].concat();
+        // `tests` belongs to the tests, as a `mod tests` inside a file does.
+        if stem == "tests" {
+            continue;
+        }
         if path.is_dir() {
             sources(&path, &child, out);
         } else if path.extension().is_some_and(|e| e == "rs") {
-            // `tests.rs` belongs to the tests, as a `mod tests` inside a file does.
             match stem.as_str() {
-                "tests" => None,
                 "lib" | "mod" => out.insert(module.clone(), path),
                 _ => out.insert(child, path),
             };
@@ -216,9 +221,9 @@ fn drawing(rooms: &Graph) -> String {
     text
 }
 
-fn read() -> (BTreeMap<Module, PathBuf>, BTreeMap<Module, File>) {
+fn read(root: &str) -> (BTreeMap<Module, PathBuf>, BTreeMap<Module, File>) {
     let mut paths = BTreeMap::new();
-    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &Module::new(), &mut paths);
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(root), &Module::new(), &mut paths);
     let modules: BTreeSet<Module> = paths.keys().cloned().collect();
     let read = |(module, path): (&Module, &PathBuf)| {
         let syntax = syn::parse_file(&fs::read_to_string(path).unwrap()).unwrap();
@@ -237,13 +242,15 @@ fn room(module: &Module) -> String {
 
 #[test]
 fn imports_form_no_cycle() {
-    let (_, files) = read();
-    assert!(files.len() > 40, "only {} files were found", files.len());
-    let file = |module: &Module| if module.is_empty() { "lib".to_owned() } else { module.join("::") };
-    for graph in [graph(&files, file), graph(&files, room)] {
-        assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 30, "hardly an import was found");
-        if let Some(way) = cycle(&graph) {
-            panic!("a cycle of imports: {}", way.join(" -> "));
+    for root in ROOTS {
+        let (_, files) = read(root);
+        assert!(files.len() > 40, "only {} files were found in {root}", files.len());
+        let file = |module: &Module| if module.is_empty() { "lib".to_owned() } else { module.join("::") };
+        for graph in [graph(&files, file), graph(&files, room)] {
+            assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 30, "hardly an import was found");
+            if let Some(way) = cycle(&graph) {
+                panic!("a cycle of imports in {root}: {}", way.join(" -> "));
+            }
         }
     }
 }
@@ -266,9 +273,8 @@ fn a_cycle_is_found() {
 
 #[test]
 fn files_are_short() {
-    let (paths, _) = read();
-    for path in paths.values() {
-        let text = fs::read_to_string(path).unwrap();
+    for path in ROOTS.into_iter().flat_map(|root| read(root).0.into_values()) {
+        let text = fs::read_to_string(&path).unwrap();
         let lines = text.lines().count();
         let reason = text.lines().take(40).any(|l| l.starts_with("//! Long because"));
         assert!(lines <= LONGEST || reason, "{} has {lines} lines and gives no reason", path.display());
@@ -277,7 +283,7 @@ fn files_are_short() {
 
 #[test]
 fn the_drawing_shows_the_imports() {
-    let (_, files) = read();
+    let (_, files) = read(ROOTS[0]);
     let mut rooms = graph(&files, room);
     rooms.remove("lib");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md");

@@ -9,7 +9,7 @@
 use glam::IVec2;
 
 use crate::bits::BitGrid;
-use crate::cell::walk::CellMap;
+use crate::cell::map::CellMap;
 
 /// The matrix H, and the occluders that fill it.
 #[derive(Debug, Clone, Default)]

@@ -53,6 +53,7 @@
 
 mod caps;
 mod directions;
+mod map;
 mod marks;
 mod options;
 mod region;
@@ -63,7 +64,8 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use map::CellMap;
 pub use options::{CellOptions, Fusion};
 pub(crate) use region::Region;
 pub(crate) use run::{CellScratch, run};
-pub(crate) use walk::{CellMap, Hiding, Walk};
+pub(crate) use walk::{Hiding, Walk};

@@ -5,40 +5,13 @@ use glam::IVec2;
 
 use crate::cell::caps::Caps;
 use crate::cell::directions::{DirectionMask, Slope, Span};
+use crate::cell::map::CellMap;
 use crate::cell::region::Region;
 use crate::cell::words::{bits, clear_run, runs, set_run};
 use crate::matrix::CrossBits;
 
 /// The axis and the sign of each side of a shell.
 pub(super) const SIDES: [(usize, i32); 4] = [(0, 1), (0, -1), (1, 1), (1, -1)];
-
-/// The matrices that a walk reads.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CellMap<'a> {
-    pub(crate) dims: IVec2,
-    /// O, as cells that are opaque in either. Empty where nothing may hide.
-    pub(crate) opaque: &'a [&'a CrossBits],
-    /// The cells to report where they are in sight, of I or of T.
-    pub(crate) found: [&'a CrossBits; 2],
-}
-
-impl CellMap<'_> {
-    pub(super) fn contains(&self, cell: IVec2) -> bool {
-        cell.cmpge(IVec2::ZERO).all() && cell.cmplt(self.dims).all()
-    }
-
-    /// Whether a cell is opaque. Cells outside of the grid are not.
-    pub(super) fn is_opaque(&self, cell: IVec2) -> bool {
-        self.contains(cell) && self.opaque.iter().any(|o| o.get(cell.x as u32, cell.y as u32))
-    }
-
-    /// Chessboard distance from a cell to the nearest and to the farthest cell of the grid.
-    fn shells(&self, v: IVec2) -> (i32, i32) {
-        let last = self.dims - 1;
-        let nearest = (-v).max(v - last).max(IVec2::ZERO).max_element();
-        (nearest, v.abs().max((last - v).abs()).max_element())
-    }
-}
 
 /// How cells hide others.
 #[derive(Debug, Clone, Copy, PartialEq)]

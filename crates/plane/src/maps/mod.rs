@@ -8,6 +8,7 @@ mod fields;
 mod rooms;
 
 pub use drawing::{Drawing, HARBOUR};
+pub use rooms::FloorPlan;
 
 use crate::bits::BitGrid;
 
@@ -42,22 +43,6 @@ impl MapKind {
             Self::Caves => caves::caves(width, height, seed),
             Self::Fields => fields::fields(width, height, seed),
         }
-    }
-}
-
-/// A floor plan, with its doors.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FloorPlan {
-    /// The walls. Doors are open.
-    pub walls: BitGrid,
-    /// The tiles of doors, all different.
-    pub doors: Vec<(u32, u32)>,
-}
-
-impl FloorPlan {
-    /// The floor plan that [`MapKind::Rooms`] makes. Its outer wall has no doors.
-    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
-        rooms::rooms(width, height, seed)
     }
 }
 

@@ -4,7 +4,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::bits::BitGrid;
-use crate::maps::FloorPlan;
 
 /// Rooms that are longer are split.
 const LONGEST: u32 = 14;
@@ -18,6 +17,22 @@ const CORRIDOR_WIDTH: u32 = 2;
 const DOOR_EVERY: u32 = 18;
 /// So many places are tried for a wall that ends at no door.
 const TRIES: u32 = 8;
+
+/// A floor plan, with its doors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FloorPlan {
+    /// The walls. Doors are open.
+    pub walls: BitGrid,
+    /// The tiles of doors, all different.
+    pub doors: Vec<(u32, u32)>,
+}
+
+impl FloorPlan {
+    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
+    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
+        rooms(width, height, seed)
+    }
+}
 
 /// Free tiles between walls: columns `x..x + width` and rows `y..y + height`.
 struct Rectangle {

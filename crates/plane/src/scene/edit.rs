@@ -5,8 +5,9 @@ use crate::geometry::Shape;
 use crate::id::ObjectId;
 use crate::object::{ObjectDesc, check_pair};
 use crate::raster::touched;
+use crate::scene::Scene;
+use crate::scene::object::Object;
 use crate::scene::state::State;
-use crate::scene::{Object, Scene};
 use crate::solid::filled;
 
 impl Scene {

@@ -15,6 +15,7 @@ mod edit;
 mod frame;
 mod hiding;
 pub(crate) mod lists;
+mod object;
 mod slot_set;
 mod slots;
 mod state;
@@ -27,81 +28,14 @@ use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
 use crate::matrix::{CrossBits, Opacity};
-use crate::object::{Motion, ObjectDesc, Reports};
+use crate::object::Motion;
 use crate::scene::lists::CellLists;
 use crate::scene::slot_set::SlotSet;
 use crate::scene::slots::Slots;
-use crate::scene::state::{Hidden, Mover, State};
 use crate::volume::{ExpiryQueue, Volumes};
 
 pub use frame::FrameReport;
-
-/// An object in its slot.
-#[derive(Debug, Clone)]
-pub(crate) struct Object {
-    pub(crate) bounds: Shape,
-    pub(crate) occluder: Option<Shape>,
-    pub(crate) motion: Motion,
-    pub(crate) user_data: u64,
-    /// 1 + its place in the list of objects that are in no cells, or 0.
-    outer: u32,
-    /// Whether the cells inside its occluder are opaque by it.
-    fills: bool,
-    mover: Option<Box<Mover>>,
-}
-
-impl Object {
-    fn new(desc: ObjectDesc, now: f64) -> Self {
-        let ObjectDesc { bounds, occluder, motion, user_data, .. } = desc;
-        let mover = (motion != Motion::Static).then(|| Box::new(Mover::new(now)));
-        Self { bounds, occluder, motion, user_data, outer: 0, fills: false, mover }
-    }
-
-    /// A shape that surely contains the object now: its bounds, or the volume of an object that goes unreported.
-    pub(crate) fn place(&self) -> &Shape {
-        self.hidden().and_then(|hidden| hidden.region.as_ref()).unwrap_or(&self.bounds)
-    }
-
-    /// Whether its motion goes unreported while it is hidden.
-    pub(crate) fn on_expiry(&self) -> bool {
-        matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
-    }
-
-    /// Whether the cells inside its occluder are opaque by it.
-    pub(crate) fn fills(&self) -> bool {
-        self.fills
-    }
-
-    /// Whether it is in a volume.
-    pub(crate) fn is_hidden(&self) -> bool {
-        self.hidden().is_some()
-    }
-
-    /// Whether its place is unknown: it counts as visible and hides nothing.
-    pub(crate) fn is_lost(&self) -> bool {
-        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue | State::Lost))
-    }
-
-    /// Whether it surely is where it was last reported: only then it hides others.
-    pub(crate) fn is_certain(&self) -> bool {
-        !self.is_lost() && self.hidden().is_none_or(|hidden| hidden.region.is_none())
-    }
-
-    fn hidden(&self) -> Option<&Hidden> {
-        match &self.mover.as_ref()?.state {
-            State::Hidden(hidden) => Some(hidden),
-            _ => None,
-        }
-    }
-
-    /// The promised greatest speed, in world units per second.
-    fn promised_speed(&self) -> Option<f64> {
-        match self.motion {
-            Motion::Dynamic { max_speed: Some(speed), .. } => Some(f64::from(speed)),
-            _ => None,
-        }
-    }
-}
+pub(crate) use object::Object;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::error::Error;
 use crate::id::ObjectId;
-use crate::scene::Object;
+use crate::scene::object::Object;
 
 /// Places of objects are `u32`, and some tables store twice a place.
 const MOST: usize = (1 << 31) - 1;
