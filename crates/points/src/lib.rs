@@ -4,8 +4,10 @@
 //! estimate, and none is conservative. Two kinds of errors are counted apart: a *false visible* point is reported though the
 //! surface hides it, a *false hidden* point is left out though it can be seen.
 //!
+//! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 
+pub mod hpr;
 pub mod hull;
 mod numeric;
 

@@ -17,6 +17,14 @@ const FINEST: f64 = 1.0 / ((1_u128 << 80) as f64 * (1_u128 << 80) as f64);
 /// the three products and their sum add 18; the offset has the same error again: 84 units, below these 128.
 pub(crate) const PLANE_ERROR: f64 = 64.0 * f64::EPSILON;
 
+/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the squares of their coordinates are
+/// near the smallest that a double can hold, so they have no direction.
+pub(crate) const AT_EYE: f64 = 1e-150;
+
+/// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the image of a far point under a steep
+/// kernel would be rounded to the eye itself.
+pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
+
 /// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {
     let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
