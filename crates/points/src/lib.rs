@@ -5,8 +5,10 @@
 //! surface hides it, a *false hidden* point is left out though it can be seen.
 //!
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
+//! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 
+pub mod cluster;
 pub mod hpr;
 pub mod hull;
 mod numeric;

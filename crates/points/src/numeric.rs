@@ -21,6 +21,9 @@ pub(crate) const PLANE_ERROR: f64 = 64.0 * f64::EPSILON;
 /// near the smallest that a double can hold, so they have no direction.
 pub(crate) const AT_EYE: f64 = 1e-150;
 
+/// The largest relative difference of one distance computed in two ways: a few roundings, far below this.
+pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
+
 /// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the image of a far point under a steep
 /// kernel would be rounded to the eye itself.
 pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
