@@ -12,15 +12,5 @@ pub mod cluster;
 pub mod hpr;
 pub mod hull;
 mod numeric;
-
-/// The configuration of a property test of `n` cases: the same in every run. `CASCA_CASES` multiplies their number.
 #[cfg(test)]
-fn cases(n: u32) -> proptest::test_runner::Config {
-    let factor = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(1);
-    proptest::test_runner::Config {
-        cases: n.saturating_mul(factor.min(100_000)),
-        rng_seed: proptest::test_runner::RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..proptest::test_runner::Config::default()
-    }
-}
+mod samples;

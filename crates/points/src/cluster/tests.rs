@@ -1,19 +1,9 @@
 //! Clusters beside the analytic truth of a sphere and of a hollow.
 
 use super::*;
+use crate::samples::sphere;
 
 const KERNEL: Kernel = Kernel::Relative { log10_radius: 2.9 };
-
-/// Points spread evenly on the unit sphere (the golden spiral).
-fn sphere(count: usize) -> Vec<DVec3> {
-    let turn = std::f64::consts::PI * (3.0 - 5_f64.sqrt());
-    let at = |i: usize| {
-        let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
-        let (y, x) = (turn * i as f64).sin_cos();
-        DVec3::new(x * (1.0 - z * z).sqrt(), y * (1.0 - z * z).sqrt(), z)
-    };
-    (0..count).map(at).collect()
-}
 
 /// Falsely visible and falsely hidden points of a sphere.
 fn errors(clustering: Clustering, radius: Radius, passes: Passes) -> (usize, usize) {

@@ -1,7 +1,7 @@
 //! Hidden point removal beside the truth of spheres, boxes and planes, which formulas give. Both kinds of errors are counted.
 
 use super::*;
-use crate::cases;
+use crate::samples::{cases, sphere};
 use proptest::prelude::*;
 
 const SPHERICAL: Kernel = Kernel::Relative { log10_radius: 2.9 };
@@ -24,18 +24,6 @@ fn errors(points: &[DVec3], eye: DVec3, kernel: Kernel, truth: impl Fn(DVec3) ->
         false_visible: count(|truth, found| !truth && found),
         false_hidden: count(|truth, found| truth && !found),
     }
-}
-
-/// Points spread evenly on the unit sphere (the golden spiral).
-fn sphere(count: usize) -> Vec<DVec3> {
-    let turn = std::f64::consts::PI * (3.0 - 5_f64.sqrt());
-    (0..count)
-        .map(|i| {
-            let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
-            let (y, x) = (turn * i as f64).sin_cos();
-            DVec3::new(x * (1.0 - z * z).sqrt(), y * (1.0 - z * z).sqrt(), z)
-        })
-        .collect()
 }
 
 /// A square grid of points at a height, from -1 to 1.

@@ -2,7 +2,7 @@
 //! (Carathéodory's theorem). 128 bits hold its determinants for coordinates up to 2^30.
 
 use super::*;
-use crate::cases;
+use crate::samples::cases;
 use proptest::prelude::*;
 
 type Point = [i128; 3];
