@@ -1,0 +1,131 @@
+//! Hidden point removal beside the truth of spheres, boxes and planes, which formulas give. Both kinds of errors are counted.
+
+use super::*;
+use crate::samples::{cases, sphere};
+use proptest::prelude::*;
+
+const SPHERICAL: Kernel = Kernel::Relative { log10_radius: 2.9 };
+
+/// Visible points, falsely visible ones, falsely hidden ones.
+#[derive(Debug, PartialEq)]
+struct Errors {
+    visible: usize,
+    false_visible: usize,
+    false_hidden: usize,
+}
+
+fn errors(points: &[DVec3], eye: DVec3, kernel: Kernel, truth: impl Fn(DVec3) -> bool) -> Errors {
+    let found = visible_points(points, eye, kernel).unwrap();
+    let count = |fits: fn(bool, bool) -> bool| {
+        points.iter().zip(&found).filter(|(p, found)| fits(truth(**p), **found)).count()
+    };
+    Errors {
+        visible: count(|truth, _| truth),
+        false_visible: count(|truth, found| !truth && found),
+        false_hidden: count(|truth, found| truth && !found),
+    }
+}
+
+/// A square grid of points at a height, from -1 to 1.
+fn sheet(side: usize, z: f64) -> impl Iterator<Item = DVec3> {
+    let at = move |i: usize| 2.0 * i as f64 / (side - 1) as f64 - 1.0;
+    (0..side * side).map(move |i| DVec3::new(at(i % side), at(i / side), z))
+}
+
+#[test]
+fn the_near_half_of_a_sphere_is_visible() {
+    let (points, eye) = (sphere(20_000), DVec3::new(3.0, 1.0, -2.0));
+    for kernel in [SPHERICAL, Kernel::Absolute { radius: 4000.0 }, Kernel::Exponential { gamma: -0.001 }] {
+        let errors = errors(&points, eye, kernel, |p| p.dot(eye - p) > 0.0);
+        assert!(errors.visible > 7000, "{errors:?}");
+        assert!(errors.false_visible < 200 && errors.false_hidden < 200, "{kernel:?} {errors:?}");
+    }
+}
+
+#[test]
+fn a_larger_radius_trades_false_hidden_for_false_visible_points() {
+    // A floor, a wall beside it and a hidden sheet below. A small radius loses the corner of floor and wall, a large one finds the
+    // lower sheet between the points of the floor.
+    let wall = sheet(60, 0.0).map(|p| DVec3::new(1.0, p.x, p.y + 1.0));
+    let points: Vec<DVec3> = sheet(60, 0.0).chain(wall).chain(sheet(60, -0.5)).collect();
+    let (eye, truth) = (DVec3::new(-0.6, 0.02, 3.0), |p: DVec3| p.z >= 0.0);
+    let [small, best, large] =
+        [0.0, 2.5, 6.0].map(|log10_radius| errors(&points, eye, Kernel::Relative { log10_radius }, truth));
+    assert!(small.false_hidden > 1000 && small.false_visible == 0, "{small:?}");
+    assert!(best.false_hidden + best.false_visible < 100, "{best:?}");
+    assert!(large.false_hidden == 0 && large.false_visible > 2000, "{large:?}");
+}
+
+#[test]
+fn three_sides_of_a_box_are_visible() {
+    let faces = sheet(40, 1.0).flat_map(|p| [p, -p, DVec3::new(p.z, p.x, p.y), -DVec3::new(p.z, p.x, p.y)]);
+    let points: Vec<DVec3> = faces
+        .chain(sheet(40, 1.0).flat_map(|p| [DVec3::new(p.x, p.z, p.y), -DVec3::new(p.x, p.z, p.y)]))
+        .collect();
+    let eye = DVec3::new(4.0, 3.0, 5.0);
+    let errors = errors(&points, eye, SPHERICAL, |p| p.max_element() == 1.0);
+    assert!(errors.visible > 4000 && errors.false_visible < 120 && errors.false_hidden < 120, "{errors:?}");
+}
+
+#[test]
+fn points_at_the_eye_on_rays_and_twice_have_defined_answers() {
+    let eye = DVec3::new(1.0, 2.0, 3.0);
+    let at = |t: f64| eye + DVec3::X * t;
+    let points = [eye, at(2.0), at(1.0), at(1.0), at(-4.0), at(-3.0), eye];
+    let visible = visible_points(&points, eye, SPHERICAL).unwrap();
+    assert_eq!(visible.iter().by_vals().collect::<Vec<_>>(), [true, false, true, true, false, true, true]);
+    assert!(visible_points(&[], eye, SPHERICAL).unwrap().is_empty());
+    assert!(visible_points(&[eye; 5], eye, Kernel::Absolute { radius: 0.0 }).unwrap().all());
+    assert!(visible_points(&[at(1.0)], eye, SPHERICAL).unwrap().all());
+}
+
+#[test]
+fn a_steep_kernel_hides_far_points() {
+    let points = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE * 1e4];
+    let visible = visible_points(&points, DVec3::ZERO, Kernel::Exponential { gamma: -100.0 }).unwrap();
+    assert_eq!(visible.iter().by_vals().collect::<Vec<_>>(), [true, true, true, false]);
+}
+
+#[test]
+fn errors_name_the_cause() {
+    let ask = |points: &[DVec3], eye, kernel| visible_points(points, eye, kernel).unwrap_err();
+    let far = DVec3::splat(f64::MAX);
+    assert_eq!(ask(&[DVec3::ZERO, DVec3::NAN], DVec3::ONE, SPHERICAL), HprError::PointNotFinite { index: 1 });
+    assert_eq!(ask(&[], DVec3::NAN, SPHERICAL), HprError::EyeNotFinite);
+    assert_eq!(ask(&[DVec3::ZERO, -far], far, SPHERICAL), HprError::TooFar { index: 1 });
+    let log = |log10_radius| Kernel::Relative { log10_radius };
+    assert_eq!(ask(&[], DVec3::ONE, log(-0.1)), HprError::LogRadius { log10_radius: -0.1 });
+    assert!(matches!(ask(&[], DVec3::ONE, log(f64::NAN)), HprError::LogRadius { .. }));
+    let short = Kernel::Absolute { radius: 1.5 };
+    assert_eq!(ask(&[DVec3::X * 2.0], DVec3::ZERO, short), HprError::Radius { radius: 1.5, farthest: 2.0 });
+    for gamma in [0.0, 1.0, f64::NAN, f64::NEG_INFINITY] {
+        assert!(matches!(ask(&[], DVec3::ONE, Kernel::Exponential { gamma }), HprError::Gamma { .. }));
+    }
+}
+
+/// Any doubles, of which many are ordinary.
+fn double() -> impl Strategy<Value = f64> {
+    prop_oneof![-2.0..2.0, (-3..3_i32).prop_map(f64::from), any::<u64>().prop_map(f64::from_bits)]
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    #[test]
+    fn any_input_has_an_answer_or_an_error(
+        points in prop::collection::vec(prop::array::uniform3(double()), 0..30),
+        eye in prop::array::uniform3(double()),
+        value in double(),
+        kind in 0..3,
+    ) {
+        let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
+        let kernel = match kind {
+            0 => Kernel::Relative { log10_radius: value },
+            1 => Kernel::Absolute { radius: value },
+            _ => Kernel::Exponential { gamma: value },
+        };
+        if let Ok(visible) = visible_points(&points, DVec3::from_array(eye), kernel) {
+            prop_assert_eq!(visible.len(), points.len());
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The hull grows by one point at a time, the farthest above some face.
+
+use super::mesh::{Face, NONE};
+use bitvec::vec::BitVec;
+use glam::DVec3;
+
+/// The extreme points of points of which four, the fourth below the first three, are not in a plane.
+pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
+    let mut hull = Hull::new(points, simplex);
+    while let Some(face) = hull.pending.pop() {
+        let Face { mark, far, .. } = hull.faces[face as usize];
+        if mark != NONE && far != NONE {
+            hull.add(face, far);
+        }
+    }
+    hull.extreme()
+}
+
+/// An edge of the border between the faces below a new point and the others.
+#[derive(Clone, Copy)]
+struct Border {
+    from: u32,
+    to: u32,
+    /// The face that stays, and its edge.
+    beyond: u32,
+    edge: u8,
+}
+
+struct Hull<'a> {
+    points: &'a [DVec3],
+    faces: Vec<Face>,
+    /// Removed faces, to be used again.
+    free: Vec<u32>,
+    /// Faces that may have points above them.
+    pending: Vec<u32>,
+    /// The next point of the list in which a point is.
+    next: Vec<u32>,
+    /// The new face whose border edge begins at a point; only read for corners of the current border.
+    begins: Vec<u32>,
+    /// Points at the place of a corner, and that corner.
+    twins: Vec<(u32, u32)>,
+    /// The number of points added so far, doubled.
+    step: u32,
+    // Kept for their memory.
+    below: Vec<u32>,
+    border: Vec<Border>,
+    fresh: Vec<u32>,
+}
+
+impl<'a> Hull<'a> {
+    fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
+        let count = points.len();
+        let mut hull = Self {
+            points,
+            faces: Vec::with_capacity(64),
+            free: Vec::new(),
+            pending: Vec::with_capacity(64),
+            next: vec![NONE; count],
+            begins: vec![NONE; count],
+            twins: Vec::new(),
+            step: 0,
+            below: Vec::new(),
+            border: Vec::new(),
+            fresh: vec![0, 1, 2, 3],
+        };
+        for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
+            hull.faces.push(Face::new(points, corners));
+        }
+        for (face, neighbours) in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]].into_iter().enumerate() {
+            hull.faces[face].neighbours = neighbours;
+        }
+        let simplex = [a, b, c, d];
+        for p in 0..count as u32 {
+            if !simplex.contains(&p) {
+                match simplex.into_iter().find(|&q| points[q as usize] == points[p as usize]) {
+                    Some(twin) => hull.twins.push((p, twin)),
+                    None => hull.put(p),
+                }
+            }
+        }
+        hull.pending.extend([0, 1, 2, 3]);
+        hull
+    }
+
+    /// Puts a point into the list of a fresh face that it is above; if there is none, it is within the hull.
+    fn put(&mut self, p: u32) {
+        let point = self.points[p as usize];
+        for &id in &self.fresh {
+            let face = &mut self.faces[id as usize];
+            let height = face.height(self.points, point);
+            if height > 0.0 {
+                self.next[p as usize] = face.first;
+                face.first = p;
+                if face.far == NONE || height > face.far_height {
+                    (face.far, face.far_height) = (p, height);
+                }
+                return;
+            }
+        }
+    }
+
+    /// Adds a point that is above a face.
+    fn add(&mut self, face: u32, p: u32) {
+        self.step += 2;
+        self.find_border(face, p);
+        self.close(p);
+        for at in 0..self.below.len() {
+            let old = self.below[at];
+            let mut q = self.faces[old as usize].first;
+            self.faces[old as usize].mark = NONE;
+            while q != NONE {
+                let next = self.next[q as usize];
+                if q != p {
+                    if self.points[q as usize] == self.points[p as usize] {
+                        self.twins.push((q, p));
+                    } else {
+                        self.put(q);
+                    }
+                }
+                q = next;
+            }
+        }
+        self.free.append(&mut self.below);
+        let faces = &self.faces;
+        self.pending.extend(self.fresh.iter().filter(|&&id| faces[id as usize].first != NONE));
+    }
+
+    /// Finds all faces below a point, beginning with one, and the edges between them and the others.
+    ///
+    /// A face whose plane holds the point counts as not below it: the faces below are then one disc with one border.
+    fn find_border(&mut self, face: u32, p: u32) {
+        let (points, point) = (self.points, self.points[p as usize]);
+        self.border.clear();
+        self.faces[face as usize].mark = self.step;
+        self.below.push(face);
+        let mut at = 0;
+        while let Some(&id) = self.below.get(at) {
+            at += 1;
+            let Face { corners, neighbours, .. } = self.faces[id as usize];
+            for edge in 0..3 {
+                let beyond = neighbours[edge];
+                let other = &mut self.faces[beyond as usize];
+                if other.mark != self.step && other.mark != self.step + 1 {
+                    let below = other.height(points, point) > 0.0;
+                    other.mark = self.step + u32::from(!below);
+                    if below {
+                        self.below.push(beyond);
+                    }
+                }
+                if other.mark == self.step + 1 {
+                    let edge_back = other.edge_to(id) as u8;
+                    let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
+                    self.border.push(Border { from, to, beyond, edge: edge_back });
+                }
+            }
+        }
+    }
+
+    /// Joins a point to all edges of the border.
+    fn close(&mut self, p: u32) {
+        self.fresh.clear();
+        for &Border { from, to, beyond, edge } in &self.border {
+            let mut face = Face::new(self.points, [from, to, p]);
+            face.neighbours[0] = beyond;
+            let id = self.free.pop().unwrap_or(self.faces.len() as u32);
+            if id as usize == self.faces.len() {
+                self.faces.push(face);
+            } else {
+                self.faces[id as usize] = face;
+            }
+            self.faces[beyond as usize].neighbours[usize::from(edge)] = id;
+            self.begins[from as usize] = id;
+            self.fresh.push(id);
+        }
+        for (&id, border) in self.fresh.iter().zip(&self.border) {
+            let after = self.begins[border.to as usize];
+            self.faces[id as usize].neighbours[1] = after;
+            self.faces[after as usize].neighbours[2] = id;
+        }
+    }
+
+    /// The corners at which at least three faces of different planes meet.
+    ///
+    /// Others lie in a facet or on an edge: they were corners until a point was added to their plane.
+    fn extreme(&self) -> BitVec {
+        let mut edges = vec![0_u8; self.points.len()];
+        for face in self.faces.iter().filter(|face| face.mark != NONE) {
+            for (edge, &beyond) in face.neighbours.iter().enumerate() {
+                let other = &self.faces[beyond as usize];
+                let from = face.corners[edge] as usize;
+                let to = face.corners[(edge + 1) % 3];
+                let third = other.corners.into_iter().find(|&c| c as usize != from && c != to);
+                let point = self.points[third.unwrap_or(to) as usize];
+                if edges[from] < 3 && face.height(self.points, point) != 0.0 {
+                    edges[from] += 1;
+                }
+            }
+        }
+        let mut extreme: BitVec = edges.iter().map(|&count| count == 3).collect();
+        for &(p, twin) in &self.twins {
+            let bit = extreme[twin as usize];
+            extreme.set(p as usize, bit);
+        }
+        extreme
+    }
+}

@@ -1,0 +1,80 @@
+//! All floating-point margins of the crate, each with its reason, and the exact predicates.
+//!
+//! The predicates are Shewchuk's (1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates"),
+//! from the crate `robust`. They are exact as long as nothing over- or underflows; [`normalized`] makes sure of that.
+
+use glam::DVec3;
+use robust::{Coord, Coord3D};
+
+/// Coordinates below this fraction of the largest one are rounded to multiples of [`FINEST`]. Larger doubles are multiples of it.
+const FINE: f64 = FINEST * (1_u64 << 53) as f64;
+
+/// 2^-160. Determinants of three coordinates are then multiples of 2^-480, which a double can hold: the exact predicates need it.
+const FINEST: f64 = 1.0 / ((1_u128 << 80) as f64 * (1_u128 << 80) as f64);
+
+/// The rounding error of `normal * p - offset`, for coordinates within ±1, in units of the product of the two edges' largest
+/// coordinates. A component of the normal is off by 8 units of 2^-53 (two products of rounded differences, and their difference);
+/// the three products and their sum add 18; the offset has the same error again: 84 units, below these 128.
+pub(crate) const PLANE_ERROR: f64 = 64.0 * f64::EPSILON;
+
+/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the squares of their coordinates are
+/// near the smallest that a double can hold, so they have no direction.
+pub(crate) const AT_EYE: f64 = 1e-150;
+
+/// The largest relative difference of one distance computed in two ways: a few roundings, far below this.
+pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
+
+/// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the image of a far point under a steep
+/// kernel would be rounded to the eye itself.
+pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
+
+/// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
+pub(crate) fn power_of_two_for(largest: f64) -> f64 {
+    let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
+    (-exponent).exp2()
+}
+
+/// A point multiplied by a power of two, with tiny coordinates rounded so that the predicates are exact.
+pub(crate) fn normalized(point: DVec3, scale: f64) -> DVec3 {
+    let fine = |x: f64| if x.abs() < FINE { (x / FINEST).round_ties_even() * FINEST } else { x };
+    let scaled = point * scale;
+    DVec3::new(fine(scaled.x), fine(scaled.y), fine(scaled.z))
+}
+
+/// Positive if `p` lies above the plane of `a`, `b`, `c`, on the side from which they go counterclockwise; 0 exactly on it.
+pub(crate) fn above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
+    let coord = |v: DVec3| Coord3D { x: v.x, y: v.y, z: v.z };
+    -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
+}
+
+/// Positive if the points go counterclockwise in the plane without the coordinate `axis`; 0 exactly on a line.
+pub(crate) fn turn(axis: usize, a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let coord = |v: DVec3| Coord { x: v[(axis + 1) % 3], y: v[(axis + 2) % 3] };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_coordinate_comes_near_one() {
+        for largest in [f64::MIN_POSITIVE, 1e-200, 0.3, 1.0, 7.0, 1e300, f64::MAX] {
+            let scaled = largest * power_of_two_for(largest);
+            assert!(scaled >= 0.5 || largest < 1e-290, "{largest} {scaled}");
+            assert!(scaled < 1e10, "{largest} {scaled}");
+        }
+    }
+
+    #[test]
+    fn tiny_coordinates_are_rounded_and_others_are_kept() {
+        let point = DVec3::new(1.0, 1e-30 / 3.0, 1e-60);
+        assert_eq!(normalized(point, 1.0), DVec3::new(1.0, 1e-30 / 3.0, 0.0));
+    }
+
+    #[test]
+    fn above_is_the_side_seen_counterclockwise() {
+        let height = |z| above(DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.2, 0.2, z));
+        assert!(height(1e-300) > 0.0 && height(-1.0) < 0.0 && height(0.0) == 0.0);
+    }
+}
