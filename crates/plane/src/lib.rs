@@ -1,6 +1,42 @@
-//! Visibility in the plane: floor plans, tile maps, and what can be seen in them.
+//! Visibility in the plane: floor plans, tile maps, and what can be seen in them. What can be seen is never left out.
 //!
-//! The planar twin of [casca](https://docs.rs/casca): the same words, and the same guarantee. What can be seen is never left out.
+//! The planar twin of [casca](https://docs.rs/casca), with the same words.
+//!
+//! # Tiles
+//!
+//! [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`] remembers them for a group of
+//! viewers. [`VisibleFaces`] gives the sides of walls in sight.
+//!
+//! ```
+//! use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
+//!
+//! let mut walls = BitGrid::new(16, 8);
+//! walls.fill(4, 0..12);
+//! let mut fov = FieldOfView::new();
+//! let seen = fov.run(&OpaqueTiles::new(walls), TilePoint::center_of(3, 2), &FovOptions::default());
+//! assert!(seen.get(3, 4) && !seen.get(3, 6), "the wall is seen, what is behind it is not");
+//! ```
+//!
+//! # Objects
+//!
+//! A [`Scene`] keeps objects of any [`Shape`] on a grid, fixed or moving. A [`Query`] finds those that a [`View`] sees, by a [`Method`]:
+//!
+//! | method | finds | cost |
+//! |---|---|---|
+//! | [`Method::Point`] (default) | the objects that the eye sees, exactly, and the visible region ([`Query::polygon`]) | the objects and walls in sight |
+//! | [`Method::Cell`] | the objects that can be seen from anywhere in the eye's cell | the cells in sight, 64 at a time |
+//! | [`Method::Sector`] | the objects in the view, hidden or not | all objects |
+//!
+//! A frame: [`Scene::begin_frame`], [`Scene::update`] for the objects that moved, queries, [`Scene::end_frame`] with their results. Moving objects
+//! that nobody sees get temporal bounding volumes and cost nothing until these come into sight or expire.
+//!
+//! The method is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a regular grid (Unicamp 2002), with the
+//! exact methods added.
+//!
+//! # Features
+//!
+//! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
+//! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
 mod cell;
@@ -42,3 +78,7 @@ pub use tiles::{
     VisibleFaces,
 };
 pub use view::View;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
