@@ -118,7 +118,8 @@ impl BitGrid {
 
     /// The cells whose bits are set, row by row.
     pub fn cells(&self) -> impl Iterator<Item = (u32, u32)> {
-        (0..self.height).flat_map(move |y| {
+        let rows = if self.width == 0 { 0 } else { self.height };
+        (0..rows).flat_map(move |y| {
             let first = Some(self.next_set(0, y)).filter(|&x| x < self.width);
             let next = move |&x: &u32| Some(self.next_set(x + 1, y)).filter(|&x| x < self.width);
             std::iter::successors(first, next).map(move |x| (x, y))

@@ -13,6 +13,10 @@ pub(crate) const OCCLUDER_ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
 /// shapes touch both cells beside a line that they end on.
 pub(crate) const TOUCH: f64 = 1.0 / (1u64 << 20) as f64;
 
+/// Chords of solids err by less than this share of the greatest coordinate of a solid: sixteen roundings. A chord near the end of a disc
+/// errs by more, but is taken this much farther out, where it is shorter by as much.
+pub(crate) const CHORD: f64 = 1.0 / (1u64 << 48) as f64;
+
 /// Corners of the polygon that stands for a disc lie inside of it by this share of the radius: far more than the error of a sine.
 pub(crate) const INSIDE_DISC: f64 = 1e-9;
 

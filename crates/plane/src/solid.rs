@@ -8,7 +8,7 @@ use crate::geometry::Shape;
 use crate::geometry::block::Block;
 use crate::geometry::polygon::ring;
 use crate::grid::Grid;
-use crate::numeric::TOUCH;
+use crate::numeric::{CHORD, TOUCH};
 
 /// Calls `run` with rows of cells and runs of columns that lie wholly inside a shape, in the grid. A wall without thickness contains
 /// no cell.
@@ -45,8 +45,9 @@ fn convex(
     run: &mut impl FnMut(i32, RangeInclusive<i32>),
     chord: impl Fn(f64) -> (f64, f64),
 ) {
-    // Coordinates inside a grid err by less than this margin.
-    let margin = TOUCH * grid.cell_size();
+    // Coordinates inside a grid err by less than the first part, those of corners and centres by less than the second.
+    let farthest = block.min.abs().max(block.max.abs()).max_element();
+    let margin = TOUCH * grid.cell_size() + CHORD * farthest;
     for row in between(grid, 1, block.min.y + margin, block.max.y - margin) {
         let (below, above) = (chord(grid.line(1, row) - margin), chord(grid.line(1, row + 1) + margin));
         let from = f64::max(below.0 + margin, above.0 + margin);

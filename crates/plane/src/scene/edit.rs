@@ -50,7 +50,8 @@ impl Scene {
         self.replace(id, bounds, occluder)
     }
 
-    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay. Costs as [`Scene::update`].
+    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay. Costs as [`Scene::update`]; like that it is
+    /// the report of an object that is reported on expiry: it says that the object is where its bounds are.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
@@ -72,7 +73,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes an object out. Costs the cells that it touches; those of the outline of its volume, if it is hidden.
+    /// Takes an object out. Costs the cells that it touches, and the other objects in them; those of the outline of its volume, if it
+    /// is hidden.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.

@@ -54,6 +54,8 @@ impl Scene {
             }
         }
         self.miss_unreported(&mut due);
+        due.sort_unstable_by_key(|id| id.slot);
+        due.dedup();
         self.revision += u64::from(!due.is_empty());
         Ok(due)
     }

@@ -66,8 +66,11 @@ impl Scene {
     /// A hidden object was reported elsewhere: inside its volume it stays.
     fn hidden_moved(&mut self, slot: u32, hidden: Hidden) {
         let Some(object) = self.slots.get(slot) else { return };
-        let room = hidden.tbv.room(&self.grid, &object.bounds);
-        if room >= 0.0 {
+        // Outlines have no cells beyond the border of the grid: an object that leaves the grid leaves its volume.
+        let (inside, in_grid) =
+            (hidden.tbv.room(&self.grid, &object.bounds), self.room_in_grid(&object.bounds));
+        let room = inside.min(in_grid);
+        if inside >= 0.0 && in_grid > 0.0 {
             if object.on_expiry() {
                 let expires = earliest_arrival(self.now, room, object.promised_speed().unwrap_or(0.0));
                 self.hide(slot, Hidden { expires, ..hidden });
@@ -77,6 +80,12 @@ impl Scene {
         self.adapt(slot, |validity| validity.outlived(hidden.lasts));
         self.volumes.remove(slot, &hidden.tbv);
         self.enclose_or_list(slot);
+    }
+
+    /// How far a shape is from the border of the grid; negative outside.
+    fn room_in_grid(&self, shape: &Shape) -> f64 {
+        let block = shape.block();
+        (block.min - self.grid.min()).min(self.grid.max() - block.max).min_element()
     }
 
     /// The place of a listed object is no longer known: until it is reported it counts as visible and hides nothing.

@@ -67,7 +67,7 @@ impl Sweep {
         let frame = Frame::<MIRROR> { tiles, eye, flip_y: octant.flip_y, range: options.range };
         // A map below the eye's first row, or left of its rays, has nothing to see.
         let mut row = eye[1].div_euclid(TILE);
-        if row >= height || eye[0] >= i64::from(tiles.width()) * TILE {
+        if row >= height || tiles.width() == 0 || eye[0] >= i64::from(tiles.width()) * TILE {
             return;
         }
         let slopes = octant.slopes(options.sector);
