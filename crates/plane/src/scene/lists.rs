@@ -96,7 +96,8 @@ impl CellLists {
                 let (block, inner) = self.place(IVec2::new(x, y));
                 let number = self.numbers[block] as usize;
                 let Some(list) = self.blocks.get_mut(number).map(|block| &mut block[inner]) else { continue };
-                if let Some(at) = list.iter().position(|&other| other == slot) {
+                // From the end: what came last is often taken out first.
+                if let Some(at) = list.iter().rposition(|&other| other == slot) {
                     list.swap_remove(at);
                     self.used[number] -= 1;
                     if list.is_empty() {

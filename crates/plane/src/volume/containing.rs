@@ -35,7 +35,7 @@ impl Containing {
         let (level, key) = level_and_key(tbv);
         let Some(map) = self.levels.get_mut(level) else { return };
         let Some(list) = map.get_mut(&key) else { return };
-        if let Some(at) = list.iter().position(|(other, _)| *other == slot) {
+        if let Some(at) = list.iter().rposition(|(other, _)| *other == slot) {
             list.swap_remove(at);
         }
         if list.is_empty() {

@@ -78,7 +78,9 @@ impl Volumes {
     pub(crate) fn remove(&mut self, slot: u32, tbv: &Tbv) {
         for cell in self.outline(tbv) {
             let Some(list) = self.lists.get_mut(&cell) else { continue };
-            list.retain(|other| *other != slot);
+            if let Some(at) = list.iter().rposition(|other| *other == slot) {
+                list.swap_remove(at);
+            }
             if list.is_empty() {
                 self.lists.remove(&cell);
                 self.bits.set(cell.x as u32, cell.y as u32, false);
