@@ -69,6 +69,9 @@ fn field(walls: u32) -> (Scene, f32) {
     (scene, size)
 }
 
+/// The length of a wall that hides next to nothing.
+const POST: f32 = 1e-4;
+
 /// Posts in rings around the eye, and nothing that hides most of them: everything is in sight.
 fn open(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
@@ -76,7 +79,7 @@ fn open(walls: u32) -> (Scene, f32) {
     let mut scene = scene(size);
     for _ in 0..walls {
         let a = random.point(size);
-        add_wall(&mut scene, a, a + Vec2::from_angle(random.next() * std::f32::consts::TAU) * 1e-4);
+        add_wall(&mut scene, a, a + Vec2::from_angle(random.next() * std::f32::consts::TAU) * POST);
     }
     (scene, size)
 }

@@ -14,7 +14,7 @@
 //! walls.fill(4, 0..12);
 //! let mut fov = FieldOfView::new();
 //! let seen = fov.run(&OpaqueTiles::new(walls), TilePoint::center_of(3, 2), &FovOptions::default());
-//! assert!(seen.get(3, 4) && !seen.get(3, 6), "the wall is seen, what is behind it is not");
+//! assert!(seen.get(3, 4) && !seen.get(3, 6), "the wall is seen, and no tile behind it");
 //! ```
 //!
 //! # Objects

@@ -1,4 +1,4 @@
-//! The walker, the guards, the doors, and what is known of the map.
+//! The walker, the guards, the doors, and the tiles that the walker has seen.
 
 use std::error::Error;
 

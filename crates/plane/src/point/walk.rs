@@ -29,7 +29,7 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    /// Forgets what was found.
+    /// Forgets the objects and walls of the last walk.
     pub(crate) fn clear(&mut self) {
         self.found.clear();
         self.walls.clear();

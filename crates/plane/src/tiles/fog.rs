@@ -1,4 +1,4 @@
-//! Fog of war: the memory of what a group of viewers has seen.
+//! Fog of war: the tiles that a group of viewers has seen.
 
 use crate::bits::BitGrid;
 use crate::tiles::error::TileError;
