@@ -11,6 +11,12 @@ pub const ITEMS: TextureFormat = TextureFormat::R32Uint;
 /// Format of depth: 1 at the near plane, 0 at infinity.
 pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
+/// Features of the device, as far as the adapter has them.
+const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
+    .union(wgpu::Features::FLOAT32_FILTERABLE)
+    .union(wgpu::Features::SHADER_INT64)
+    .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
+
 /// Why nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
@@ -49,7 +55,7 @@ impl Gpu {
         Self::on(&instance, None, software)
     }
 
-    /// A device that can draw to `surface`, if one is given.
+    /// A device that can draw to `surface`, if one is given. It has all limits of the adapter.
     ///
     /// # Errors
     /// Says what is missing.
@@ -65,13 +71,10 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|e| GpuError::NoAdapter(e.to_string()))?;
-        let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("stage"),
-            required_limits: wgpu::Limits {
-                max_buffer_size: limits.max_buffer_size,
-                ..wgpu::Limits::downlevel_defaults().using_resolution(limits)
-            },
+            required_features: adapter.features() & USEFUL,
+            required_limits: adapter.limits(),
             ..Default::default()
         }))
         .map_err(|e| GpuError::NoDevice(e.to_string()))?;
@@ -137,6 +140,33 @@ impl Gpu {
             texture.size(),
         );
         self.queue.submit([encoder.finish()]);
+        let mapped = self.mapped(&buffer)?;
+        let mut pixels = Vec::with_capacity(row * height as usize);
+        for line in mapped.chunks_exact(stride) {
+            pixels.extend_from_slice(&line[..row]);
+        }
+        Ok(pixels)
+    }
+
+    /// The bytes of a buffer that may be copied from.
+    ///
+    /// # Errors
+    /// The device is lost or out of memory.
+    pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("copy"),
+            size: buffer.size(),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        Ok(self.mapped(&copy)?.to_vec())
+    }
+
+    /// A buffer's bytes, as soon as all that was submitted is done.
+    fn mapped(&self, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, GpuError> {
         let (send, receive) = std::sync::mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
             // Nobody listens if waiting failed.
@@ -145,11 +175,24 @@ impl Gpu {
         self.wait()?;
         let failed = |e: &dyn Display| GpuError::Read(e.to_string());
         receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-        let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-        let mut pixels = Vec::with_capacity(row * height as usize);
-        for line in mapped.chunks_exact(stride) {
-            pixels.extend_from_slice(&line[..row]);
-        }
-        Ok(pixels)
+        buffer.get_mapped_range(..).map_err(|e| failed(&e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::util::DeviceExt;
+
+    #[test]
+    fn a_buffer_is_read_as_it_was_written() {
+        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let contents: Vec<u8> = (0..1024_u32).map(|i| i as u8).collect();
+        let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: &contents,
+            usage: wgpu::BufferUsages::COPY_SRC,
+        });
+        assert_eq!(gpu.read_buffer(&buffer).unwrap(), contents);
     }
 }
