@@ -4,13 +4,17 @@
 //! estimate, and none is conservative. Two kinds of errors are counted apart: a *false visible* point is reported though the
 //! surface hides it, a *false hidden* point is left out though it can be seen.
 //!
+//! - [`PointCloud`]: points with their colours, normals and radii.
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 
+mod cloud;
 pub mod cluster;
 pub mod hpr;
 pub mod hull;
 mod numeric;
 #[cfg(test)]
 mod samples;
+
+pub use cloud::{LengthError, PointCloud};
