@@ -134,7 +134,7 @@ pub fn visible_points(
     camera: &Camera,
     options: &SplatOptions,
 ) -> Result<SplatResult, SplatError> {
-    check(points, options)?;
+    check(points.len(), options)?;
     let squares = Squares::new(camera.size());
     let finite = points.par_chunks(TASK).enumerate().map(|(task, points)| {
         let mut finite = true;
@@ -158,12 +158,13 @@ pub fn visible_points(
     Ok(SplatResult { visible, depth })
 }
 
-fn check(points: &[Vec3], options: &SplatOptions) -> Result<(), SplatError> {
+/// Whether the parameters serve for so many points.
+pub(crate) fn check(count: usize, options: &SplatOptions) -> Result<(), SplatError> {
     let good = |radius: f32| radius >= 0.0 && radius.is_finite();
     match options.radius {
         Radius::Same(radius) if !good(radius) => return Err(SplatError::Radius { index: 0, radius }),
-        Radius::Each(radii) if radii.len() != points.len() => {
-            return Err(SplatError::Radii { radii: radii.len(), points: points.len() });
+        Radius::Each(radii) if radii.len() != count => {
+            return Err(SplatError::Radii { radii: radii.len(), points: count });
         }
         Radius::Each(radii) => {
             if let Some(index) = radii.par_iter().position_first(|&radius| !good(radius)) {
