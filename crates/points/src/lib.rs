@@ -8,9 +8,12 @@
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
+//! - `files` (feature `files`): clouds from PLY, LAS, LAZ, E57 and surfel files, in chunks.
 
 mod cloud;
 pub mod cluster;
+#[cfg(feature = "files")]
+pub mod files;
 pub mod hpr;
 pub mod hull;
 mod numeric;
