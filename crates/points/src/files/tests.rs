@@ -177,7 +177,7 @@ fn errors_name_the_place_and_the_cause() {
     let whole = ply(&helix(9));
     expect(&whole[..whole.len() - 1], "vertex 8 of 9");
     expect(&las(9, false)[..400], "after point 0 of 9");
-    expect(&las(9, true)[..500], "after point 0 of 9");
+    expect(&las(9, true)[..500], "failed to fill whole buffer");
     assert!(matches!(read(Path::new("/no/such/file")), Err(FileError::Io { .. })));
 }
 
