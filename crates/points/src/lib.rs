@@ -7,9 +7,11 @@
 //! - [`PointCloud`]: points with their colours, normals and radii.
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
+//! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 //! - `files` (feature `files`): clouds from PLY, LAS, LAZ, E57 and surfel files, in chunks.
 
+mod camera;
 mod cloud;
 pub mod cluster;
 #[cfg(feature = "files")]
@@ -19,5 +21,7 @@ pub mod hull;
 mod numeric;
 #[cfg(test)]
 mod samples;
+pub mod splat;
 
+pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
 pub use cloud::{LengthError, PointCloud};
