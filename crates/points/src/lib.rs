@@ -10,10 +10,16 @@
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
 //! - `gpu`: the splat operator and surface splatting on the graphics processor (feature `gpu`).
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
+//! - `bricks` (feature `scene`): clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
+//! - `files` (feature `files`): clouds from PLY, LAS, LAZ, E57 and surfel files, in chunks.
 
+#[cfg(feature = "scene")]
+pub mod bricks;
 mod camera;
 mod cloud;
 pub mod cluster;
+#[cfg(feature = "files")]
+pub mod files;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hpr;
