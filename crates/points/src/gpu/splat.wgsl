@@ -52,8 +52,10 @@ fn scalar(a: vec3f, b: vec3f) -> f32 {
 
 // The quotient of numbers that are not negative, rounded as IEEE 754 asks for: shaders may be off by some of the last digits.
 fn quotient(a: f32, b: f32) -> f32 {
-    let (bits_a, bits_b) = (bitcast<u32>(a), bitcast<u32>(b));
-    let (m_a, m_b) = ((bits_a & 0x7fffffu) | 0x800000u, (bits_b & 0x7fffffu) | 0x800000u);
+    let bits_a = bitcast<u32>(a);
+    let bits_b = bitcast<u32>(b);
+    let m_a = (bits_a & 0x7fffffu) | 0x800000u;
+    let m_b = (bits_b & 0x7fffffu) | 0x800000u;
     if bits_a < 0x800000u || bits_b >= INFINITE {
         return 0.0;
     }
@@ -186,7 +188,8 @@ fn push(@builtin(global_invocation_id) id: vec3u) {
 
 fn filtered(at: vec2i) -> f32 {
     let own = INFINITE - atomicLoad(&far_bits[at.y * lens.size.x + at.x]);
-    var (least, most) = (own, own);
+    var least = own;
+    var most = own;
     for (var i = 0; i < 9; i++) {
         let near = clamp(at + vec2i(i % 3, i / 3) - 1, vec2i(0), lens.size - 1);
         let bits = INFINITE - atomicLoad(&far_bits[near.y * lens.size.x + near.x]);
