@@ -4,11 +4,13 @@
 //! Vertex Order Optimization". Their shaders pack the depth with the index of a point, since a pixel shows one point. Here each point is
 //! tested against the depths, so that these are enough, and any adapter has the 32-bit operations for them.
 
+use std::num::NonZeroU64;
+
 use bitvec::vec::BitVec;
 use bytemuck::{Pod, Zeroable};
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::util::{BufferInitDescriptor, DeviceExt};
-use casca_stage::wgpu::{self, BufferBindingType, BufferUsages, ShaderStages};
+use casca_stage::wgpu::{self, BufferUsages};
 use glam::Vec3;
 
 use crate::camera::Camera;
@@ -19,7 +21,7 @@ const CHUNK: usize = 1 << 22;
 /// Levels of squares; the largest has `2^(LEVELS - 1)` pixels on a side.
 const LEVELS: usize = 11;
 /// Bytes between two numbers of a uniform buffer that shaders are given one by one.
-const STRIDE: u32 = 256;
+const STRIDE: u64 = 256;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -143,76 +145,53 @@ fn entries((width, height): (u32, u32), k: usize) -> u32 {
     (width + border) * (height + border)
 }
 
+/// The steps of the operator, and the bindings that each uses.
+const STEPS: [(&str, &[u32]); 5] = [
+    ("measure", &[0, 4, 5, 6]),
+    ("draw", &[0, 2, 5, 6]),
+    ("push", &[0, 1, 2]),
+    ("limit", &[0, 2, 3]),
+    ("test", &[0, 3, 5, 7]),
+];
+const MEASURE: usize = 0;
+const DRAW: usize = 1;
+const PUSH: usize = 2;
+const LIMIT: usize = 3;
+const TEST: usize = 4;
+
 /// The shaders of the splat operator.
 pub struct SplatOperator {
-    picture: wgpu::BindGroupLayout,
-    cloud: wgpu::BindGroupLayout,
+    steps: [wgpu::ComputePipeline; 5],
     /// Numbers of levels.
     numbers: wgpu::Buffer,
-    measure: wgpu::ComputePipeline,
-    draw: wgpu::ComputePipeline,
-    push: wgpu::ComputePipeline,
-    limit: wgpu::ComputePipeline,
-    test: wgpu::ComputePipeline,
 }
 
 impl SplatOperator {
     /// Compiles the shaders.
     pub fn new(gpu: &Gpu) -> Self {
-        let device = &gpu.device;
-        let uniform = |dynamic| (BufferBindingType::Uniform, dynamic);
-        let storage = |read_only| (BufferBindingType::Storage { read_only }, false);
-        let layout = |entries: &[(BufferBindingType, bool)]| {
-            let entry = |(binding, &(ty, has_dynamic_offset))| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility: ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
-                count: None,
-            };
-            let entries: Vec<_> = (0..).zip(entries).map(entry).collect();
-            device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-        };
-        let picture =
-            layout(&[uniform(false), uniform(true), storage(false), storage(false), storage(false)]);
-        let cloud = layout(&[storage(true), storage(true), storage(false)]);
-        let shader = device.create_shader_module(wgpu::include_wgsl!("splat.wgsl"));
-        let pipeline = |entry: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                bind_group_layouts: groups,
-                ..Default::default()
-            });
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let shader = gpu.device.create_shader_module(wgpu::include_wgsl!("splat.wgsl"));
+        let steps = STEPS.map(|(entry, _)| {
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
-                layout: Some(&layout),
+                layout: None,
                 module: &shader,
                 entry_point: Some(entry),
                 compilation_options: Default::default(),
                 cache: None,
             })
-        };
-        let [of_picture, of_cloud] = [&[Some(&picture)][..], &[Some(&picture), Some(&cloud)]];
-        let mut numbers = vec![0_u32; LEVELS * STRIDE as usize / 4];
-        (0..LEVELS).for_each(|k| numbers[k * STRIDE as usize / 4] = k as u32);
-        Self {
-            measure: pipeline("measure", of_cloud),
-            draw: pipeline("draw", of_cloud),
-            push: pipeline("push", of_picture),
-            limit: pipeline("limit", of_picture),
-            test: pipeline("test", of_cloud),
-            numbers: uniforms(gpu, &numbers),
-            picture,
-            cloud,
-        }
+        });
+        let number = |k| std::iter::once(k as u32).chain([0; STRIDE as usize / 4 - 1]);
+        let numbers: Vec<u32> = (0..LEVELS).flat_map(number).collect();
+        Self { steps, numbers: uniforms(gpu, &numbers) }
     }
 
     /// A bit for each point: whether the camera sees it, as
     /// [`splat::visible_points`](crate::splat::visible_points) finds it on the processor.
     ///
     /// The answers are the same, bit by bit, as long as no number is so small that it is subnormal, below 10^-38: devices may take those
-    /// as 0. All else is arranged: products are not fused with sums, quotients are rounded by whole numbers.
+    /// as 0. The shaders keep products from being fused with sums, and round quotients by whole numbers.
     ///
-    /// Costs a few operations for each point, whatever the radii, two waits for the device, and the answers' bits, which are copied back.
+    /// Costs a few operations for each point, whatever the radii, and two waits for the device; the bits of the answers are copied back.
     /// A radius for each point is copied to the device in each call. The device needs room for a depth image for each doubling of the
     /// largest square's side.
     ///
@@ -228,96 +207,111 @@ impl SplatOperator {
     ) -> Result<BitVec, GpuSplatError> {
         check(points.count, options)?;
         let lens = Lens::new(camera, options);
-        let radii: Vec<_> = match options.radius {
-            Radius::Same(_) => points.chunks.iter().map(|chunk| chunk.points.clone()).collect(),
+        let radii = match options.radius {
+            Radius::Same(_) => Vec::new(),
             Radius::Each(radii) => {
                 radii.chunks(CHUNK).map(|radii| filled(gpu, radii)).collect::<Result<_, _>>()?
             }
         };
-        let cloud = |(chunk, radii): (&Chunk, &wgpu::Buffer)| {
-            bind(gpu, &self.cloud, &[whole(&chunk.points), whole(radii), whole(&chunk.visible)])
+        let storage = |entries: u32| gpu.buffer(u64::from(entries) * 4, BufferUsages::STORAGE);
+        let (found, nowhere) = (storage(1)?, storage(1)?);
+        let mut run = Run {
+            gpu,
+            operator: self,
+            points,
+            size: camera.size(),
+            lens: uniforms(gpu, &[lens]),
+            far_bits: nowhere,
+            limits: storage(entries(camera.size(), 0))?,
+            found,
+            radii,
         };
-        let clouds: Vec<_> = points.chunks.iter().zip(&radii).map(cloud).collect();
-        let (lens_buffer, found) = (uniforms(gpu, &[lens]), gpu.buffer(4, BufferUsages::STORAGE)?);
-        let limits = gpu.buffer(u64::from(entries(camera.size(), 0)) * 4, BufferUsages::STORAGE)?;
-        let picture = |far_bits: &wgpu::Buffer| {
-            let level =
-                wgpu::BufferBinding { buffer: &self.numbers, offset: 0, size: std::num::NonZeroU64::new(4) };
-            let buffers = [whole(&lens_buffer), level, whole(far_bits), whole(&limits), whole(&found)];
-            bind(gpu, &self.picture, &buffers)
-        };
-        let job = Job { gpu, points, clouds: &clouds, size: camera.size() };
-        // The first pass draws nothing.
-        let nowhere = picture(&gpu.buffer(4, BufferUsages::STORAGE)?);
-        job.run(&mut |pass| job.over_points(pass, &self.measure, &nowhere));
-        let levels = gpu.read_buffer(&found)?.first().map_or(0, |&n| usize::from(n)).clamp(1, LEVELS);
-        let far_bits = gpu.buffer(u64::from(lens.starts[levels]) * 4, BufferUsages::STORAGE)?;
-        let picture = picture(&far_bits);
-        job.run(&mut |pass| {
-            job.over_points(pass, &self.draw, &picture);
-            for k in (0..levels - 1).rev() {
-                job.over_pixels(pass, &self.push, &picture, k);
-            }
-            job.over_pixels(pass, &self.limit, &picture, 0);
-            job.over_points(pass, &self.test, &picture);
+        run.submit(&|pass| run.over_points(pass, MEASURE));
+        let levels = gpu.read_buffer(&run.found)?.first().map_or(0, |&n| usize::from(n)).clamp(1, LEVELS);
+        run.far_bits = storage(lens.starts[levels])?;
+        run.submit(&|pass| {
+            run.over_points(pass, DRAW);
+            (0..levels - 1).rev().for_each(|k| run.over_pixels(pass, PUSH, k));
+            run.over_pixels(pass, LIMIT, 0);
+            run.over_points(pass, TEST);
         });
-        job.answers()
+        run.answers()
     }
 }
 
 /// A run of the operator.
-struct Job<'a> {
+struct Run<'a> {
     gpu: &'a Gpu,
+    operator: &'a SplatOperator,
     points: &'a GpuPoints,
-    clouds: &'a [wgpu::BindGroup],
     size: (u32, u32),
+    lens: wgpu::Buffer,
+    far_bits: wgpu::Buffer,
+    limits: wgpu::Buffer,
+    /// The number of levels.
+    found: wgpu::Buffer,
+    /// For each chunk; empty if all points have the same radius.
+    radii: Vec<wgpu::Buffer>,
 }
 
-impl Job<'_> {
-    /// Hands passes to the device; all answers are "hidden" before.
-    fn run(&self, passes: &mut dyn FnMut(&mut wgpu::ComputePass<'_>)) {
+impl Run<'_> {
+    /// Hands steps to the device. Before them all points are hidden.
+    fn submit(&self, steps: &dyn Fn(&mut wgpu::ComputePass<'_>)) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.points.chunks.iter().for_each(|chunk| encoder.clear_buffer(&chunk.visible, 0, None));
-        passes(&mut encoder.begin_compute_pass(&Default::default()));
+        steps(&mut encoder.begin_compute_pass(&Default::default()));
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    fn over_points(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        pipeline: &wgpu::ComputePipeline,
-        picture: &wgpu::BindGroup,
-    ) {
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, picture, &[0]);
-        for (chunk, cloud) in self.points.chunks.iter().zip(self.clouds) {
-            pass.set_bind_group(1, cloud, &[]);
-            pass.dispatch_workgroups(chunk.count.div_ceil(256) as u32, 1, 1);
+    fn over_points(&self, pass: &mut wgpu::ComputePass<'_>, step: usize) {
+        for (i, chunk) in self.points.chunks.iter().enumerate() {
+            let radii = self.radii.get(i).unwrap_or(&chunk.points);
+            let of_chunk = [&chunk.points, radii, &chunk.visible].map(wgpu::Buffer::as_entire_binding);
+            self.dispatch(pass, step, 0, &of_chunk, [chunk.count.div_ceil(256) as u32, 1]);
         }
     }
 
-    fn over_pixels(
+    /// Over the squares of level `k`.
+    fn over_pixels(&self, pass: &mut wgpu::ComputePass<'_>, step: usize, k: usize) {
+        let groups = |side: u32| (side + (1 << k)).div_ceil(16);
+        self.dispatch(pass, step, k, &[], [groups(self.size.0), groups(self.size.1)]);
+    }
+
+    fn dispatch(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
-        pipeline: &wgpu::ComputePipeline,
-        picture: &wgpu::BindGroup,
+        step: usize,
         k: usize,
+        of_chunk: &[wgpu::BindingResource<'_>],
+        [x, y]: [u32; 2],
     ) {
+        let level = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &self.operator.numbers,
+            offset: k as u64 * STRIDE,
+            size: NonZeroU64::new(4),
+        });
+        let [lens, far_bits, limits, found] =
+            [&self.lens, &self.far_bits, &self.limits, &self.found].map(wgpu::Buffer::as_entire_binding);
+        let all = [lens, level, far_bits, limits, found].into_iter().chain(of_chunk.iter().cloned());
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let is_used = |entry: &wgpu::BindGroupEntry<'_>| STEPS[step].1.contains(&entry.binding);
+        let pipeline = &self.operator.steps[step];
+        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &(0..).zip(all).map(entry).filter(is_used).collect::<Vec<_>>(),
+        });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, picture, &[k as u32 * STRIDE]);
-        let groups = |side: u32| (side + (1 << k)).div_ceil(16);
-        pass.dispatch_workgroups(groups(self.size.0), groups(self.size.1), 1);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(x, y, 1);
     }
 
     fn answers(&self) -> Result<BitVec, GpuSplatError> {
         let mut words = Vec::new();
         for chunk in &self.points.chunks {
             let bytes = self.gpu.read_buffer(&chunk.visible)?;
-            words.extend(
-                bytes.chunks(size_of::<usize>()).map(|bytes| {
-                    bytes.iter().rev().fold(0_usize, |word, &byte| word << 8 | usize::from(byte))
-                }),
-            );
+            let word = |b: &[u8]| b.iter().rev().fold(0, |word: usize, &byte| word << 8 | usize::from(byte));
+            words.extend(bytes.chunks(size_of::<usize>()).map(word));
         }
         let mut visible = BitVec::from_vec(words);
         visible.truncate(self.points.count);
@@ -332,15 +326,4 @@ fn uniforms<T: Pod>(gpu: &Gpu, contents: &[T]) -> wgpu::Buffer {
         contents,
         usage: BufferUsages::UNIFORM,
     })
-}
-
-fn whole(buffer: &wgpu::Buffer) -> wgpu::BufferBinding<'_> {
-    buffer.as_entire_buffer_binding()
-}
-
-fn bind(gpu: &Gpu, layout: &wgpu::BindGroupLayout, buffers: &[wgpu::BufferBinding<'_>]) -> wgpu::BindGroup {
-    let resources = buffers.iter().cloned().map(wgpu::BindingResource::Buffer);
-    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

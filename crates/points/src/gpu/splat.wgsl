@@ -35,9 +35,9 @@ struct Lens {
 @group(0) @binding(3) var<storage, read_write> limits: array<f32>;
 // The number of levels that squares need.
 @group(0) @binding(4) var<storage, read_write> levels: atomic<u32>;
-@group(1) @binding(0) var<storage, read> points: array<f32>;
-@group(1) @binding(1) var<storage, read> radii: array<f32>;
-@group(1) @binding(2) var<storage, read_write> visible: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read> points: array<f32>;
+@group(0) @binding(6) var<storage, read> radii: array<f32>;
+@group(0) @binding(7) var<storage, read_write> visible: array<atomic<u32>>;
 
 const INFINITE: u32 = 0x7f800000u;
 
@@ -85,9 +85,9 @@ fn quotient(a: f32, b: f32) -> f32 {
     return bitcast<f32>((u32(e) << 23u) + (q - 0x800000u));
 }
 
-// Pixels in units of 1/256.
+// Pixels in units of 1/256. In the sum, whose bits begin with those of 49152, these are the last ones.
 fn subpixels(pixels: f32) -> i32 {
-    return bitcast<i32>(clamp(pixels, -1.0, 16383.0) + 49152.0) - bitcast<i32>(49152.0);
+    return bitcast<i32>(clamp(pixels, -1.0, 16383.0) + 49152.0) - 0x47400000;
 }
 
 struct Place {
@@ -121,8 +121,8 @@ fn square(i: u32, p: Place) -> vec4i {
 }
 
 // The largest level whose squares are not larger.
-fn level_of(square: vec4i) -> u32 {
-    let side = square.zw - square.xy + 1;
+fn level_of(covered: vec4i) -> u32 {
+    let side = covered.zw - covered.xy + 1;
     return firstLeadingBit(u32(min(side.x, side.y)));
 }
 
@@ -192,28 +192,26 @@ fn filtered(at: vec2i) -> f32 {
     var most = own;
     for (var i = 0; i < 9; i++) {
         let near = clamp(at + vec2i(i % 3, i / 3) - 1, vec2i(0), lens.size - 1);
-        let bits = INFINITE - atomicLoad(&far_bits[near.y * lens.size.x + near.x]);
-        least = min(least, bits);
-        most = max(most, bits);
+        let other = INFINITE - atomicLoad(&far_bits[near.y * lens.size.x + near.x]);
+        least = min(least, other);
+        most = max(most, other);
     }
     let is_at_background = most == INFINITE;
-    switch lens.filtering {
-        case 1u: { return bitcast<f32>(select(most, own, is_at_background)); }
-        case 2u: { return bitcast<f32>(most); }
-        case 3u: { return bitcast<f32>(select(least, own, is_at_background)); }
-        default: { return bitcast<f32>(own); }
-    }
+    var bits = own;
+    if lens.filtering == 2u || (lens.filtering == 1u && !is_at_background) { bits = most; }
+    if lens.filtering == 3u && !is_at_background { bits = least; }
+    return bitcast<f32>(bits);
 }
 
 @compute @workgroup_size(16, 16)
 fn limit(@builtin(global_invocation_id) id: vec3u) {
     if any(vec2i(id.xy) >= lens.size) { return; }
     let depth = filtered(vec2i(id.xy));
-    var limit = depth + lens.bias.x;
+    var bound = depth + lens.bias.x;
     if lens.window == 1u && bitcast<u32>(depth) < INFINITE {
-        limit = quotient(1.0, quotient(lens.bias.y, depth) + lens.bias.z);
+        bound = quotient(1.0, quotient(lens.bias.y, depth) + lens.bias.z);
     }
-    limits[id.y * u32(lens.size.x) + id.x] = max(limit, depth);
+    limits[id.y * u32(lens.size.x) + id.x] = max(bound, depth);
 }
 
 @compute @workgroup_size(256)

@@ -113,53 +113,22 @@ impl Lens {
 
 /// Draws surfels.
 pub struct SurfelRenderer {
-    /// Of the camera, and of the sums.
-    layouts: [wgpu::BindGroupLayout; 2],
     surface: wgpu::RenderPipeline,
     weighted: wgpu::RenderPipeline,
     mean: wgpu::RenderPipeline,
-    /// As large as the last target.
-    sums: Option<wgpu::TextureView>,
 }
 
 impl SurfelRenderer {
     /// Compiles the shaders, for pictures of a format.
     pub fn new(gpu: &Gpu, format: TextureFormat) -> Self {
-        let device = &gpu.device;
-        let entry =
-            |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let layouts = [
-            vec![entry(0, wgpu::ShaderStages::VERTEX, uniform)],
-            vec![entry(1, wgpu::ShaderStages::FRAGMENT, texture)],
-        ]
-        .map(|entries| {
-            device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-        });
-        let shader = device.create_shader_module(wgpu::include_wgsl!("surfels.wgsl"));
-        let make = Make { device, shader: &shader };
-        let sum = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
+        let shader = gpu.device.create_shader_module(wgpu::include_wgsl!("surfels.wgsl"));
+        let make = Make { device: &gpu.device, shader: &shader };
+        let sum = wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::One, ..Default::default() };
         let sums = (SUMS, Some(wgpu::BlendState { color: sum, alpha: sum }));
         Self {
-            surface: make.pipeline(["corner_behind", "surface"], &layouts[0], None, Some(true)),
-            weighted: make.pipeline(["corner", "weighted"], &layouts[0], Some(sums), Some(false)),
-            mean: make.pipeline(["everywhere", "mean"], &layouts[1], Some((format, None)), None),
-            layouts,
-            sums: None,
+            surface: make.pipeline(["corner_behind", "surface"], None, Some(true)),
+            weighted: make.pipeline(["corner", "weighted"], Some(sums), Some(false)),
+            mean: make.pipeline(["everywhere", "mean"], Some((format, None)), None),
         }
     }
 
@@ -168,27 +137,21 @@ impl SurfelRenderer {
     /// The order of the discs of a pane does not matter, but for the rounding of sums: their precision is 1/2048. Each disc is drawn
     /// twice, with four corners.
     pub fn draw(
-        &mut self,
+        &self,
         gpu: &Gpu,
         target: &Target,
         camera: &Camera,
         background: wgpu::Color,
         panes: &[Pane<'_>],
     ) {
-        let (width, height) = target.size();
+        let ((width, height), (w, h)) = (target.size(), camera.size());
         let within = |pane: &&Pane| {
-            let ends = [
-                pane.corner.0.saturating_add(camera.size().0),
-                pane.corner.1.saturating_add(camera.size().1),
-            ];
-            ends[0] <= width && ends[1] <= height
+            let (x, y) = pane.corner;
+            x <= width && w <= width - x && y <= height && h <= height - y
         };
-        let panes: Vec<_> =
-            panes.iter().filter(within).map(|pane| (pane, self.lens(gpu, camera, pane))).collect();
-        let is_old =
-            |sums: &wgpu::TextureView| (sums.texture().width(), sums.texture().height()) != (width, height);
-        let sums = self.sums.take_if(|sums| !is_old(sums)).unwrap_or_else(|| texture(gpu, (width, height)));
-        let bound = bind(gpu, &self.layouts[1], 1, wgpu::BindingResource::TextureView(&sums));
+        let lens = |pane| (pane, lens(gpu, camera, pane));
+        let panes: Vec<_> = panes.iter().filter(within).map(lens).collect();
+        let sums = texture(gpu, (width, height));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = [
             (&self.surface, None, Some(wgpu::LoadOp::Clear(0.0))),
@@ -199,31 +162,37 @@ impl SurfelRenderer {
             let mut pass = begin(&mut encoder, colour, depth.map(|load| (&target.depth, load)));
             pass.set_pipeline(pipeline);
             for (pane, lens) in &panes {
-                let ((x, y), (w, h)) = (pane.corner, camera.size());
+                let (x, y) = pane.corner;
                 pass.set_viewport(x as f32, y as f32, w as f32, h as f32, 0.0, 1.0);
                 pass.set_scissor_rect(x, y, w, h);
+                let (binding, resource) = match depth {
+                    Some(_) => (0, lens.as_entire_binding()),
+                    None => (1, wgpu::BindingResource::TextureView(&sums)),
+                };
+                let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: None,
+                    layout: &pipeline.get_bind_group_layout(0),
+                    entries: &[wgpu::BindGroupEntry { binding, resource }],
+                });
+                pass.set_bind_group(0, &bound, &[]);
                 if depth.is_some() {
-                    pass.set_bind_group(0, lens, &[]);
                     pass.set_vertex_buffer(0, pane.surfels.buffer.slice(..));
                     pass.draw(0..4, 0..pane.surfels.count);
                 } else {
-                    pass.set_bind_group(0, &bound, &[]);
                     pass.draw(0..3, 0..1);
                 }
             }
         }
         gpu.queue.submit([encoder.finish()]);
-        self.sums = Some(sums);
     }
+}
 
-    fn lens(&self, gpu: &Gpu, camera: &Camera, pane: &Pane) -> wgpu::BindGroup {
-        let buffer = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: None,
-            contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
-            usage: BufferUsages::UNIFORM,
-        });
-        bind(gpu, &self.layouts[0], 0, buffer.as_entire_binding())
-    }
+fn lens(gpu: &Gpu, camera: &Camera, pane: &Pane) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
+        usage: BufferUsages::UNIFORM,
+    })
 }
 
 fn texture(gpu: &Gpu, (width, height): (u32, u32)) -> wgpu::TextureView {
@@ -238,16 +207,6 @@ fn texture(gpu: &Gpu, (width, height): (u32, u32)) -> wgpu::TextureView {
         view_formats: &[],
     });
     texture.create_view(&Default::default())
-}
-
-fn bind(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    binding: u32,
-    resource: wgpu::BindingResource,
-) -> wgpu::BindGroup {
-    let entries = &[wgpu::BindGroupEntry { binding, resource }];
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
 }
 
 /// A pass that draws to `colour`, cleared, and `depth`.
@@ -285,14 +244,9 @@ impl Make<'_> {
     fn pipeline(
         &self,
         [vertex, fragment]: [&str; 2],
-        layout: &wgpu::BindGroupLayout,
         colour: Option<(TextureFormat, Option<wgpu::BlendState>)>,
         depth: Option<bool>,
     ) -> wgpu::RenderPipeline {
-        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            bind_group_layouts: &[Some(layout)],
-            ..Default::default()
-        });
         let attributes = vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Unorm8x4];
         let surfels = depth.map(|_| wgpu::VertexBufferLayout {
             array_stride: size_of::<Surfel>() as u64,
@@ -306,7 +260,7 @@ impl Make<'_> {
         });
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
-            layout: Some(&layout),
+            layout: None,
             vertex: wgpu::VertexState {
                 module: self.shader,
                 entry_point: Some(vertex),

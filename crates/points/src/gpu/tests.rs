@@ -135,7 +135,7 @@ fn picture(gpu: &Gpu, panes: &[(&[Surfel], Style)]) -> Vec<u8> {
         corner: (SIZE.0 * i as u32, 0),
     };
     let panes: Vec<_> = panes.iter().enumerate().map(pane).collect();
-    let mut renderer = SurfelRenderer::new(gpu, COLOUR);
+    let renderer = SurfelRenderer::new(gpu, COLOUR);
     renderer.draw(gpu, &canvas.picture(), &camera, Color::WHITE, &panes);
     canvas.read_picture(gpu).unwrap()
 }

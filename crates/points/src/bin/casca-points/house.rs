@@ -49,11 +49,9 @@ impl Scan {
             let at = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3]
                 .map(|step: f64| (0.5 + f64::from(i) * step).fract() as f32);
             let Some(colour) = paint(vec2(at[0] * u.length(), at[1] * v.length())) else { continue };
-            // Paper white is nowhere even, nor is paint.
-            let grain = (i.wrapping_mul(2_654_435_761) >> 28) as u8;
             self.cloud.positions.push(corner + u * at[0] + v * at[1]);
             self.cloud.normals.push(normal.normalize());
-            self.cloud.colours.push(colour.map(|c| c.saturating_sub(grain)));
+            self.cloud.colours.push(colour);
         }
     }
 
@@ -69,69 +67,59 @@ impl Scan {
 
     fn outside(&mut self) {
         let (w, d, h) = (WIDTH / 2.0, DEPTH / 2.0, 2.0 * STOREY);
-        let (along, across, up) = (Vec3::X * WIDTH, Vec3::Z * DEPTH, Vec3::Y * h);
-        self.sheet(vec3(-w, 0.0, d), [along, up], |p| (!is_open(p)).then(|| stone(p)));
-        self.sheet(vec3(w, 0.0, -d), [-along, up], |p| Some(stone(p)));
+        let (along, across, up) = (Vec3::X * WIDTH, Vec3::Z * DEPTH, Vec3::Y * (h + ROOF));
+        let stone = |p| tiled(p, [0.6, 0.3], [[228, 216, 192], [168, 160, 148]]);
+        self.sheet(vec3(-w, 0.0, d), [along, up], |p| (p.y < h && !is_open(p)).then(|| stone(p)));
+        self.sheet(vec3(w, 0.0, -d), [-along, up], |p| (p.y < h).then(|| stone(p)));
         // Side walls go up to the ridge.
-        let gable = |p: Vec2| p.y < h + ROOF * (1.0 - (p.x / d - 1.0).abs());
-        let tall = Vec3::Y * (h + ROOF);
-        self.sheet(vec3(-w, 0.0, -d), [across, tall], |p| gable(p).then(|| stone(p)));
-        self.sheet(vec3(w, 0.0, d), [-across, tall], |p| gable(p).then(|| stone(p)));
-        let (eaves, ridge) = (0.4, vec3(0.0, ROOF, -d));
-        let slope = ridge * (1.0 + eaves / d);
-        let start = vec3(-w - eaves, h, d) - ridge * (eaves / d);
-        let long = Vec3::X * (WIDTH + 2.0 * eaves);
-        self.sheet(start, [long, slope], |p| Some(tile(p)));
-        self.sheet(start * vec3(-1.0, 1.0, -1.0), [-long, slope * vec3(1.0, 1.0, -1.0)], |p| Some(tile(p)));
-        let lawn = vec3(-w - 1.5, 0.0, -d - 1.0);
-        self.sheet(lawn, [Vec3::Z * (DEPTH + 3.5), Vec3::X * (WIDTH + 3.0)], |p| {
-            let under = (p.x - 1.0 - d).abs() < d && (p.y - 1.5 - w).abs() < w;
-            let path = p.x > DEPTH && (p.y - 1.5 - w).abs() < 0.6;
-            (!under).then_some(if path { [176, 168, 156] } else { [104, 148, 76] })
-        });
+        let gable = |p: Vec2| (p.y < h + ROOF * (1.0 - (p.x / d - 1.0).abs())).then(|| stone(p));
+        self.sheet(vec3(-w, 0.0, -d), [across, up], gable);
+        self.sheet(vec3(w, 0.0, d), [-across, up], gable);
+        for side in [1.0, -1.0] {
+            let slope = vec3(0.0, ROOF, -d * side) * 1.12;
+            let eaves = vec3(-side * (w + 0.3), h + ROOF, 0.0) - slope;
+            self.sheet(eaves, [Vec3::X * side * (WIDTH + 0.6), slope], |p| {
+                Some(tiled(p, [0.3, 0.35], [[176, 76, 60], [120, 48, 40]]))
+            });
+        }
+        let lawn = |p: Vec2| ((p.y - 4.0).abs() > d || (p.x - 6.0).abs() > w).then_some([104, 148, 76]);
+        self.sheet(vec3(-6.0, 0.0, 4.0), [Vec3::X * 12.0, Vec3::NEG_Z * 8.0], lawn);
     }
 
     fn inside(&mut self) {
         let (w, d) = (WIDTH / 2.0 - WALL, DEPTH / 2.0 - WALL);
-        let (along, across) = (Vec3::X * 2.0 * w, Vec3::Z * 2.0 * d);
+        let (along, across, up) = (Vec3::X * 2.0 * w, Vec3::Z * 2.0 * d, Vec3::Y * (STOREY - 0.1));
         for (floor, paint) in [(0.0, [240, 150, 60]), (STOREY, [60, 170, 190])] {
-            let up = Vec3::Y * (STOREY - 0.1);
             let wall = |_| Some(paint);
             self.sheet(vec3(-w, floor, -d), [along, up], wall);
             self.sheet(vec3(w, floor, d), [-along, up], |p| {
-                let outer = vec2(WIDTH - WALL - p.x, p.y + floor);
-                (!is_open(outer)).then_some(paint)
+                (!is_open(vec2(WIDTH - WALL - p.x, p.y + floor))).then_some(paint)
             });
-            self.sheet(vec3(-w, floor, d), [-across, up], wall);
-            self.sheet(vec3(w, floor, -d), [across, up], wall);
-            self.sheet(vec3(-w, floor, -d), [across, along], |p| Some(plank(p)));
-            self.sheet(vec3(-w, floor + STOREY - 0.1, -d), [along, across], |_| Some([236, 232, 224]));
-            // Two walls between rooms, each with a door near the back.
-            for x in [-1.5, 1.5] {
-                let door = |p: Vec2| (p.x > 1.0 && p.x < 1.9 && p.y < 2.1) as u8 == 1;
-                let side = |p: Vec2| (!door(p)).then_some(paint);
-                self.sheet(vec3(x - 0.05, floor, -d), [across, up], side);
-                self.sheet(vec3(x + 0.05, floor, -d), [across, up], side);
+            let plank = |p| Some(tiled(p, [2.0, 0.3], [[172, 128, 84], [120, 84, 52]]));
+            self.sheet(vec3(-w, floor, d), [along, -across], plank);
+            self.sheet(vec3(-w, floor + up.y, -d), [along, across], |_| Some([236, 232, 224]));
+            // Outer walls, and two between rooms, from both sides.
+            for x in [-w, -1.45, 1.55] {
+                self.sheet(vec3(x, floor, d), [-across, up], wall);
+                self.sheet(vec3(-x, floor, -d), [across, up], wall);
             }
         }
     }
 
     fn furniture(&mut self) {
-        let upper = STOREY;
-        let blocks: [([f32; 3], [f32; 3], Colour); 11] = [
-            // A table with two stools, a sofa, a kitchen with a cupboard.
+        let blocks: [([f32; 3], [f32; 3], Colour); 10] = [
+            // A table with two stools, a sofa, two cupboards.
             ([-3.7, 0.0, -0.6], [1.4, 0.75, 0.9], [150, 60, 40]),
             ([-3.2, 0.0, 0.6], [0.4, 0.45, 0.4], [40, 60, 150]),
             ([-3.2, 0.0, -1.3], [0.4, 0.45, 0.4], [40, 60, 150]),
             ([1.9, 0.0, -2.6], [2.2, 0.9, 0.8], [170, 30, 90]),
             ([3.5, 0.0, -0.9], [0.7, 2.0, 1.6], [40, 120, 70]),
             ([-0.5, 0.0, -2.7], [1.0, 1.9, 0.4], [110, 60, 150]),
-            // Beds, shelves, a desk.
-            ([-4.0, upper, -1.8], [1.6, 0.5, 2.1], [200, 40, 50]),
-            ([2.4, upper, -1.8], [1.6, 0.5, 2.1], [40, 70, 190]),
-            ([-0.8, upper, -2.7], [1.6, 1.8, 0.4], [190, 120, 30]),
-            ([-2.6, upper, -2.7], [0.9, 2.0, 0.5], [90, 60, 40]),
-            ([1.7, upper, 1.2], [0.6, 0.8, 1.2], [90, 60, 40]),
+            // Beds, a shelf, a desk.
+            ([-4.0, STOREY, -1.8], [1.6, 0.5, 2.1], [200, 40, 50]),
+            ([2.4, STOREY, -1.8], [1.6, 0.5, 2.1], [40, 70, 190]),
+            ([-0.8, STOREY, -2.7], [1.6, 1.8, 0.4], [190, 120, 30]),
+            ([1.7, STOREY, 1.2], [0.6, 0.8, 1.2], [90, 60, 40]),
         ];
         for (low, size, colour) in blocks {
             self.block(Vec3::from(low), Vec3::from(size), colour);
@@ -144,21 +132,11 @@ fn is_open(p: Vec2) -> bool {
     OPENINGS.iter().any(|&[x, y, w, h]| p.x > x && p.x < x + w && p.y > y && p.y < y + h)
 }
 
-/// Blocks of stone in rows, every other row shifted.
-fn stone(p: Vec2) -> Colour {
-    let row = (p.y / 0.3).floor();
-    let x = p.x / 0.6 + 0.5 * (row % 2.0);
-    let joint = x.fract() < 0.08 || (p.y / 0.3).fract() < 0.14;
-    let shade = 10.0 * ((7.0 * row + 3.0 * x.floor()) % 4.0);
-    if joint { [168, 160, 148] } else { [228, 216, 192].map(|c: u8| c - shade as u8) }
-}
-
-fn tile(p: Vec2) -> Colour {
-    if (p.y / 0.35).fract() < 0.15 { [120, 48, 40] } else { [176, 76, 60] }
-}
-
-fn plank(p: Vec2) -> Colour {
-    if (p.x / 0.3).fract() < 0.12 { [120, 84, 52] } else { [172, 128, 84] }
+/// Tiles in rows, every other row shifted, with joints of another colour.
+fn tiled(p: Vec2, [width, height]: [f32; 2], [tile, joint]: [Colour; 2]) -> Colour {
+    let row = p.y / height;
+    let column = p.x / width + 0.5 * (row.floor() % 2.0);
+    if column.fract() * width < 0.05 || row.fract() * height < 0.05 { joint } else { tile }
 }
 
 #[cfg(test)]
