@@ -1,6 +1,7 @@
 //! Looks at point clouds, and says which points of them can be seen. `casca-points --help` lists the commands.
 
 mod house;
+mod large;
 mod operators;
 mod panes;
 mod view;
@@ -26,6 +27,9 @@ struct Options {
 enum Command {
     View(view::View),
     Visible(visible::Visible),
+    Generate(large::Generate),
+    Bricks(large::Cut),
+    Walk(large::Walk),
 }
 
 /// Nothing, or why a command failed.
@@ -35,6 +39,9 @@ fn main() -> ExitCode {
     let done = match Options::parse().command {
         Command::View(view) => view.run(),
         Command::Visible(visible) => visible.run(),
+        Command::Generate(generate) => generate.run(),
+        Command::Bricks(cut) => cut.run(),
+        Command::Walk(walk) => walk.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
