@@ -17,7 +17,7 @@ proptest! {
         for (x, y, magnitude, half, depth) in squares {
             let (x, y) = ((x * f64::from(size.0 * 256)) as i32, (y * f64::from(size.1 * 256)) as i32);
             let half = half >> magnitude;
-            drawn.draw(x, y, half, f32::from(depth));
+            drawn.draw(&[x], &[y], &[half], &[f32::from(depth)]);
             let covers = |pixel: u32, at: i32| {
                 let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
                 low <= at + half && high >= at - half
