@@ -173,7 +173,9 @@ fn check(points: &[Vec3], options: &SplatOptions) -> Result<(), SplatError> {
             return Err(SplatError::Radii { radii: radii.len(), points: points.len() });
         }
         Radius::Each(radii) => {
-            let all_good = radii.par_chunks(TASK).all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
+            let all_good = radii
+                .par_chunks(TASK)
+                .all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
             if !all_good && let Some(index) = radii.iter().position(|&radius| !good(radius)) {
                 return Err(SplatError::Radius { index, radius: radii[index] });
             }
@@ -249,9 +251,8 @@ fn draw(squares: &Squares, points: &[Vec3], first: usize, camera: &Camera, radiu
 fn test(limits: &DepthImage, points: &[Vec3], camera: &Camera) -> usize {
     let block = Block::new(points, camera);
     let width = camera.size().0;
-    let pixel: [u32; BLOCK] = std::array::from_fn(|i| {
-        block.y[i] as u32 / SUBPIXELS * width + block.x[i] as u32 / SUBPIXELS
-    });
+    let pixel: [u32; BLOCK] =
+        std::array::from_fn(|i| block.y[i] as u32 / SUBPIXELS * width + block.x[i] as u32 / SUBPIXELS);
     let mut bits = 0;
     for (i, &pixel) in pixel.iter().enumerate() {
         let limit = limits.depths.get(pixel as usize).copied().unwrap_or(0.0);

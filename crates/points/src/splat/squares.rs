@@ -19,8 +19,8 @@ const LEVELS: usize = 11;
 /// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in pixels.
 #[inline(always)]
 pub(super) fn half_side(pixels: f32) -> i32 {
-    // A point always covers its own pixel.
-    to_subpixels((pixels - 0.5).clamp(0.0, MOST))
+    // A point always covers its own pixel. NaN is the size of points outside the picture.
+    to_subpixels(if pixels > 0.5 { (pixels - 0.5).min(MOST) } else { 0.0 })
 }
 
 /// Squares that grow into a depth image. Any thread may draw at any time: the minimum does not depend on the order.
