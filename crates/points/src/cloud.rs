@@ -81,6 +81,7 @@ impl PointCloud {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bitvec::vec::BitVec;
 
     #[test]
     fn an_attribute_of_some_points_only_is_an_error() {
@@ -95,7 +96,7 @@ mod tests {
     fn a_subset_keeps_the_attributes_that_there_are() {
         let positions = vec![Vec3::X, Vec3::Y, Vec3::Z];
         let cloud = PointCloud { positions, colours: vec![[1; 3], [2; 3], [3; 3]], ..Default::default() };
-        let some = cloud.subset(bitvec::bits![1, 0, 1, 1]);
+        let some = cloud.subset(&[true, false, true, true].into_iter().collect::<BitVec>());
         assert_eq!((some.positions, some.colours), (vec![Vec3::X, Vec3::Z], vec![[1; 3], [3; 3]]));
         assert!(some.radii.is_empty());
     }

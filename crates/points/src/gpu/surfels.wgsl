@@ -30,45 +30,45 @@ struct Corner {
 // The weight of a disc is e^-FALL at its rim.
 const FALL: f32 = 4.0;
 
-@vertex
-fn corner(
+struct Surfel {
     @builtin(vertex_index) vertex: u32,
     @location(0) position: vec3f,
     @location(1) radius: f32,
     @location(2) normal: vec3f,
     @location(3) colour: vec4f,
-) -> Corner {
-    let to_eye = lens.eye - position;
+}
+
+fn placed(surfel: Surfel) -> Corner {
+    let to_eye = lens.eye - surfel.position;
     let depth = -dot(lens.forward, to_eye);
-    let facing = dot(normal, to_eye);
-    let has_normal = any(normal != vec3f(0.0));
+    let facing = dot(surfel.normal, to_eye);
+    let has_normal = any(surfel.normal != vec3f(0.0));
     // Back faces, and discs nearer than the near plane, are moved out of the picture.
     if depth < lens.near || (has_normal && facing <= 0.0) {
         return Corner(vec4f(2.0, 2.0, 2.0, 1.0), vec2f(0.0), vec3f(0.0));
     }
-    let axis = normalize(select(to_eye, normal, has_normal));
+    let axis = normalize(select(to_eye, surfel.normal, has_normal));
     let other = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(axis.y) > 0.7);
     let u = normalize(cross(axis, other));
-    let at = vec2f(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
-    let size = max(radius * lens.scale, lens.least * depth);
-    let place = position + (u * at.x + cross(axis, u) * at.y) * size;
-    let bright = select(1.0, lens.ambient + (1.0 - lens.ambient) * max(dot(axis, lens.light), 0.0), has_normal);
-    var found = Corner(lens.view_projection * vec4f(place, 1.0), at, colour.rgb * bright);
+    let at = vec2f(f32(surfel.vertex & 1u), f32(surfel.vertex >> 1u)) * 2.0 - 1.0;
+    let size = max(surfel.radius * lens.scale, lens.least * depth);
+    let place = surfel.position + (u * at.x + cross(axis, u) * at.y) * size;
+    let bright = select(1.0, mix(max(dot(axis, lens.light), 0.0), 1.0, lens.ambient), has_normal);
+    var found = Corner(lens.view_projection * vec4f(place, 1.0), at, surfel.colour.rgb * bright);
     // 1 at the near plane, 0 at infinity.
     found.clip.z = lens.near;
     return found;
 }
 
+@vertex
+fn corner(surfel: Surfel) -> Corner {
+    return placed(surfel);
+}
+
 // The surface, moved backwards, so that the discs of one surface do not hide one another.
 @vertex
-fn corner_behind(
-    @builtin(vertex_index) vertex: u32,
-    @location(0) position: vec3f,
-    @location(1) radius: f32,
-    @location(2) normal: vec3f,
-    @location(3) colour: vec4f,
-) -> Corner {
-    var found = corner(vertex, position, radius, normal, colour);
+fn corner_behind(surfel: Surfel) -> Corner {
+    var found = placed(surfel);
     // The depth is near / w: this one belongs to w + offset.
     found.clip.z = found.clip.z * found.clip.w / (found.clip.w + lens.offset);
     return found;
