@@ -5,7 +5,7 @@ use std::error::Error;
 use casca_points::Camera;
 use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_stage::canvas::Target;
-use casca_stage::egui::{self, Align2, Color32, FontId, Pos2, Rect};
+use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
 use casca_stage::gpu::Gpu;
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::{Color, TextureFormat};
@@ -17,7 +17,7 @@ use crate::operators::{Looked, Operator};
 /// The colour of points without one.
 const GREY: [u8; 3] = [150, 160, 170];
 /// The radius of a dot in pixels.
-const DOT: f32 = 1.1;
+const DOT: f32 = 0.8;
 /// The radius of a disc of the surface, as a multiple of that of a square: discs are drawn with little weight at their rims.
 const DISC: f32 = 2.2;
 /// The height of a caption's letters, as a share of the height of a pane.
@@ -109,7 +109,7 @@ impl Panes {
             let title = match content {
                 Content::Points => format!("all {count} points"),
                 Content::Hpr => format!("hidden point removal: {count} points, {milliseconds:.0} ms"),
-                Content::Clusters => format!("the same for clusters: {count} points, {milliseconds:.0} ms"),
+                Content::Clusters => format!("by clusters: {count} points, {milliseconds:.0} ms"),
                 Content::Splat => format!("splat operator: {count} points, {milliseconds:.0} ms"),
                 Content::Surface => "all points, drawn as a surface".to_owned(),
             };
