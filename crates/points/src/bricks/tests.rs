@@ -64,6 +64,11 @@ fn bricks_hold_every_point_once() {
     found.sort_unstable();
     expected.sort_unstable();
     assert!(found == expected);
+    let bounds: Vec<Aabb> = (0..bricks.len() as u32).map(|brick| bricks.index(brick).bounds).collect();
+    let apart = |a: &Aabb, b: &Aabb| a.max.cmplt(b.min).any() || b.max.cmplt(a.min).any();
+    for (i, a) in bounds.iter().enumerate() {
+        assert!(bounds[..i].iter().all(|b| apart(a, b)), "brick {i} overlaps another");
+    }
 }
 
 #[test]
