@@ -1,5 +1,6 @@
 //! A point cloud in memory.
 
+use bitvec::slice::BitSlice;
 use glam::{DVec3, Vec3};
 
 /// Points with what is known of each. A vector of an attribute that no point has is empty; all others have one entry for each point.
@@ -48,6 +49,20 @@ impl PointCloud {
         self.positions.iter().map(|p| self.origin + p.as_dvec3())
     }
 
+    /// The points whose bits are set, with their attributes. Points without a bit are left out.
+    pub fn subset(&self, chosen: &BitSlice) -> Self {
+        fn some<T: Copy>(all: &[T], chosen: &BitSlice) -> Vec<T> {
+            chosen.iter_ones().map_while(|i| all.get(i)).copied().collect()
+        }
+        Self {
+            origin: self.origin,
+            positions: some(&self.positions, chosen),
+            colours: some(&self.colours, chosen),
+            normals: some(&self.normals, chosen),
+            radii: some(&self.radii, chosen),
+        }
+    }
+
     /// Checks that each attribute has no entry or one for each point.
     ///
     /// # Errors
@@ -66,6 +81,7 @@ impl PointCloud {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bitvec::vec::BitVec;
 
     #[test]
     fn an_attribute_of_some_points_only_is_an_error() {
@@ -74,5 +90,14 @@ mod tests {
         assert_eq!(cloud.check(), Ok(()));
         cloud.normals.push(Vec3::X);
         assert_eq!(cloud.check(), Err(LengthError { attribute: "normals", given: 1, points: 3 }));
+    }
+
+    #[test]
+    fn a_subset_keeps_the_attributes_that_there_are() {
+        let positions = vec![Vec3::X, Vec3::Y, Vec3::Z];
+        let cloud = PointCloud { positions, colours: vec![[1; 3], [2; 3], [3; 3]], ..Default::default() };
+        let some = cloud.subset(&[true, false, true, true].into_iter().collect::<BitVec>());
+        assert_eq!((some.positions, some.colours), (vec![Vec3::X, Vec3::Z], vec![[1; 3], [3; 3]]));
+        assert!(some.radii.is_empty());
     }
 }
