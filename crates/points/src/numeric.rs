@@ -55,6 +55,10 @@ pub(crate) fn to_subpixels(pixels: f32) -> i32 {
     (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
 }
 
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in streets.
+#[cfg(feature = "scene")]
+pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
+
 /// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {
     let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);

@@ -9,6 +9,7 @@ use std::thread::{self, JoinHandle};
 use super::file::BrickPoint;
 use super::{BrickError, Bricks, Want};
 use crate::PointCloud;
+use crate::numeric::SQUARE_OF_SPACING;
 
 /// Loads the first points of wanted bricks, nearest first, and drops those least recently wanted. No call but [`Loader::settle`] waits for
 /// the disk: what is loaded is there, what is not comes later.
@@ -93,8 +94,8 @@ impl Loader {
         self.shared.lock().points
     }
 
-    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a picture. Radii are about the
-    /// distance between neighbouring points: squares of this half side close the gaps.
+    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a picture. Radii are half
+    /// the sides of squares that close most gaps, as [`crate::splat`] takes them.
     pub fn gather(&self, wants: &[Want]) -> PointCloud {
         let bricks = &self.shared.bricks;
         let parts: Vec<_> = {
@@ -105,7 +106,7 @@ impl Loader {
         let mut cloud = PointCloud { origin: bricks.origin(), ..PointCloud::default() };
         for (want, points) in parts {
             let points = &points[..points.len().min(want.points as usize)];
-            let radius = bricks.spacing(want.brick, points.len() as u32);
+            let radius = SQUARE_OF_SPACING * bricks.spacing(want.brick, points.len() as u32);
             cloud.positions.extend(points.iter().map(|p| p.position));
             cloud.colours.extend(points.iter().map(|p| p.colour));
             cloud.radii.extend(points.iter().map(|_| radius));

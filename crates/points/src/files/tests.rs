@@ -178,6 +178,13 @@ fn errors_name_the_place_and_the_cause() {
     expect(&whole[..whole.len() - 1], "vertex 8 of 9");
     expect(&las(9, false)[..400], "after point 0 of 9");
     expect(&las(9, true)[..500], "failed to fill whole buffer");
+    // A table of 2^32 - 1 chunks, which would take 64 GiB.
+    let mut wild = las(9, true);
+    let number =
+        |bytes: &[u8], at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+    let table = number(&wild, number(&wild, 96));
+    wild[table + 4..table + 8].fill(255);
+    expect(&wild, "4294967295 chunks in");
     assert!(matches!(read(Path::new("/no/such/file")), Err(FileError::Io { .. })));
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use bitvec::slice::BitSlice;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Pvs, Query, Scene, View};
 use casca_points::Camera;
 use casca_points::bricks::{Bricks, Loader, Want};
@@ -41,6 +42,10 @@ pub struct Walk {
     /// Megabytes of memory for loaded points.
     #[arg(long, default_value_t = 512)]
     memory: usize,
+    /// Checks every 20th frame against the truth, that a point is hidden if a wall crosses the line to it, and counts the errors of
+    /// refining.
+    #[arg(long)]
+    check: bool,
     /// Prints the summary only.
     #[arg(long)]
     quiet: bool,
@@ -49,6 +54,9 @@ pub struct Walk {
 /// Frames in a second. A frame that is done earlier waits, so that the loader has the time that it would have.
 const RATE: f32 = 60.0;
 const SIZE: (u32, u32) = (1280, 720);
+
+/// How far behind squares points count as visible. Streets are seen at grazing angles, which needs much.
+const BIAS: Bias = Bias::Window(0.1);
 
 const COLUMNS: [&str; 9] = [
     "bricks in frustum",
@@ -80,7 +88,7 @@ impl Walk {
         }
         for frame in 0..self.frames {
             let start = Instant::now();
-            let row = self.frame(frame, &bricks, &scene, &loader, &mut queries)?;
+            let row = self.frame(frame, &bricks, &scene, &loader, &mut queries, &walls)?;
             if !self.quiet {
                 println!("{}", row.map(|value| format!("{value:.2}")).join(" | "));
             }
@@ -101,6 +109,7 @@ impl Walk {
         scene: &Scene,
         loader: &Loader,
         queries: &mut [Query; 2],
+        walls: &[Aabb],
     ) -> Result<[f64; 9], Box<dyn std::error::Error>> {
         let camera = self.camera(frame, bricks.bounds())?;
         let view = View::perspective(camera.eye(), camera.view_projection())?;
@@ -116,9 +125,12 @@ impl Walk {
         loader.want(&point.0);
         let cloud = loader.gather(&point.0);
         let start = Instant::now();
-        let options =
-            SplatOptions { radius: Radius::Each(&cloud.radii), bias: Bias::World(0.3), filter: Filter::Max };
-        let visible = visible_points(&cloud.positions, &camera, &options)?.visible.count_ones();
+        let options = SplatOptions { radius: Radius::Each(&cloud.radii), bias: BIAS, filter: Filter::Max };
+        let visible = visible_points(&cloud.positions, &camera, &options)?.visible;
+        let refined = start.elapsed();
+        if self.check && frame % 20 == 19 {
+            check(&cloud.positions, &visible, &camera, walls);
+        }
         let points = |wants: &[Want]| wants.iter().map(|want| f64::from(want.points)).sum();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         Ok([
@@ -127,10 +139,10 @@ impl Walk {
             points(&frustum.0),
             points(&point.0),
             cloud.len() as f64,
-            visible as f64,
+            visible.count_ones() as f64,
             ms(frustum.1),
             ms(point.1),
-            ms(start.elapsed()),
+            ms(refined),
         ])
     }
 
@@ -150,6 +162,27 @@ impl Walk {
         let target = eye + direction * turn.cos() + direction.cross(Vec3::Y) * turn.sin();
         Camera::look_at(eye, target, Vec3::Y, 0.9, SIZE, 0.1, (bounds.max - bounds.min).length().max(1.0))
     }
+}
+
+/// Prints the errors of refining among the points of the picture, by brute force.
+fn check(points: &[Vec3], visible: &BitSlice, camera: &Camera, walls: &[Aabb]) {
+    let hidden = |point: Vec3| {
+        let inverse = (point - camera.eye()).recip();
+        walls.iter().any(|wall| {
+            let (a, b) = ((wall.min - camera.eye()) * inverse, (wall.max - camera.eye()) * inverse);
+            a.min(b).max_element().max(0.0) < a.max(b).min_element().min(1.0)
+        })
+    };
+    let mut counts = [[0; 2]; 2];
+    for (i, &point) in points.iter().enumerate().filter(|(_, p)| camera.project(**p).is_some()) {
+        counts[usize::from(hidden(point))][usize::from(visible[i])] += 1;
+    }
+    let [[false_hidden, seen], [unseen, false_visible]] = counts;
+    println!(
+        "check: of {} visible points {false_hidden} are false hidden; of {} hidden ones {false_visible} false visible",
+        false_hidden + seen,
+        unseen + false_visible
+    );
 }
 
 /// Medians and the largest values of all frames, and how far the loader was behind.
