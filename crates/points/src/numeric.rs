@@ -28,6 +28,37 @@ pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
 /// kernel would be rounded to the eye itself.
 pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
 
+/// Origins of clouds are multiples of it, in units of the cloud: a small cloud near zero keeps the origin zero, and sums of an origin below
+/// 2^39 and a position are exact in double precision. Positions up to it from the origin resolve to 6e-5 units in single precision.
+#[cfg(feature = "files")]
+const ORIGIN_STEP: f64 = 1024.0;
+
+/// The multiple of 1,024 in each coordinate nearest to a point, or zero: no survey goes beyond 2^39 units, so such a point is an error, and
+/// positions relative to it would lose all others.
+#[cfg(feature = "files")]
+pub(crate) fn origin_near(point: DVec3) -> DVec3 {
+    let near = (point / ORIGIN_STEP).round() * ORIGIN_STEP;
+    if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
+}
+
+/// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums of them are exact, so that a square has
+/// the same pixels wherever it is computed.
+pub(crate) const SUBPIXELS: u32 = 256;
+
+/// A float of at least 2^15 and below 2^16 is a multiple of 1/256, so that adding this one rounds to these.
+const ROUNDS_TO_SUBPIXELS: f32 = 49152.0;
+
+/// A position in pixels, rounded to 1/256 of a pixel; those below -1 and above 16383 become these. NaN is far outside.
+#[inline(always)]
+pub(crate) fn to_subpixels(pixels: f32) -> i32 {
+    let rounded = pixels.clamp(-1.0, 16383.0) + ROUNDS_TO_SUBPIXELS;
+    (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
+}
+
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in streets.
+#[cfg(feature = "scene")]
+pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
+
 /// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {
     let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
@@ -70,6 +101,15 @@ mod tests {
     fn tiny_coordinates_are_rounded_and_others_are_kept() {
         let point = DVec3::new(1.0, 1e-30 / 3.0, 1e-60);
         assert_eq!(normalized(point, 1.0), DVec3::new(1.0, 1e-30 / 3.0, 0.0));
+    }
+
+    #[test]
+    fn pixels_are_rounded_to_subpixels() {
+        for x in [-1.0, -0.3, 0.0, 1.0 / 512.1, 0.37, 640.4999, 8191.999, 16383.0] {
+            assert_eq!(to_subpixels(x), (f64::from(x) * 256.0).round() as i32, "{x}");
+        }
+        assert_eq!([f32::NEG_INFINITY, f32::INFINITY].map(to_subpixels), [-256, 16383 * 256]);
+        assert!(![f32::NAN, -f32::NAN].map(to_subpixels).iter().any(|x| (0..1 << 22).contains(x)));
     }
 
     #[test]

@@ -1,0 +1,88 @@
+//! Depth images, their filters, and the limits of depth that points are tested against.
+
+use super::{Bias, Filter};
+use rayon::prelude::*;
+
+/// The depth of the nearest square in each pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthImage {
+    pub(super) width: usize,
+    /// Row by row, from above; infinity where there is no square.
+    pub(super) depths: Vec<f32>,
+}
+
+impl DepthImage {
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width as u32, (self.depths.len() / self.width) as u32)
+    }
+
+    /// The depth of a pixel, by the columns to its left and the rows above it, as [`Projected::depth`](crate::Projected::depth); infinity
+    /// where there is no square, `None` outside the picture.
+    #[inline(always)]
+    pub fn get(&self, x: u32, y: u32) -> Option<f32> {
+        let x = x as usize;
+        if x < self.width { self.depths.get(y as usize * self.width + x).copied() } else { None }
+    }
+
+    /// All depths, row by row from above.
+    pub fn depths(&self) -> &[f32] {
+        &self.depths
+    }
+
+    pub(super) fn filtered(self, filter: Filter) -> Self {
+        if filter == Filter::None {
+            return self;
+        }
+        // The largest is infinity if any pixel is without points.
+        let mut pooled = self.pooled(|a, b| if a > b { a } else { b });
+        if filter != Filter::PlainMax {
+            let least = (filter == Filter::Min).then(|| self.pooled(|a, b| if a < b { a } else { b }));
+            pooled.par_iter_mut().enumerate().for_each(|(i, depth)| {
+                *depth = match &least {
+                    _ if *depth == f32::INFINITY => self.depths[i],
+                    Some(least) => least[i],
+                    None => *depth,
+                };
+            });
+        }
+        Self { width: self.width, depths: pooled }
+    }
+
+    /// One value for the 3x3 pixels around each, fewer at the borders.
+    fn pooled(&self, both: impl Fn(f32, f32) -> f32 + Sync) -> Vec<f32> {
+        let (width, last) = (self.width, self.depths.len() / self.width - 1);
+        let row = |y: usize| &self.depths[y * width..][..width];
+        let mut pooled = vec![0.0; self.depths.len()];
+        pooled.par_chunks_mut(width).enumerate().for_each_init(
+            || vec![0.0; width],
+            |column, (y, pooled)| {
+                let rows = [row(y.saturating_sub(1)), row(y), row((y + 1).min(last))];
+                for (x, column) in column.iter_mut().enumerate() {
+                    *column = both(both(rows[0][x], rows[1][x]), rows[2][x]);
+                }
+                pooled.copy_from_slice(column);
+                for (pooled, left) in pooled.iter_mut().skip(1).zip(&*column) {
+                    *pooled = both(*pooled, *left);
+                }
+                for (pooled, right) in pooled.iter_mut().zip(column.iter().skip(1)) {
+                    *pooled = both(*pooled, *right);
+                }
+            },
+        );
+        pooled
+    }
+
+    /// The largest depth of a visible point in each pixel.
+    pub(super) fn limits(&self, bias: Bias, far: f32) -> Self {
+        let limit = |depth: f32| match bias {
+            Bias::World(length) => depth + length,
+            // Window depths are linear in 1 / depth, 1 at the far plane. Behind no square there is no limit.
+            Bias::Window(part) if depth < f32::INFINITY => 1.0 / ((1.0 - part) / depth + part / far),
+            Bias::Window(_) => depth,
+        };
+        // A bias of 0 must not hide a point from itself by rounding.
+        let depths = self.depths.par_iter().map(|&depth| limit(depth).max(depth)).collect();
+        Self { width: self.width, depths }
+    }
+}
