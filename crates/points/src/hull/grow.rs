@@ -119,11 +119,18 @@ impl<'a> Hull<'a> {
         if count >= LARGE_FAN {
             let starts = [0, count / 3, 2 * count / 3];
             if let Some(found) = starts.into_iter().find_map(|start| self.search_fan(start, point)) {
+                #[cfg(test)]
+                assert_eq!(found.is_some(), self.scan_fan(point).is_some());
                 return found;
             }
         }
-        let heights = self.fresh.iter().map(|&id| (id, self.faces[id as usize].height(self.points, point)));
-        heights.into_iter().find(|&(_, height)| height > 0.0)
+        self.scan_fan(point)
+    }
+
+    /// The same by looking at each face.
+    fn scan_fan(&self, point: DVec3) -> Option<(u32, f64)> {
+        let height = |id: u32| self.faces[id as usize].height(self.points, point);
+        self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
     }
 
     /// The same by a binary search in a fan of fresh faces around a new point; `None` if the point is in a plane that decides.
