@@ -1,13 +1,15 @@
 //! The hull grows by one point at a time, the farthest above some face.
 
 use super::mesh::{Face, NONE};
+use crate::numeric::above;
 use bitvec::vec::BitVec;
 use glam::DVec3;
+use std::collections::VecDeque;
 
 /// The extreme points of points of which four, the fourth below the first three, are not in a plane.
 pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     let mut hull = Hull::new(points, simplex);
-    while let Some(face) = hull.pending.pop() {
+    while let Some(face) = hull.next_pending() {
         let Face { mark, far, .. } = hull.faces[face as usize];
         if mark != NONE && far != NONE {
             hull.add(face, far);
@@ -15,6 +17,14 @@ pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     }
     hull.extreme()
 }
+
+/// With this many new faces a binary search is faster than looking at each. Without it, points on two circles take quadratic time.
+const LARGE_FAN: usize = 32;
+
+/// This part of the points is added all around before the hull is finished place by place, which is faster as a place is in the
+/// processor's caches. Without it, one place can be finished while its neighbours have huge faces, and each point of these meets most faces
+/// of the place: quadratic time for points on two curves.
+const BREADTH_FIRST_PART: usize = 32;
 
 /// An edge of the border between the faces below a new point and the others.
 #[derive(Clone, Copy)]
@@ -32,7 +42,7 @@ struct Hull<'a> {
     /// Removed faces, to be used again.
     free: Vec<u32>,
     /// Faces that may have points above them.
-    pending: Vec<u32>,
+    pending: VecDeque<u32>,
     /// The next point of the list in which a point is.
     next: Vec<u32>,
     /// The new face whose border edge begins at a point; only read for corners of the current border.
@@ -54,7 +64,7 @@ impl<'a> Hull<'a> {
             points,
             faces: Vec::with_capacity(64),
             free: Vec::new(),
-            pending: Vec::with_capacity(64),
+            pending: VecDeque::with_capacity(64),
             next: vec![NONE; count],
             begins: vec![NONE; count],
             twins: Vec::new(),
@@ -82,21 +92,74 @@ impl<'a> Hull<'a> {
         hull
     }
 
+    /// A face that may have points above it.
+    fn next_pending(&mut self) -> Option<u32> {
+        if self.step < 2 * (self.points.len() / BREADTH_FIRST_PART) as u32 {
+            self.pending.pop_front()
+        } else {
+            self.pending.pop_back()
+        }
+    }
+
     /// Puts a point into the list of a fresh face that it is above; if there is none, it is within the hull.
     fn put(&mut self, p: u32) {
         let point = self.points[p as usize];
-        for &id in &self.fresh {
-            let face = &mut self.faces[id as usize];
-            let height = face.height(self.points, point);
-            if height > 0.0 {
-                self.next[p as usize] = face.first;
-                face.first = p;
-                if face.far == NONE || height > face.far_height {
-                    (face.far, face.far_height) = (p, height);
-                }
-                return;
+        let Some((id, height)) = self.face_below(point) else { return };
+        let face = &mut self.faces[id as usize];
+        self.next[p as usize] = face.first;
+        face.first = p;
+        if face.far == NONE || height > face.far_height {
+            (face.far, face.far_height) = (p, height);
+        }
+    }
+
+    /// A fresh face that a point is above, and its height.
+    fn face_below(&self, point: DVec3) -> Option<(u32, f64)> {
+        let count = self.fresh.len();
+        if count >= LARGE_FAN {
+            let starts = [0, count / 3, 2 * count / 3];
+            if let Some(found) = starts.into_iter().find_map(|start| self.search_fan(start, point)) {
+                #[cfg(test)]
+                assert_eq!(found.is_some(), self.scan_fan(point).is_some());
+                return found;
             }
         }
+        self.scan_fan(point)
+    }
+
+    /// The same by looking at each face.
+    fn scan_fan(&self, point: DVec3) -> Option<(u32, f64)> {
+        let height = |id: u32| self.faces[id as usize].height(self.points, point);
+        self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
+    }
+
+    /// The same by a binary search in a fan of fresh faces around a new point; `None` if the point is in a plane that decides.
+    ///
+    /// Planes through the fan's tip and the corner at which face `start` begins cut the space into a sector for each face. A point that is
+    /// not above the face of its sector is not above any.
+    fn search_fan(&self, start: usize, point: DVec3) -> Option<Option<(u32, f64)>> {
+        let count = self.fresh.len();
+        let id = |i: usize| self.fresh[(start + i) % count];
+        let corner =
+            |i: usize, corner: usize| self.points[self.faces[id(i) as usize].corners[corner] as usize];
+        let height = |i: usize| self.faces[id(i) as usize].height(self.points, point);
+        for i in [0, count - 1] {
+            match height(i) {
+                0.0 => return None,
+                height if height > 0.0 => return Some(Some((id(i), height))),
+                _ => {}
+            }
+        }
+        let (mut low, mut high) = (1, count - 1);
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            match above(corner(0, 0), corner(middle, 0), corner(0, 2), point) {
+                0.0 => return None,
+                side if side < 0.0 => low = middle,
+                _ => high = middle,
+            }
+        }
+        Some(Some((id(low), height(low))).filter(|&(_, height)| height > 0.0))
     }
 
     /// Adds a point that is above a face.
@@ -127,7 +190,8 @@ impl<'a> Hull<'a> {
 
     /// Finds all faces below a point, beginning with one, and the edges between them and the others.
     ///
-    /// A face whose plane holds the point counts as not below it: the faces below are then one disc with one border.
+    /// The faces below are one disc with one border, whether or not they include those whose plane holds the point. They do not, so that a
+    /// point in the plane of a large facet does not cut it anew.
     fn find_border(&mut self, face: u32, p: u32) {
         let (points, point) = (self.points, self.points[p as usize]);
         self.border.clear();
@@ -156,7 +220,7 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Joins a point to all edges of the border.
+    /// Joins a point to all edges of the border. Many new faces are put in the order in which they go around the point.
     fn close(&mut self, p: u32) {
         self.fresh.clear();
         for &Border { from, to, beyond, edge } in &self.border {
@@ -176,6 +240,13 @@ impl<'a> Hull<'a> {
             let after = self.begins[border.to as usize];
             self.faces[id as usize].neighbours[1] = after;
             self.faces[after as usize].neighbours[2] = id;
+        }
+        if self.fresh.len() >= LARGE_FAN {
+            let mut id = self.fresh[0];
+            for at in &mut self.fresh {
+                *at = id;
+                id = self.faces[id as usize].neighbours[1];
+            }
         }
     }
 
