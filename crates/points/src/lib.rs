@@ -4,25 +4,16 @@
 //! estimate, and none is conservative. Two kinds of errors are counted apart: a *false visible* point is reported though the
 //! surface hides it, a *false hidden* point is left out though it can be seen.
 //!
-//! - [`PointCloud`]: points with their colours, normals and radii.
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
-//! - `gpu`: the splat operator and surface splatting on the graphics processor (feature `gpu`).
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
-//! - `bricks` (feature `scene`): clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
-//! - `files` (feature `files`): clouds from PLY, LAS, LAZ, E57 and surfel files, in chunks.
+//!
+//! The crate `casca-clouds` reads point clouds from files, and cuts those larger than memory into bricks that `casca` culls.
 
-#[cfg(feature = "scene")]
-pub mod bricks;
 mod camera;
-mod cloud;
 pub mod cluster;
-#[cfg(feature = "files")]
-pub mod files;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 pub mod hpr;
 pub mod hull;
 mod numeric;
@@ -32,4 +23,3 @@ pub mod spacing;
 pub mod splat;
 
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
-pub use cloud::{LengthError, PointCloud};

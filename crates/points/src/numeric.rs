@@ -28,19 +28,6 @@ pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
 /// kernel would be rounded to the eye itself.
 pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
 
-/// Origins of clouds are multiples of it, in units of the cloud: a small cloud near zero keeps the origin zero, and sums of an origin below
-/// 2^39 and a position are exact in double precision. Positions up to it from the origin resolve to 6e-5 units in single precision.
-#[cfg(feature = "files")]
-const ORIGIN_STEP: f64 = 1024.0;
-
-/// The multiple of 1,024 in each coordinate nearest to a point, or zero: no survey goes beyond 2^39 units, so such a point is an error, and
-/// positions relative to it would lose all others.
-#[cfg(feature = "files")]
-pub(crate) fn origin_near(point: DVec3) -> DVec3 {
-    let near = (point / ORIGIN_STEP).round() * ORIGIN_STEP;
-    if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
-}
-
 /// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums of them are exact, so that a square has
 /// the same pixels wherever it is computed.
 pub(crate) const SUBPIXELS: u32 = 256;
@@ -54,10 +41,6 @@ pub(crate) fn to_subpixels(pixels: f32) -> i32 {
     let rounded = pixels.clamp(-1.0, 16383.0) + ROUNDS_TO_SUBPIXELS;
     (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
 }
-
-/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in streets.
-#[cfg(feature = "scene")]
-pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 
 /// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {

@@ -82,8 +82,9 @@ fn octree(keys: &[u64], start: usize, level: u32, max_points: usize, ends: &mut 
     }
 }
 
-/// The lower 21 bits of three numbers in turns, that of the first number foremost.
-pub(crate) fn morton(at: [u32; 3]) -> u64 {
+/// The Morton code of a cell: the lower 21 bits of three numbers in turns, that of the first number foremost. Codes of near cells are often
+/// near.
+pub fn morton(at: [u32; 3]) -> u64 {
     // Each step moves the upper half of every group of bits away from the lower.
     let spread = |x: u32| {
         let x = u64::from(x) & 0x1f_ffff;

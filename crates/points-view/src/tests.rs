@@ -1,9 +1,9 @@
 //! The splat operator beside the processor's, and pictures of surfels beside analytic ones.
 
 use super::*;
-use crate::camera::Camera;
 use crate::samples::{cases, sphere};
-use crate::splat::{self, Bias, Filter, Radius, SplatError, SplatOptions};
+use casca_points::Camera;
+use casca_points::splat::{self, Bias, Filter, Radius, SplatError, SplatOptions};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::wgpu::Color;

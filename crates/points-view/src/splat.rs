@@ -13,8 +13,8 @@ use casca_stage::wgpu::util::{BufferInitDescriptor, DeviceExt};
 use casca_stage::wgpu::{self, BufferUsages};
 use glam::Vec3;
 
-use crate::camera::Camera;
-use crate::splat::{Bias, Filter, Radius, SplatError, SplatOptions, check};
+use casca_points::Camera;
+use casca_points::splat::{Bias, Filter, Radius, SplatError, SplatOptions};
 
 /// Points in a buffer: 50 MB, less than the least limit of any adapter.
 const CHUNK: usize = 1 << 22;
@@ -186,7 +186,7 @@ impl SplatOperator {
     }
 
     /// A bit for each point: whether the camera sees it, as
-    /// [`splat::visible_points`](crate::splat::visible_points) finds it on the processor.
+    /// [`splat::visible_points`](casca_points::splat::visible_points) finds it on the processor.
     ///
     /// The answers are the same, bit by bit, as long as no number is so small that it is subnormal, below 10^-38: devices may take those
     /// as 0. The shaders keep products from being fused with sums, and round quotients by whole numbers.
@@ -205,7 +205,7 @@ impl SplatOperator {
         camera: &Camera,
         options: &SplatOptions,
     ) -> Result<BitVec, GpuSplatError> {
-        check(points.count, options)?;
+        options.check(points.count)?;
         let lens = Lens::new(camera, options);
         let radii = match options.radius {
             Radius::Same(_) => Vec::new(),

@@ -11,7 +11,7 @@ use casca_stage::wgpu::util::{BufferInitDescriptor, DeviceExt};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat, vertex_attr_array};
 use glam::Vec3;
 
-use crate::camera::Camera;
+use casca_points::Camera;
 
 /// Sums of colours and weights. Adapters need not blend larger floats.
 const SUMS: TextureFormat = TextureFormat::Rgba16Float;

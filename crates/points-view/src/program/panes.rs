@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use casca_points::Camera;
-use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
+use casca_points_view::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
 use casca_stage::gpu::Gpu;
