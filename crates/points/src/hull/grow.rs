@@ -9,12 +9,7 @@ use std::collections::VecDeque;
 /// The extreme points of points of which four, the fourth below the first three, are not in a plane.
 pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     let mut hull = Hull::new(points, simplex);
-    while let Some(face) = hull.next_pending() {
-        let Face { mark, far, .. } = hull.faces[face as usize];
-        if mark != NONE && far != NONE {
-            hull.add(face, far);
-        }
-    }
+    hull.grow();
     hull.extreme()
 }
 
@@ -92,6 +87,15 @@ impl<'a> Hull<'a> {
         hull
     }
 
+    fn grow(&mut self) {
+        while let Some(face) = self.next_pending() {
+            let Face { mark, far, .. } = self.faces[face as usize];
+            if mark != NONE && far != NONE {
+                self.add(face, far);
+            }
+        }
+    }
+
     /// A face that may have points above it.
     fn next_pending(&mut self) -> Option<u32> {
         if self.step < 2 * (self.points.len() / BREADTH_FIRST_PART) as u32 {
@@ -119,8 +123,6 @@ impl<'a> Hull<'a> {
         if count >= LARGE_FAN {
             let starts = [0, count / 3, 2 * count / 3];
             if let Some(found) = starts.into_iter().find_map(|start| self.search_fan(start, point)) {
-                #[cfg(test)]
-                assert_eq!(found.is_some(), self.scan_fan(point).is_some());
                 return found;
             }
         }
@@ -133,33 +135,37 @@ impl<'a> Hull<'a> {
         self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
     }
 
-    /// The same by a binary search in a fan of fresh faces around a new point; `None` if the point is in a plane that decides.
+    /// The same by a binary search in a fan of fresh faces around a new point, the tip; `None` if the point is in the planes of both faces at
+    /// the first corner, where `start` begins.
     ///
-    /// Planes through the fan's tip and the corner at which face `start` begins cut the space into a sector for each face. A point that is
-    /// not above the face of its sector is not above any.
+    /// A point that is above neither of these two faces is in the wedge between them. Planes through the tip, the first corner and each other
+    /// corner cut the wedge into a sector for each face, and a point above no face of its sector is above none.
     fn search_fan(&self, start: usize, point: DVec3) -> Option<Option<(u32, f64)>> {
         let count = self.fresh.len();
         let id = |i: usize| self.fresh[(start + i) % count];
         let corner =
             |i: usize, corner: usize| self.points[self.faces[id(i) as usize].corners[corner] as usize];
-        let height = |i: usize| self.faces[id(i) as usize].height(self.points, point);
-        for i in [0, count - 1] {
-            match height(i) {
-                0.0 => return None,
-                height if height > 0.0 => return Some(Some((id(i), height))),
-                _ => {}
-            }
+        let above_face = |i: usize| {
+            let height = self.faces[id(i) as usize].height(self.points, point);
+            (height, Some((id(i), height)).filter(|_| height > 0.0))
+        };
+        let ((first, found), (last, found_last)) = (above_face(0), above_face(count - 1));
+        if found.or(found_last).is_some() {
+            return Some(found.or(found_last));
+        }
+        if first == 0.0 && last == 0.0 {
+            return None;
         }
         let (mut low, mut high) = (1, count - 1);
         while high - low > 1 {
             let middle = low.midpoint(high);
-            match above(corner(0, 0), corner(middle, 0), corner(0, 2), point) {
-                0.0 => return None,
-                side if side < 0.0 => low = middle,
-                _ => high = middle,
+            if above(corner(0, 0), corner(middle, 0), corner(0, 2), point) <= 0.0 {
+                low = middle;
+            } else {
+                high = middle;
             }
         }
-        Some(Some((id(low), height(low))).filter(|&(_, height)| height > 0.0))
+        Some(above_face(low).1)
     }
 
     /// Adds a point that is above a face.
@@ -273,5 +279,46 @@ impl<'a> Hull<'a> {
             extreme.set(p as usize, bit);
         }
         extreme
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::start::{Start, find};
+    use crate::hull::tests::circle;
+
+    #[test]
+    fn a_search_in_a_fan_finds_what_a_scan_finds() {
+        let ring = circle().into_iter().map(|[x, y]| DVec3::new(x as f64, y as f64, 0.0));
+        let mut points: Vec<DVec3> = ring.chain([DVec3::Z * -1e4]).collect();
+        points.push(points[0]);
+        let mut moved = points.clone();
+        let tip = points.len() - 1;
+        moved[tip] = DVec3::new(3e3, 4e3, 2e4);
+        let Start::Solid(simplex) = find(&points) else { panic!() };
+        // The tip is at the place of another point until the rest is complete.
+        let mut hull = Hull::new(&points, simplex);
+        hull.grow();
+        hull.points = &moved;
+        let below =
+            hull.faces.iter().position(|face| face.mark != NONE && face.height(&moved, moved[tip]) > 0.0);
+        hull.add(below.unwrap() as u32, tip as u32);
+        assert!(hull.fresh.len() > 300, "{}", hull.fresh.len());
+        // Beyond the tip as seen from the ring, on lines through the tip and on planes through many corners, or anywhere.
+        let beyond = (0..tip).flat_map(|i| [2.0, 3.0].map(|t| moved[i].lerp(moved[tip], t)));
+        let between = (0..tip).map(|i| moved[i].midpoint(moved[(7 * i + 90) % tip]).lerp(moved[tip], 0.5));
+        // On both sides of each face, of which those at the first corner decide.
+        let faces = hull.fresh.iter().map(|&id| hull.faces[id as usize].corners.map(|i| moved[i as usize]));
+        let near = faces.flat_map(|[a, b, c]| [-1.0, 1.0].map(|z| (a + b + c) / 3.0 + DVec3::Z * z));
+        let grid = (0..1000)
+            .map(|i| (DVec3::new((i % 10) as f64, (i / 10 % 10) as f64, (i / 100) as f64) - 4.5) * 1e4);
+        let mut counts = [0; 2];
+        for point in beyond.chain(between).chain(near).chain(grid) {
+            let scanned = hull.scan_fan(point).is_some();
+            counts[usize::from(scanned)] += 1;
+            assert_eq!(hull.face_below(point).is_some_and(|(_, height)| height > 0.0), scanned, "{point}");
+        }
+        assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
     }
 }

@@ -104,29 +104,6 @@ proptest! {
     }
 }
 
-proptest! {
-    #![proptest_config(cases(60))]
-
-    // The search in large fans is compared with a scan wherever it is used.
-    #[test]
-    fn fans_are_searched_as_they_are_scanned(
-        points in prop::collection::vec((0..720_i32, -2..3_i32, -1..2_i32, 1..4_i32), 200..500),
-        slope in prop_oneof![Just(0.0), -0.5..0.5],
-        fine in prop_oneof![Just(0.0), Just(1e-9), Just(1e-3)],
-    ) {
-        let at = |&(angle, height, bend, size): &(i32, i32, i32, i32)| {
-            let (y, x) = f64::from(angle).to_radians().sin_cos();
-            let height = f64::from(height / 2 * 8) + slope * x * x + fine * f64::from(bend);
-            DVec3::new(x, y, height) * f64::from(size / 3 + 1)
-        };
-        let points: Vec<DVec3> = points.iter().map(at).collect();
-        let extreme = extreme_points(&points).unwrap();
-        // Points inside change nothing.
-        let corners: Vec<DVec3> = points.iter().zip(&extreme).filter(|(_, bit)| **bit).map(|(p, _)| *p).collect();
-        prop_assert!(!corners.is_empty() && extreme_points(&corners).unwrap().all());
-    }
-}
-
 /// The points of a grid of whole numbers.
 fn grid(size: i128) -> Vec<Point> {
     (0..size.pow(3)).map(|i| [i % size, i / size % size, i / size / size]).collect()
@@ -160,7 +137,7 @@ fn whole_points_of_a_sphere_are_extreme_and_twice_the_same() {
 }
 
 /// Whole points on a circle around the origin, about 300, in their order around it.
-fn circle() -> Vec<[i128; 2]> {
+pub(crate) fn circle() -> Vec<[i128; 2]> {
     // The square of a number whose prime factors are sums of two squares.
     let radius = 5 * 13 * 17 * 29_i128;
     let y = |x: i128| Some((radius * radius - x * x).isqrt()).filter(|y| x * x + y * y == radius * radius);
