@@ -6,7 +6,7 @@ use casca_points::Camera;
 use casca_points::splat::{self, Bias, Filter, Radius, SplatError, SplatOptions};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_stage::wgpu::Color;
+use casca_stage::wgpu::{self, Color};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -71,6 +71,49 @@ fn answers_are_those_of_the_processor_bit_by_bit() {
         },
     );
     done.unwrap();
+}
+
+#[test]
+fn quotients_of_the_shader_are_rounded_as_those_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let entry = "@compute @workgroup_size(1) fn quotients(@builtin(workgroup_id) group: vec3u) {
+        limits[group.x] = quotient(points[2u * group.x], points[2u * group.x + 1u]);
+    }";
+    let source = wgpu::ShaderSource::Wgsl([include_str!("splat.wgsl"), entry].concat().into());
+    let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &shader,
+        entry_point: Some("quotients"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    // Mantissas from a sequence that meets all of them, and those at the ends.
+    let mantissa = |i: u32| {
+        if i.is_multiple_of(9) { [0, 1, 0x7f_ffff][i as usize % 3] } else { i.wrapping_mul(0x9e37_79b1) >> 9 }
+    };
+    let float = |i: u32| f32::from_bits((100 + i * 7 % 55) << 23 | mantissa(i));
+    let pairs: Vec<[f32; 2]> = (0..60_000).map(|i| [float(i), float(i * 5 + 1)]).collect();
+    let buffer = |size| gpu.buffer(size, wgpu::BufferUsages::STORAGE).unwrap();
+    let (points, quotients) = (buffer(480_000), buffer(240_000));
+    gpu.queue.write_buffer(&points, 0, bytemuck::cast_slice(&pairs));
+    let entries = [(3, &quotients), (5, &points)]
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+    let layout = &pipeline.get_bind_group_layout(0);
+    let group =
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(60_000, 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    let found: Vec<f32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&quotients).unwrap());
+    for ([a, b], found) in pairs.iter().zip(found) {
+        assert_eq!(found, a / b, "{a} / {b}");
+    }
 }
 
 #[test]

@@ -87,7 +87,7 @@ impl Panes {
         ((width / columns).max(1), (height / rows).max(1))
     }
 
-    /// Finds the points that a camera sees, for all panes. Returns the captions.
+    /// Finds the points that a camera sees, for all panes. Returns the captions, with times.
     pub fn find(
         &mut self,
         gpu: &Gpu,
@@ -95,6 +95,7 @@ impl Panes {
         camera: &Camera,
     ) -> Result<Vec<String>, Box<dyn Error>> {
         self.shown.clear();
+        let mut lines = Vec::new();
         for &content in &self.contents {
             let found = match content.operator() {
                 Some(operator) => Some(looked.visible(operator, camera, Some(gpu))?),
@@ -107,20 +108,22 @@ impl Panes {
                 Some(visible) => visible.iter_ones().map(surfel).collect(),
                 None => (0..looked.cloud.len()).map(surfel).collect(),
             };
-            let milliseconds = time.map_or(0.0, |time| time.as_secs_f64() * 1e3);
             let count = surfels.len();
             let title = match content {
                 Content::Points => format!("all {count} points"),
-                Content::Hpr => format!("hidden point removal: {count} points, {milliseconds:.0} ms"),
-                Content::Clusters => format!("by clusters: {count} points, {milliseconds:.0} ms"),
-                Content::Splat => format!("splat operator: {count} points, {milliseconds:.0} ms"),
+                Content::Hpr => format!("hidden point removal: {count} points"),
+                Content::Clusters => format!("by clusters: {count} points"),
+                Content::Splat => format!("splat operator: {count} points"),
                 Content::Surface => "all points, drawn as a surface".to_owned(),
             };
+            let took =
+                time.map_or(String::new(), |time| format!(", found in {:.0} ms", time.as_secs_f64() * 1e3));
+            lines.push(format!("{title}{took}"));
             let (scale, least_pixels) = if is_surface { (1.0, 0.7) } else { (0.0, DOT) };
             let style = Style { scale, least_pixels, offset: DISC * looked.radius, lit: is_surface };
             self.shown.push(Shown { surfels: Surfels::new(gpu, &surfels)?, style, title });
         }
-        Ok(self.shown.iter().map(|shown| shown.title.clone()).collect())
+        Ok(lines)
     }
 
     /// Draws all panes as `camera` sees them, whose picture has the size of one.
