@@ -55,7 +55,8 @@ pub(crate) fn to_subpixels(pixels: f32) -> i32 {
     (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
 }
 
-/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in streets.
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in
+/// the streets that `casca-points generate` makes, with the thesis' bias of 0.05.
 #[cfg(feature = "scene")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 
