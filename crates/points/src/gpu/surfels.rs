@@ -103,7 +103,7 @@ impl Lens {
             forward: forward.to_array(),
             near: camera.depths().0,
             light: (-forward - 0.6 * right - 0.8 * down).normalize_or_zero().to_array(),
-            ambient: if style.lit { 0.35 } else { 1.0 },
+            ambient: if style.lit { 0.5 } else { 1.0 },
             least: style.least_pixels / camera.pixels_per_tangent(),
             scale: style.scale,
             padding: [0.0; 2],

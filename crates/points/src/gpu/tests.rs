@@ -105,20 +105,20 @@ fn errors_name_the_cause() {
 const BLUE: [u8; 4] = [0, 0, 200, 255];
 const STYLE: Style = Style { scale: 1.0, least_pixels: 0.7, offset: 0.1, lit: false };
 
-/// A ball of discs, red above its equator and green below.
-fn ball(count: usize) -> Vec<Surfel> {
+/// A ball of discs, red where the coordinate `axis` is positive and green elsewhere.
+fn ball(count: usize, axis: usize) -> Vec<Surfel> {
     let radius = (24.0 / count as f32).sqrt();
     let surfel = |p: Vec3| {
-        let colour = if p.y > 0.0 { [200, 0, 0, 255] } else { [0, 200, 0, 255] };
+        let colour = if p[axis] > 0.0 { [200, 0, 0, 255] } else { [0, 200, 0, 255] };
         Surfel { position: p.to_array(), radius, normal: p.to_array(), colour }
     };
     floats(sphere(count)).into_iter().map(surfel).collect()
 }
 
-/// A blue square of discs without normals behind the ball.
+/// A blue wall of discs without normals behind the ball.
 fn backdrop() -> Vec<Surfel> {
-    let at = |i: u16| [f32::from(i % 50) * 0.1 - 2.5, f32::from(i / 50) * 0.1 - 2.5, -2.0];
-    let surfel = |i| Surfel { position: at(i), radius: 0.15, normal: [0.0; 3], colour: BLUE };
+    let at = |i: u16| [f32::from(i % 50) * 0.15 - 3.75, f32::from(i / 50) * 0.15 - 3.75, -2.0];
+    let surfel = |i| Surfel { position: at(i), radius: 0.2, normal: [0.0; 3], colour: BLUE };
     (0..2500).map(surfel).collect()
 }
 
@@ -148,7 +148,7 @@ fn pixel(pixels: &[u8], width: u32, x: u32, y: u32) -> [u8; 3] {
 #[test]
 fn a_ball_is_closed_and_hides_what_is_behind_it() {
     let Some(gpu) = gpu() else { return };
-    let surfels = [ball(3000), backdrop()].concat();
+    let surfels = [ball(3000, 1), backdrop()].concat();
     let pixels = picture(&gpu, &[(&surfels, STYLE)]);
     // The ball's outline in pixels: its tangents leave the eye, at distance 4, by the sine 1/4.
     let outline = (1.0_f32 / 15.0).sqrt() * 60.0 / 0.4_f32.tan();
@@ -161,14 +161,15 @@ fn a_ball_is_closed_and_hides_what_is_behind_it() {
             r if r > outline + 3.0 => [0, 0, 200],
             _ => continue,
         };
-        assert_eq!(found, expected, "{x} {y}");
+        let differences = found.iter().zip(&expected).map(|(a, b): (&u8, &u8)| a.abs_diff(*b));
+        assert!(differences.max() <= Some(2), "{x} {y}: {found:?}, not {expected:?}");
     }
 }
 
 #[test]
 fn the_order_of_surfels_does_not_matter() {
     let Some(gpu) = gpu() else { return };
-    let mut surfels = [ball(3000), backdrop()].concat();
+    let mut surfels = [ball(3000, 1), backdrop()].concat();
     let style = Style { lit: true, ..STYLE };
     let first = picture(&gpu, &[(&surfels, style)]);
     // A permutation, since 5500 and 7 have no common factor.
@@ -185,26 +186,23 @@ fn the_order_of_surfels_does_not_matter() {
 #[test]
 fn back_faces_are_culled_and_panes_keep_apart() {
     let Some(gpu) = gpu() else { return };
-    let mut inside_out = ball(3000);
+    let mut inside_out = ball(3000, 2);
     inside_out.iter_mut().for_each(|s| s.normal = s.normal.map(|x| -x));
     let broken = Surfel { radius: f32::NAN, ..inside_out[0] };
     let dots = Style { scale: 0.0, ..STYLE };
     let panes: [(&[Surfel], Style); 4] =
-        [(&ball(3000), STYLE), (&inside_out, STYLE), (&[broken], STYLE), (&ball(300), dots)];
+        [(&ball(3000, 2), STYLE), (&inside_out, STYLE), (&[broken], STYLE), (&ball(300, 2), dots)];
     let pixels = picture(&gpu, &panes);
-    let at = |pane, x, y| pixel(&pixels, SIZE.0 * 4, SIZE.0 * pane + x, y);
-    assert_eq!(at(0, 80, 45), [200, 0, 0]);
-    // Its far inner side, which is not turned upside down.
-    assert_eq!(at(1, 80, 45), [200, 0, 0]);
-    assert_eq!(at(2, 80, 45), [255; 3]);
-    let count = |pane| {
+    let colours = |pane| {
         let all = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
-        all.filter(|&(x, y)| at(pane, x, y) != [255; 3]).count()
+        let count = |colour| {
+            let has = |&(x, y): &(u32, u32)| pixel(&pixels, SIZE.0 * 4, SIZE.0 * pane + x, y) == colour;
+            all.clone().filter(has).count()
+        };
+        [count([200, 0, 0]), count([0, 200, 0])]
     };
-    // The far side of the ball seems smaller: its rim is cut off where it turns towards the eye.
-    assert!(
-        count(0) > count(1) && count(1) > count(3) && count(3) > 100 && count(2) == 0,
-        "{:?}",
-        [0, 1, 2, 3].map(count)
-    );
+    // The near side of a ball, the far side of one turned inside out, whose rim is on the near side, nothing, and dots.
+    let [near, far, nothing, dots] = [0, 1, 2, 3].map(colours);
+    assert!(near[0] > 4000 && near[1] == 0 && far[1] > 3500 && far[0] < 400, "{near:?} {far:?}");
+    assert!(nothing == [0, 0] && (50..1000).contains(&dots[0]) && dots[1] == 0, "{nothing:?} {dots:?}");
 }

@@ -12,7 +12,7 @@ const WIDTH: f32 = 9.0;
 const DEPTH: f32 = 6.0;
 const STOREY: f32 = 2.7;
 /// The thickness of outer walls.
-const WALL: f32 = 0.2;
+const WALL: f32 = 0.35;
 /// From the eaves to the ridge.
 const ROOF: f32 = 1.9;
 /// Openings of the front: left, bottom, width and height from its left lower corner.
@@ -68,9 +68,11 @@ impl Scan {
     fn outside(&mut self) {
         let (w, d, h) = (WIDTH / 2.0, DEPTH / 2.0, 2.0 * STOREY);
         let (along, across, up) = (Vec3::X * WIDTH, Vec3::Z * DEPTH, Vec3::Y * (h + ROOF));
-        let stone = |p| tiled(p, [0.6, 0.3], [[228, 216, 192], [168, 160, 148]]);
-        self.sheet(vec3(-w, 0.0, d), [along, up], |p| (p.y < h && !is_open(p)).then(|| stone(p)));
-        self.sheet(vec3(w, 0.0, -d), [-along, up], |p| (p.y < h).then(|| stone(p)));
+        // Front and back end below the roof.
+        let top = h - 0.15;
+        let stone = |p| tiled(p, [0.6, 0.3], [[204, 180, 140], [140, 122, 98]]);
+        self.sheet(vec3(-w, 0.0, d), [along, up], |p| (p.y < top && !is_open(p)).then(|| stone(p)));
+        self.sheet(vec3(w, 0.0, -d), [-along, up], |p| (p.y < top).then(|| stone(p)));
         // Side walls go up to the ridge.
         let gable = |p: Vec2| (p.y < h + ROOF * (1.0 - (p.x / d - 1.0).abs())).then(|| stone(p));
         self.sheet(vec3(-w, 0.0, -d), [across, up], gable);
@@ -113,12 +115,12 @@ impl Scan {
             ([-3.2, 0.0, 0.6], [0.4, 0.45, 0.4], [40, 60, 150]),
             ([-3.2, 0.0, -1.3], [0.4, 0.45, 0.4], [40, 60, 150]),
             ([1.9, 0.0, -2.6], [2.2, 0.9, 0.8], [170, 30, 90]),
-            ([3.5, 0.0, -0.9], [0.7, 2.0, 1.6], [40, 120, 70]),
-            ([-0.5, 0.0, -2.7], [1.0, 1.9, 0.4], [110, 60, 150]),
+            ([3.4, 0.0, -0.9], [0.7, 2.0, 1.6], [40, 120, 70]),
+            ([-0.5, 0.0, -2.6], [1.0, 1.9, 0.4], [110, 60, 150]),
             // Beds, a shelf, a desk.
             ([-4.0, STOREY, -1.8], [1.6, 0.5, 2.1], [200, 40, 50]),
             ([2.4, STOREY, -1.8], [1.6, 0.5, 2.1], [40, 70, 190]),
-            ([-0.8, STOREY, -2.7], [1.6, 1.8, 0.4], [190, 120, 30]),
+            ([-0.8, STOREY, -2.6], [1.6, 1.8, 0.4], [190, 120, 30]),
             ([1.7, STOREY, 1.2], [0.6, 0.8, 1.2], [90, 60, 40]),
         ];
         for (low, size, colour) in blocks {

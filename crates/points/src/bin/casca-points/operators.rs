@@ -16,8 +16,8 @@ use glam::{DVec3, Quat, Vec3};
 
 use crate::house;
 
-/// Sizes of the house's points, in metres.
-const HOUSE_SPACING: f32 = 0.03;
+/// The distance between the house's points, in metres: so large that rooms show through the walls.
+const HOUSE_SPACING: f32 = 0.055;
 /// Where the house is seen from, and the place that is looked at.
 const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
 /// The radius of the flipping sphere, as a multiple of the largest distance and of the largest distance over the splat radius. With it

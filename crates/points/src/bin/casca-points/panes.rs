@@ -5,7 +5,7 @@ use std::error::Error;
 use casca_points::Camera;
 use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_stage::canvas::Target;
-use casca_stage::egui::{self, Align2, Color32, FontId, Pos2, Rect};
+use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
 use casca_stage::gpu::Gpu;
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::{Color, TextureFormat};
@@ -17,9 +17,12 @@ use crate::operators::{Looked, Operator};
 /// The colour of points without one.
 const GREY: [u8; 3] = [150, 160, 170];
 /// The radius of a dot in pixels.
-const DOT: f32 = 1.1;
+const DOT: f32 = 0.8;
 /// The radius of a disc of the surface, as a multiple of that of a square: discs are drawn with little weight at their rims.
 const DISC: f32 = 2.2;
+/// The text of a pane that is left over.
+const EXPLANATION: &str = "Points hide nothing: far ones show through the gaps between near ones. The operators estimate which points \
+                           the eye can see; surface splatting fills the gaps.";
 /// The height of a caption's letters, as a share of the height of a pane.
 const LETTERS: f32 = 0.05;
 
@@ -109,7 +112,7 @@ impl Panes {
             let title = match content {
                 Content::Points => format!("all {count} points"),
                 Content::Hpr => format!("hidden point removal: {count} points, {milliseconds:.0} ms"),
-                Content::Clusters => format!("the same for clusters: {count} points, {milliseconds:.0} ms"),
+                Content::Clusters => format!("by clusters: {count} points, {milliseconds:.0} ms"),
                 Content::Splat => format!("splat operator: {count} points, {milliseconds:.0} ms"),
                 Content::Surface => "all points, drawn as a surface".to_owned(),
             };
@@ -132,10 +135,13 @@ impl Panes {
         self.renderer.draw(gpu, target, camera, Color::WHITE, &drawn);
         self.panel.draw(gpu, target, scale, &|context| {
             let painter = context.layer_painter(egui::LayerId::background());
-            let font = FontId::proportional(LETTERS * height as f32 / scale);
-            for ((x, y), shown) in &panes {
-                let at = Pos2::new(*x as f32, *y as f32) / scale + egui::Vec2::splat(0.6 * font.size);
-                let text = painter.layout_no_wrap(shown.title.clone(), font.clone(), Color32::BLACK);
+            let font = FontId::proportional((LETTERS * height as f32 / scale).max(8.0));
+            let titles = panes.iter().map(|(at, shown)| (*at, &*shown.title));
+            let left_over = (panes.len() > 1).then(|| (corner(panes.len()), EXPLANATION));
+            for ((x, y), text) in titles.chain(left_over) {
+                let at = Pos2::new(x as f32, y as f32) / scale + egui::Vec2::splat(0.6 * font.size);
+                let wide = width as f32 / scale - 1.2 * font.size;
+                let text = painter.layout(text.to_owned(), font.clone(), Color32::BLACK, wide);
                 let behind = Rect::from_min_size(at, text.size()).expand(0.25 * font.size);
                 painter.rect_filled(behind, 0.0, Color32::from_white_alpha(215));
                 painter.galley(at, text, Color32::BLACK);
