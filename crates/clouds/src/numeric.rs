@@ -13,5 +13,6 @@ pub(crate) fn origin_near(point: DVec3) -> DVec3 {
     if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
 }
 
-/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in streets.
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in
+/// the streets that `casca-points generate` makes, with the thesis' bias of 0.05.
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;

@@ -42,6 +42,13 @@ impl Town {
         for (x, z) in blocks.clone().flat_map(|x| blocks.clone().map(move |z| (x, z))) {
             town.block(vec3(x as f32, 0.0, z as f32) * BLOCK);
         }
+        // The streets behind the last blocks: the middle of the town is a crossing, too.
+        let (far, near) =
+            (BLOCK * BLOCKS as f32 / 2.0 - STREET / 2.0, -BLOCK * BLOCKS as f32 / 2.0 - STREET / 2.0);
+        let (across, along) = (STREET, BLOCK * BLOCKS as f32);
+        for (x, z, u, v) in [(far, near, across, along + across), (near, far, along, across)] {
+            town.face(vec3(x, 0.0, z), Vec3::X * u, Vec3::Z * v, Vec3::splat(0.45), false);
+        }
         let mut sum = 0.0;
         town.areas = town
             .faces
@@ -123,5 +130,25 @@ impl Town {
             format!("{} {} {} {} {} {}\n", low.x, low.y, low.z, high.x, high.y, high.z)
         };
         self.houses.iter().map(wall).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_point_of_the_scan_is_inside_a_wall_and_a_crossing_is_in_the_middle() {
+        let mut town = Town::new(1);
+        let points = town.scan(2000).positions;
+        let inside = |p: Vec3| {
+            town.houses.iter().any(|&(low, high)| p.cmpgt(low + INSET).all() && p.cmplt(high - INSET).all())
+        };
+        assert!(!points.iter().any(|&p| inside(p)));
+        assert!(inside(vec3(10.0, 3.0, 10.0)) && town.walls().lines().count() == 1600);
+        let low = town.faces.iter().fold(Vec3::INFINITY, |low, face| low.min(face.corner));
+        let high =
+            town.faces.iter().fold(Vec3::NEG_INFINITY, |high, face| high.max(face.corner + face.u + face.v));
+        assert_eq!((low.x + high.x, low.z + high.z), (0.0, 0.0));
     }
 }

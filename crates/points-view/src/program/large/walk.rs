@@ -55,8 +55,9 @@ pub struct Walk {
 const RATE: f32 = 60.0;
 const SIZE: (u32, u32) = (1280, 720);
 
-/// How far behind squares points count as visible. Streets are seen at grazing angles, which needs much.
-const BIAS: Bias = Bias::Window(0.1);
+/// How far behind squares points count as visible, as in the thesis. It hides about 1 % of the visible points of a street falsely; a
+/// bias of 0.3 m hides 15 %, as facades are seen at grazing angles.
+const BIAS: Bias = Bias::Window(0.05);
 
 const COLUMNS: [&str; 9] = [
     "bricks in frustum",
