@@ -2,7 +2,7 @@
 
 /// A full opacity as a whole number: opacities of the pyramid are whole multiples of 2^-15.
 ///
-/// A power of two, so that the opacity 2^-l of a thin wall seen along it is exact down to level 15. Each level rounds once, by 2^-16 at most.
+/// A power of two, so that 1 and its halves are exact. Each level rounds once, by 2^-16 at most, and adds the errors of two children at most.
 pub(crate) const ONE: u32 = 1 << 15;
 
 /// A march ends where less light than this is left.

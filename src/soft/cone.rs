@@ -42,7 +42,8 @@ pub enum March {
         /// Whether the opacity of a sample is that of a step's length, and not of a cell's.
         corrected: bool,
     },
-    /// Exact rays, evenly in the cone: 1 to 4096. Errs by chance only, and by the cells that shapes touch but do not fill.
+    /// Exact rays, evenly in the cone: 1 to 4096; a single one is its axis. Errs by their number, and by the cells that shapes
+    /// touch but do not fill.
     Rays(u32),
 }
 

@@ -29,8 +29,9 @@ fn around(axis: DVec3, turn: f64, sine: f64) -> DVec3 {
     axis * cosine + (right * turn.cos() + up * turn.sin()) * sine
 }
 
-/// Directions that fill a cone around a unit vector evenly, by solid angle (Vogel's spiral).
+/// Directions that fill a cone around a unit vector evenly, by solid angle (Vogel's spiral); a single one is that vector.
 pub(super) fn in_cone(axis: DVec3, cosine: f64, rays: u32) -> impl Iterator<Item = DVec3> {
+    let cosine = if rays == 1 { 1.0 } else { cosine };
     (0..rays).map(move |k| {
         let c = 1.0 - (1.0 - cosine) * (f64::from(k) + 0.5) / f64::from(rays);
         around(axis, f64::from(k) * GOLDEN_ANGLE, (1.0 - c * c).max(0.0).sqrt())
