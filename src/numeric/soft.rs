@@ -13,6 +13,12 @@ pub(crate) const DARK: f64 = 1e-4;
 /// A direction whose share along an axis is smaller crosses no planes of that axis inside a grid of 8192 cells.
 pub(crate) const ALONG: f64 = 1e-6;
 
+/// Slabs of a level are chosen where the logarithm of the cone's radius in cells, plus this, passes the level.
+///
+/// Interpolation between cells of length L spreads a point by L / sqrt(6), and a disc of radius r spreads by r / 2: equal for L = 1.22 r, whose
+/// logarithm to base 2 is 0.29; a half rounds to the nearest level.
+pub(crate) const SLAB_LEVEL: f64 = 0.79;
+
 /// Rays from a point on a surface start this many cells away along the normal.
 ///
 /// A cell is sqrt(3) cells long from corner to corner. A point farther from a plane is in no cell that the plane touches.

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
-use crate::numeric::soft::{ALONG, DARK};
+use crate::numeric::soft::{ALONG, DARK, SLAB_LEVEL};
 use crate::soft::grid::SoftGrid;
 use crate::soft::rays::{check_rays, in_cone};
 use crate::soft::walk::{Segment, inside};
@@ -188,9 +188,11 @@ impl SoftGrid {
         (passes, steps)
     }
 
-    /// The light that passes all slabs of cells along an axis, where cells are as opaque as they are along that axis. A ray at an angle to it
-    /// passes more slabs in all than one along it, so that each counts as the power of the direction's share along the axis: what is as opaque
-    /// from all sides is so along every direction.
+    /// The light that passes all slabs of cells along an axis, where cells are as opaque as they are along that axis.
+    ///
+    /// A slab hides only what it covers beyond the slab before: solids go on from one to the next. A ray at an angle to the axes passes more
+    /// slabs in all than one along an axis, so that each counts as the power of the direction's share along its axis: cells that are as opaque from
+    /// all sides are so along every direction.
     fn march_slabs(&self, cone: &CellCone, axis: usize) -> (f64, u32) {
         let d = cone.direction[axis];
         // The part of the axis inside the grid.
@@ -201,9 +203,9 @@ impl SoftGrid {
         let (up, face) = (d > 0.0, face_along(axis, d));
         let at = cone.apex[axis] + d * t;
         let (mut slab, mut level) = (if up { at.floor() } else { at.ceil() - 1.0 } as i32, 0);
-        let (mut passes, mut steps) = (1.0, 0);
+        let (mut passes, mut before, mut steps) = (1.0, 0.0, 0);
         while passes > DARK && t < end {
-            let wanted = cone.level(t).min(self.pyramid().top() as f64) as usize;
+            let wanted = (cone.level(t) + SLAB_LEVEL).min(self.pyramid().top() as f64) as usize;
             while level < wanted && (slab & 1 == 0) == up {
                 (level, slab) = (level + 1, slab >> 1);
             }
@@ -213,7 +215,11 @@ impl SoftGrid {
             let (opacity, pieces) = self.slab_opacity(cone, (level, slab, face), (t, leaves.min(end)));
             // The last slab may be cut off by the end.
             let share = if leaves > end { (end - t) * d.abs() / size } else { 1.0 };
-            passes *= (1.0 - opacity * share).max(0.0).powf(d.abs());
+            let covered = opacity * share;
+            if covered > before {
+                passes *= ((1.0 - covered) / (1.0 - before)).max(0.0).powf(d.abs());
+            }
+            before = covered;
             (t, slab, steps) = (leaves.max(t), if up { slab + 1 } else { slab - 1 }, steps + pieces);
         }
         (passes, steps)

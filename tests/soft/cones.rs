@@ -154,5 +154,5 @@ fn marches_are_near_exact_rays() {
     }
     let [slabs, corrected, old] = errors.map(|e| e / cones);
     println!("mean error of {cones} cones: slabs {slabs:.3}, corrected {corrected:.3}, old rule {old:.3}");
-    assert!(slabs < 0.1 && corrected < 0.15, "{slabs} {corrected} {old}");
+    assert!(slabs < 0.07 && corrected < 0.08, "{slabs} {corrected} {old}");
 }

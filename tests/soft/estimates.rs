@@ -56,8 +56,8 @@ fn corners_hide_half_of_the_sky() {
     grid.insert(Aabb::new(Vec3::new(40.0, 0.0, 8.0), Vec3::new(64.0, 64.0, 64.0)), Layer::Fixed).unwrap();
     grid.rebuild();
     let (exact, cones) = (hidden(&grid, 39.5, &rays), hidden(&grid, 39.5, &March::Slabs));
-    // Cones that run along the wall take it for a new hindrance in each slab.
-    assert!((exact - 0.5).abs() < 0.01 && (0.45..0.75).contains(&cones), "{exact} {cones}");
+    assert!((exact - 0.5).abs() < 0.01 && (0.45..0.60).contains(&cones), "{exact} {cones}");
+    println!("half of the sky: rays {exact:.3}, cones {cones:.3}");
     let far = grid.ambient_occlusion(on_floor(20.0), Vec3::Z, 5.0, &rays).unwrap();
     assert_eq!(far, 0.0, "the wall is out of reach");
 }
