@@ -25,13 +25,14 @@ pub struct Cone {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum March {
-    /// Three marches, one for each axis, each from slab to slab of cells of a level as wide as the cone's radius. The opacity of a slab is
-    /// interpolated across the axis but not along it, so that no wall along the axes leaks, however thin, and none is too near to be seen.
-    /// Walls askew to the axes leak where a slab holds a part of them only.
+    /// Three marches, one for each axis, each from slab to slab of cells of a level about as wide as the cone's radius. The opacity of a
+    /// slab is interpolated across the axis but not along it, so that no wall along the axes leaks, however thin, and none is too
+    /// near to be seen. Walls askew to the axes leak, as by samples, where a slab holds a part of them only:
+    /// `docs/soft-walls.csv` of the repository has figures.
     #[default]
     Slabs,
-    /// Samples on the axis of the cone, interpolated between cells and levels: the rule of Villegas 2016. Thin walls leak: by 13% at steps of 0.5,
-    /// and walls nearer than `start + first` are missed.
+    /// Samples on the axis of the cone, interpolated between cells and levels: the rule of Villegas 2016. Thin walls leak, by 13% at
+    /// steps of 0.5, and walls nearer than `start + first` are missed.
     Samples {
         /// Step in units of the cone's diameter, 0.01 to 4. The old rule takes 0.5.
         step: f32,

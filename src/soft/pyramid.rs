@@ -69,10 +69,7 @@ impl Pyramid {
 
     /// Whether all cells below a cell of a level are occupied; outside the grid they are not.
     pub fn all(&self, level: usize, cell: IVec3) -> bool {
-        match level.min(self.top()).checked_sub(1) {
-            Some(i) => self.levels[i].all.get(cell),
-            None => self.base.get(cell),
-        }
+        self.all_bits(level).get(cell)
     }
 
     /// The opacity of a cell of a level, 0 to 1, for rays that travel along an axis (0 to 2), upwards or downwards. 0 outside the grid.
@@ -95,6 +92,13 @@ impl Pyramid {
     pub(super) fn any_bits(&self, level: usize) -> &BitMatrix {
         match level.min(self.top()).checked_sub(1) {
             Some(i) => &self.levels[i].any,
+            None => &self.base,
+        }
+    }
+
+    fn all_bits(&self, level: usize) -> &BitMatrix {
+        match level.min(self.top()).checked_sub(1) {
+            Some(i) => &self.levels[i].all,
             None => &self.base,
         }
     }
@@ -124,12 +128,14 @@ impl Pyramid {
         let (brick, lo) = (child >> 1i32, child * (BRICK / 2));
         let hi = (lo + (BRICK / 2 - 1)).min(self.dims(level) - 1);
         let region = block_mask(brick, lo, hi);
+        let uniform = self.uniform(level - 1, child);
         let (mut any, mut all) = (NONE, NONE);
         let mut new: Vec<(usize, Faces)> = Vec::with_capacity(64);
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
                 for x in lo.x..=hi.x {
-                    let (faces, some, full) = self.composed(level - 1, IVec3::new(x, y, z) * 2);
+                    let (faces, some, full) =
+                        uniform.unwrap_or_else(|| self.composed(level - 1, IVec3::new(x, y, z) * 2));
                     let place = ((z & 7) << 6 | (y & 7) << 3 | (x & 7)) as usize;
                     let bit = 1 << (place & 63);
                     any[place >> 6] |= if some { bit } else { 0 };
@@ -149,6 +155,16 @@ impl Pyramid {
         let before = if was_full { OPAQUE } else { EMPTY };
         let cells = level.channels.get_mut(brick).0.get_or_insert_with(|| Box::new([before; 512]));
         new.into_iter().for_each(|(place, faces)| cells[place] = faces);
+    }
+
+    /// What lies above each part of a brick that is empty or full: the channels, and whether any and all cells are occupied.
+    fn uniform(&self, level: usize, brick: IVec3) -> Option<(Faces, bool, bool)> {
+        let empty = *self.any_bits(level).brick(brick) == NONE;
+        match (empty, *self.all_bits(level).brick(brick) == ALL) {
+            (true, _) => Some((EMPTY, false, false)),
+            (_, true) => Some((OPAQUE, true, true)),
+            _ => None,
+        }
     }
 
     /// The channels of a cell from the eight of the level below that start at `corner`, and whether any and all of those are
