@@ -1,5 +1,5 @@
-//! Prints the costs of soft visibility: nanoseconds for each question beside the error of its answer, and bytes, at three resolutions of one
-//! scene: `cargo run --release --features soft --example soft_costs`
+//! Prints the costs of soft visibility: nanoseconds for each question beside the error of its answer, and bytes, at three
+//! resolutions of one scene: `cargo run --release --features soft --example soft_costs`
 
 use std::time::Instant;
 

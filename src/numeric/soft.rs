@@ -2,7 +2,8 @@
 
 /// A full opacity as a whole number: opacities of the pyramid are whole multiples of 2^-15.
 ///
-/// A power of two, so that 1 and its halves are exact. Each level rounds once, by 2^-16 at most, and adds the errors of two children at most.
+/// A power of two, so that 1 and its halves are exact. Each level rounds once, by 2^-16 at most, and adds the errors of two
+/// children at most.
 pub(crate) const ONE: u32 = 1 << 15;
 
 /// A march ends where less light than this is left.
@@ -15,8 +16,8 @@ pub(crate) const ALONG: f64 = 1e-6;
 
 /// Slabs of a level are chosen where the logarithm of the cone's radius in cells, plus this, passes the level.
 ///
-/// Interpolation between cells of length L spreads a point by L / sqrt(6), and a disc of radius r spreads by r / 2: equal for L = 1.22 r, whose
-/// logarithm to base 2 is 0.29; a half rounds to the nearest level.
+/// Interpolation between cells of length L spreads a point by L / sqrt(6), and a disc of radius r spreads by r / 2: equal for L =
+/// 1.22 r, whose logarithm to base 2 is 0.29; a half rounds to the nearest level.
 pub(crate) const SLAB_LEVEL: f64 = 0.79;
 
 /// Rays from a point on a surface start this many cells away along the normal.

@@ -191,9 +191,9 @@ impl SoftGrid {
 
     /// The light that passes all slabs of cells along an axis, where cells are as opaque as they are along that axis.
     ///
-    /// A slab hides only what it covers beyond the slab before: solids go on from one to the next. A ray at an angle to the axes passes more
-    /// slabs in all than one along an axis, so that each counts as the power of the direction's share along its axis: cells that are as opaque from
-    /// all sides are so along every direction.
+    /// A slab hides only what it covers beyond the slab before: solids go on from one to the next. A ray at an angle to the axes
+    /// passes more slabs in all than one along an axis, so that each counts as the power of the direction's share along its axis:
+    /// cells that are as opaque from all sides are so along every direction.
     fn march_slabs(&self, cone: &CellCone, axis: usize) -> (f64, u32) {
         let d = cone.direction[axis];
         // The part of the axis inside the grid.

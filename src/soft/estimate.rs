@@ -16,8 +16,9 @@ use crate::soft::rays::{above_surface, check_rays, on_box, on_sphere, six_cones}
 use crate::soft::walk::Segment;
 
 impl SoftGrid {
-    /// The share of a shape that an eye sees, 0 to 1, by solid angle: **an estimate**, from about as many exact walks as `rays` says (1 to 4096), to a sphere itself
-    /// and to the faces of the box around any other shape. 1 for an eye in the shape or in one of its cells.
+    /// The share of a shape that an eye sees, 0 to 1, by solid angle: **an estimate**, from about as many exact walks as `rays`
+    /// says (1 to 4096), to a sphere itself and to the faces of the box around any other shape. 1 for an eye in the shape or in one
+    /// of its cells.
     ///
     /// The cells around the shape hide nothing of it, since it may be in the grid itself; nor does the cell of the eye. Shapes outside of
     /// the grid are hidden by the cells on the way.
@@ -105,8 +106,8 @@ impl SoftGrid {
         Ok((1.0 - open) as f32)
     }
 
-    /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of their bounds from the eye of the view that
-    /// the set was found for, by so many rays each. No object leaves the list.
+    /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of their bounds from the eye of the
+    /// view that the set was found for, by so many rays each. No object leaves the list.
     ///
     /// Objects that are gone, or go unreported while hidden, keep their fraction; so do all in views of parallel rays.
     ///

@@ -189,8 +189,9 @@ impl SoftGrid {
         self.shapes.insert(id, held);
     }
 
-    /// Takes over the occluders of a scene, and [rebuilds](SoftGrid::rebuild): inserts new ones, replaces those that changed and removes those that are
-    /// gone since the last call. Static objects go to [`Layer::Fixed`]. Shapes that were inserted by hand stay.
+    /// Takes over the occluders of a scene, and [rebuilds](SoftGrid::rebuild): inserts new ones, replaces those that changed and
+    /// removes those that are gone since the last call. Static objects go to [`Layer::Fixed`]. Shapes that were inserted by hand
+    /// stay.
     ///
     /// Costs the objects of the scene, and the cells of those that changed.
     ///

@@ -2,8 +2,8 @@
 //! whether any and whether all cells below are occupied.
 //!
 //! A channel composes pairs of cells front to back and takes the mean of the four results. A wall thus stays opaque for rays
-//! through it at every level. Seen along it, an opacity a becomes a - a^2 / 2 a level: pairs count as independent, so that it falls more slowly
-//! than the share 2^-l of the rays that a thin wall stops. Only bricks that are neither empty nor full hold channels.
+//! through it at every level. Seen along it, an opacity a becomes a - a^2 / 2 a level: pairs count as independent, so that it falls
+//! more slowly than the share 2^-l of the rays that a thin wall stops. Only bricks that are neither empty nor full hold channels.
 
 use glam::{DVec3, IVec3};
 
@@ -29,8 +29,8 @@ struct Level {
     channels: Bricks<Channels>,
 }
 
-/// The occupied cells of a [`crate::soft::SoftGrid`] and the levels above them. Level 0 is the grid; a cell of level `l` covers 2^l cells of it
-/// along each axis, as far as these are in the grid: cells beyond the border take no part.
+/// The occupied cells of a [`crate::soft::SoftGrid`] and the levels above them. Level 0 is the grid; a cell of level `l` covers 2^l
+/// cells of it along each axis, as far as these are in the grid: cells beyond the border take no part.
 #[derive(Clone)]
 pub struct Pyramid {
     base: BitMatrix,
@@ -207,8 +207,8 @@ impl Pyramid {
         }
     }
 
-    /// Opacities for the three faces at a point in cells of the grid, interpolated between the eight nearest cells of a level. Cells beyond the
-    /// border are those of the border.
+    /// Opacities for the three faces at a point in cells of the grid, interpolated between the eight nearest cells of a level.
+    /// Cells beyond the border are those of the border.
     pub(super) fn smooth(&self, level: usize, point: DVec3, faces: [usize; 3]) -> DVec3 {
         let at = point / (1u64 << level) as f64 - 0.5;
         let last = self.dims(level) - 1;

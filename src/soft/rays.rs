@@ -46,7 +46,8 @@ pub(super) fn above_surface(normal: DVec3, rays: u32) -> impl Iterator<Item = DV
     })
 }
 
-/// Six cones of 60 degrees above a surface: along its normal, and five at 60 degrees to it. With their weights by the cosine, which sum to 1.
+/// Six cones of 60 degrees above a surface: along its normal, and five at 60 degrees to it. With their weights by the cosine, which
+/// sum to 1.
 pub(super) fn six_cones(normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> {
     let side = (0..5).map(move |k| (around(normal, TAU * f64::from(k) / 5.0, 0.75f64.sqrt()), 0.15));
     std::iter::once((normal, 0.25)).chain(side)

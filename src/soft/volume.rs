@@ -114,8 +114,8 @@ impl VisibilityVolume {
         (value != UNKNOWN).then(|| f32::from(value) / FULL as f32)
     }
 
-    /// The least share of the eight cells around a point in world units, for careful use: interpolation would let light through walls. `None` if all
-    /// eight are far from surfaces.
+    /// The least share of the eight cells around a point in world units, for careful use: interpolation would let light through
+    /// walls. `None` if all eight are far from surfaces.
     pub fn least(&self, point: Vec3) -> Option<f32> {
         self.around(point).map(|(share, _)| share).reduce(f32::min)
     }

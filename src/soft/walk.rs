@@ -32,14 +32,6 @@ pub(super) struct Segment {
     pub(super) until: Option<CellBox>,
 }
 
-impl Segment {
-    /// A segment whose ends count as other points.
-    #[cfg(test)]
-    pub(super) fn whole(from: DVec3, to: DVec3) -> Self {
-        Self { from, to, skips_first: false, until: None }
-    }
-}
-
 impl SoftGrid {
     /// The first occupied cell that the segment between two points in world units crosses. All cells count that contain a
     /// part of it longer than rounding.

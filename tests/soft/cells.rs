@@ -104,7 +104,7 @@ fn meshes_occupy_the_cells_that_brute_force_finds() {
             let within = closed && winding(&world, cell.as_dvec3() + 0.5).abs() > 0.5;
             let held = soft.is_occupied(Layer::Moving, cell);
             // The rasteriser widens triangles by 1e-12 of their coordinates; the test rounds as well.
-            if gap < -1e-9 || gap > 1e-9 {
+            if !(-1e-9..=1e-9).contains(&gap) {
                 assert_eq!(held, gap < 0.0 || within, "round {round}, cell {cell}, gap {gap}");
             }
             (touched, inside) = (touched + usize::from(gap < 0.0), inside + usize::from(gap > 0.0 && held));

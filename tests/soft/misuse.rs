@@ -92,7 +92,11 @@ proptest! {
                 }
             }
         }
-        let shapes = [grid.visible_fraction(points[4], Sphere::new(points[5], radius), 9), grid.visible_fraction(points[4], Aabb { min, max }, 9)];
+        let ball = Sphere::new(points[5], radius);
+        let shapes = [
+            grid.visible_fraction(points[4], ball, 9),
+            grid.visible_fraction(points[4], Aabb { min, max }, 9),
+        ];
         for seen in shapes {
             prop_assert!(share(seen.unwrap()));
         }
