@@ -20,4 +20,6 @@ mod numeric;
 pub mod occlusion;
 pub mod samples;
 pub mod slabs;
+#[cfg(test)]
+mod testing;
 pub mod view;

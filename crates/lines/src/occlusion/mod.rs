@@ -204,7 +204,7 @@ impl<'a> Occlusion<'a> {
 
     /// The prism of a sample, its column, and the range of its depths; `None` where there is nothing or nothing is known.
     fn prism(&self, above: &Hemisphere, sample: &Sample) -> Option<(Prism, [u32; 2], [f64; 2])> {
-        let prism = above.prism(sample.at, self.options.plane)?;
+        let prism = above.prism(sample.at, self.options.plane, 0.0)?;
         let column = self.grid.view().pixel(above.middle + prism.start)?;
         let base = above.depth(&prism);
         Some((prism, column, [base + prism.from, base + prism.to].map(f64::from)))
@@ -248,10 +248,11 @@ impl<'a> Occlusion<'a> {
         let slice = (far - near) as f32 / self.grid.slices().count() as f32;
         let pixel = view.pixel_size(f64::from(-above.middle.z)) as f32;
         let pole = above.pole.abs();
-        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the receiver's own line.
+        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the receiver's own line. They are
+        // taken as unknown, so that what lies above them stands for them, too.
         let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
         for sample in set {
-            let Some(prism) = above.prism(sample.at, self.options.plane) else { continue };
+            let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };
             let weight = prism.weight(above.pole) * sample.area * above.radius * above.radius;
             all += weight;
             let base = above.depth(&prism);
@@ -260,15 +261,14 @@ impl<'a> Occlusion<'a> {
             let Some(slices) = self.grid.slices_in(range) else { continue };
             let sector = &mut sectors[sector_of(sample)];
             sector.weight += weight;
-            let size = view.pixel_size(f64::from(base)) as f32;
-            let across = sample.area * above.radius * above.radius / (size * size);
             let lines = self.in_column([x, y], slices, |depth| {
                 let from = prism.at(depth - base);
                 let (height, distance) = (above.pole.dot(from), from.length());
+                let side = view.pixel_size(f64::from(depth)) as f32;
                 let inside = height > lift && distance < above.radius;
-                if inside { height / (std::f32::consts::PI * distance.powi(3)) } else { 0.0 }
+                if inside { height / (std::f32::consts::PI * distance.powi(3) * side * side) } else { 0.0 }
             });
-            sector.stopped += across * lines;
+            sector.stopped += sample.area * above.radius * above.radius * lines;
         }
         let known: f32 = sectors.iter().map(|s| s.weight).sum();
         if known <= all * LEAST_KNOWN {

@@ -45,8 +45,8 @@ impl Hemisphere {
         Some(Self { middle: at.position, pole, radius, across: [right, right.cross(away)], perspective })
     }
 
-    /// The column through a sample of the disc; `None` where it lies outside of the hemisphere.
-    pub(crate) fn prism(&self, sample: Vec2, plane: BasePlane) -> Option<Prism> {
+    /// The column through a sample of the disc; `None` where it lies outside of the hemisphere. The base is raised by `lift`.
+    pub(crate) fn prism(&self, sample: Vec2, plane: BasePlane, lift: f32) -> Option<Prism> {
         let start = (self.across[0] * sample.x + self.across[1] * sample.y) * self.radius;
         let step = match self.perspective {
             true => (self.middle + start) / -(self.middle + start).z,
@@ -58,7 +58,7 @@ impl Hemisphere {
             return None;
         }
         let (mut from, mut to) = ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a);
-        let (height, slope) = (self.pole.dot(start), self.pole.dot(step));
+        let (height, slope) = (self.pole.dot(start) - lift, self.pole.dot(step));
         if slope.abs() < PARALLEL {
             return (height >= 0.0).then_some(Prism { start, step, from, to });
         }

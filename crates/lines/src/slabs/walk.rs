@@ -78,6 +78,11 @@ pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: 
             return;
         }
         t = next;
-        if over_x <= over_y { x += step_x } else { y += step_y }
+        // Towards the last column in any case: a crossing may be no number if coordinates are absurd.
+        if y == end_y || (x != end_x && over_x <= over_y) {
+            x += step_x;
+        } else {
+            y += step_y;
+        }
     }
 }
