@@ -5,6 +5,7 @@
 //! master's thesis, PUC-Rio 2015). Nothing is precomputed: lines may move in every frame.
 //!
 //! - [`lines`]: sets of polylines; [`generate`]: seeded ones.
+//! - [`files`]: text, OBJ, PLY, TCK and TRK.
 //! - [`view`]: orthographic and perspective views.
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. Of use without the rest.
 //! - [`buffers`]: the nearest line in each pixel.
@@ -14,6 +15,7 @@
 //! Results are estimates, the same for any number of threads.
 
 pub mod buffers;
+pub mod files;
 pub mod generate;
 pub mod lines;
 mod numeric;
