@@ -97,28 +97,26 @@ fn broken(unit: &'static str, at: usize, why: impl Into<String>) -> FileError {
     FileError::Broken { unit, at, why: why.into() }
 }
 
-/// The words of a text with their line numbers; white space separates, and so do bytes that are no UTF-8.
+/// The words of a text with their line numbers; white space separates.
 struct Words<'a> {
-    lines: std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>,
-    words: std::vec::IntoIter<&'a str>,
+    words: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
     line: usize,
 }
 
 impl<'a> Words<'a> {
-    fn new(bytes: &'a [u8]) -> Self {
-        let end: fn(&u8) -> bool = |b| *b == b'\n';
-        Self { lines: bytes.split(end).enumerate(), words: Vec::new().into_iter(), line: 1 }
+    /// Words of lines that are counted from `first`.
+    fn new(bytes: &'a [u8], first: usize) -> Self {
+        let lines = bytes.split(|b| *b == b'\n').zip(first..);
+        Self {
+            words: Box::new(lines.flat_map(|(l, i)| words(l).into_iter().map(move |w| (i, w)))),
+            line: first,
+        }
     }
 
     fn next(&mut self) -> Option<&'a str> {
-        loop {
-            if let Some(word) = self.words.next() {
-                return Some(word);
-            }
-            let (i, line) = self.lines.next()?;
-            self.line = i + 1;
-            self.words = words(line).into_iter();
-        }
+        let (line, word) = self.words.next()?;
+        self.line = line;
+        Some(word)
     }
 
     /// The next word as a number.

@@ -132,9 +132,10 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
         let words = super::words(&rest[..end]);
         let fail = |why: &str| broken("line", number, why);
         let kind = |name: &str| Kind::named(name).ok_or_else(|| fail("a property of unknown type"));
-        let mut property = |p: Property| match elements.last_mut() {
-            Some(element) => Ok(element.properties.push(p)),
-            None => Err(fail("a property before the first element")),
+        let mut property = |p: Property| -> Result<(), FileError> {
+            let element = elements.last_mut().ok_or_else(|| fail("a property before the first element"))?;
+            element.properties.push(p);
+            Ok(())
         };
         match words[..] {
             ["ply"] if number == 1 => {}
@@ -159,7 +160,7 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
         }
     }
     let body = match binary.ok_or_else(|| broken("line", number, "the header has no format"))? {
-        None => Body::Text(Words::new(&bytes[at..])),
+        None => Body::Text(Words::new(&bytes[at..], number + 1)),
         Some(big) => Body::Binary(Bytes { bytes, at, big }),
     };
     Ok((elements, body))

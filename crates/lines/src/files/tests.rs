@@ -125,7 +125,7 @@ fn errors_name_place_and_cause() {
         (
             Format::Ply,
             "ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n",
-            "line 1: the element vertex has no properties",
+            "line 5: the element vertex has no properties",
         ),
         (
             Format::Ply,
@@ -167,7 +167,7 @@ fn edges_that_follow_each_other_make_one_line_in_both_byte_orders() {
         }
         for [a, b] in edges {
             put(&(a as u16).to_le_bytes());
-            put(&(b as i32).to_le_bytes());
+            put(&i32::to_le_bytes(b));
         }
         let lines = read(&bytes, Format::Ply).unwrap();
         let wanted = [vec![Vec3::X, Vec3::Y, Vec3::Z], vec![Vec3::ONE, Vec3::X]];

@@ -6,7 +6,7 @@ use super::{FileError, Lines, Words, broken, parse, words};
 
 /// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
 pub(super) fn thesis(bytes: &[u8]) -> Lines {
-    let mut file = Words::new(bytes);
+    let mut file = Words::new(bytes, 1);
     let lines: usize = file.number("the number of lines")?;
     // Each line needs at least a digit and a space: a header cannot ask for more than the file holds.
     let mut counts = Vec::with_capacity(lines.min(bytes.len() / 2));
