@@ -227,3 +227,61 @@ impl View {
         inside.then_some([x as u32, y as u32])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn singular_views_are_refused_with_the_cause() {
+        let lens = Lens::Orthographic { half_height: 1.0 };
+        let new = |m, lens, depths, size| View::new(m, lens, depths, size).unwrap_err();
+        let (unit, depths) = (DMat4::IDENTITY, [1.0, 2.0]);
+        let mirrored = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+        for bad in [DMat4::ZERO, unit * 2.0, mirrored, DMat4::from_translation(DVec3::NAN)] {
+            assert_eq!(new(bad, lens, depths, [9, 9]), ViewError::NotRigid, "{bad}");
+        }
+        for size in [[0, 9], [9, 0], [MOST_PIXELS + 1, 9]] {
+            assert_eq!(new(unit, lens, depths, size), ViewError::Size(size[0], size[1]));
+        }
+        for value in [0.0, -1.0, f64::INFINITY, 1e-320] {
+            let lens = Lens::Orthographic { half_height: value };
+            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Lens(value));
+        }
+        for fov_y in [0.0, 3.2, f64::INFINITY] {
+            assert_eq!(new(unit, Lens::Perspective { fov_y }, depths, [9, 9]), ViewError::Lens(fov_y));
+        }
+        let eye = Lens::Perspective { fov_y: 1.0 };
+        for (lens, depths) in
+            [(lens, [2.0, 2.0]), (lens, [0.0, 1e300]), (eye, [0.0, 1.0]), (eye, [-1.0, 1.0])]
+        {
+            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Depths(depths[0], depths[1]));
+        }
+        for triple in
+            [[Vec3::X, Vec3::X, Vec3::Y], [Vec3::Y, Vec3::ZERO, Vec3::Y], [Vec3::NAN, Vec3::ZERO, Vec3::Y]]
+        {
+            assert_eq!(View::look_at(triple, lens, depths, [9, 9]), Err(ViewError::NoDirection));
+        }
+    }
+
+    #[test]
+    fn points_are_behind_their_pixels_in_both_lenses() {
+        for (lens, pixel) in [
+            (Lens::Orthographic { half_height: 3.0 }, [9, 2]),
+            (Lens::Perspective { fov_y: 2.0 * 0.5f64.atan() }, [10, 2]),
+        ] {
+            let view =
+                View::look_at([Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y], lens, [1.0, 9.0], [16, 12]).unwrap();
+            let world = Vec3::new(0.8, 1.7 - f32::from(view.is_perspective()) * 0.6, 1.0);
+            let eye = view.to_eye(world);
+            assert_eq!((view.pixel(eye.as_vec3()), eye.z), (Some(pixel), -4.0), "{lens:?}");
+            assert!(view.to_world(eye.as_vec3()).distance(world.as_dvec3()) < 1e-6);
+            let higher = view.with_height(36).unwrap();
+            assert_eq!(higher.size(), [48, 36]);
+            assert!((higher.pixel_size(4.0) * 3.0 - view.pixel_size(4.0)).abs() < 1e-12);
+            let (beside, moved) = (view.to_eye(Vec3::X), view.moved_by_pixels(1.0, 0.0).to_eye(Vec3::X));
+            assert!(((beside - moved).x - view.pixel_size(5.0)).abs() < 1e-12);
+            assert_eq!(view.pixel(Vec3::new(99.0, 0.0, -4.0)), None);
+        }
+    }
+}

@@ -43,7 +43,9 @@ pub enum Estimator {
         /// About 10 for the thesis' grids; it depends on the grid.
         k: f32,
     },
-    /// The share of cosine-weighted rays that the lines stop, as tubes of a radius. It does not depend on the grid.
+    /// The share of cosine-weighted rays that the lines stop, as tubes of a radius. Only noise and blur depend on the grid: finer
+    /// columns hold thin lines more rarely, so that fewer samples meet one; coarser ones and few slices blur dense bundles. Lines
+    /// along the view need coarse columns, a third to an eighth of the picture's rows.
     OpticalDepth {
         /// The radius of the tubes, in units of the scene.
         line_radius: f32,
@@ -300,14 +302,19 @@ impl<'a> Occlusion<'a> {
     }
 }
 
+/// Parts of the disc of samples. Lines on one side do not hide light from the other: each part is a medium of its own.
 const SECTORS: usize = 8;
 
+/// Sums over the columns of a part.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sector {
+    /// The share of the directions times the way in them.
     weight: f32,
+    /// The length of the lines, weighted likewise.
     stopped: f32,
 }
 
+/// The part of a sample: an eighth of the circle.
 fn sector_of(sample: &Sample) -> usize {
     let p = sample.at;
     usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0) + 4 * usize::from(p.x.abs() > p.y.abs())

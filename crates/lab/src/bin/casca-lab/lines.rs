@@ -37,3 +37,19 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     page.make("lines", |lab| Ok((lines::lines(lab)?, ())))?;
     Ok(Outcome::Well)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smoke_run_writes_a_page_with_tables_and_charts() {
+        let folder = std::env::temp_dir().join(format!("casca-lines-{}", std::process::id()));
+        let options = Options { quick: true, seed: 1, out: folder.clone(), quiet: true };
+        assert_eq!(run(&options).unwrap(), Outcome::Well);
+        let page = std::fs::read_to_string(folder.join("lines.md")).unwrap();
+        assert!(page.contains("optical depth") && page.contains("lines_error_by_time.svg"), "{page}");
+        assert!(!page.contains("NaN"), "{page}");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -9,7 +9,7 @@ use super::score::{Score, mean, rmse, straight_line};
 use crate::lab::{Lab, LabError, Section, Table};
 use crate::pictures::{Axis, Line, lines as line_chart, palette};
 
-/// The rows of columns in the grid that serves best: see the table.
+/// The rows of a grid that is coarser than the picture: less noise where lines are thin, less detail where they are dense.
 pub const FEW_ROWS: u32 = 192;
 
 /// The sets that are compared.
@@ -138,10 +138,12 @@ pub fn finding(rows: &[Agreement], effort: &Effort) -> String {
 /// # Errors
 /// If the library refuses a value, or a file cannot be written.
 pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section) -> Result<(), LabError> {
-    let numbers: &[u32] = if lab.quick { &[8, 32, 128] } else { &[8, 16, 32, 64, 96, 128, 150, 256, 512] };
+    let numbers: &[u32] =
+        if lab.quick { &[8, 32, SAMPLES] } else { &[8, 16, 32, 64, 96, 128, SAMPLES, 256, 512] };
     let columns = ["estimator", "samples", "RMSE to 3000 samples", "RMSE to rays", "µs a pixel"];
     let mut table = Table::new("lines_samples", &columns);
     let (mut by_time, mut by_number, mut words) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut nearest, mut powers) = (Vec::new(), Vec::new());
     for (number, way) in [Way::MeanOfRatios, Way::Extinction, Way::OpticalDepth].into_iter().enumerate() {
         let rows = if way == Way::OpticalDepth { FEW_ROWS.min(effort.canvas) } else { effort.canvas };
         let grid = case.grid(rows, Slices::S128)?;
@@ -160,17 +162,18 @@ pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section
                 format!("{true_one:.4}"),
                 format!("{micros:.1}"),
             ]);
+            if n == SAMPLES {
+                nearest.push(format!("{} {true_one:.3}", way.name()));
+            }
             errors.push((f64::from(n), own));
             truths.push((micros, true_one));
             times.push((f64::from(n), micros));
         }
         let logs: Vec<(f64, f64)> = errors.iter().map(|(n, e)| (n.ln(), e.max(1e-9).ln())).collect();
         let (offset, slope, share) = straight_line(&times);
-        words.push(format!(
-            "{}: N^{:.2}, {offset:.1} + {slope:.3} N µs (r² {share:.3})",
-            way.name(),
-            straight_line(&logs).1
-        ));
+        let power = straight_line(&logs).1;
+        words.push(format!("{}: N^{power:.2}, {offset:.1} + {slope:.3} N µs (r² {share:.3})", way.name()));
+        powers.push(format!("{} N^{power:.2}", way.name()));
         by_time.push(Line::new(way.name(), palette::other(number), truths));
         by_number.push(Line::new(way.name(), palette::other(number), errors));
     }
@@ -182,19 +185,22 @@ pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section
     section.rows("all numbers of samples", table);
     line_chart(
         &lab.folder.join("lines_error_by_time.svg"),
-        "The optical depth is nearest to rays for the same time",
-        "Spiral. Root of the mean square of the differences from rays against the time of a pixel on one thread, 8 to 512 samples.",
+        &format!("With {SAMPLES} samples: {}", nearest.join(", ")),
+        "Spiral. Root mean square difference from rays (RMSE) against the time of a pixel on one thread, 8 to 512 samples.",
         (&Axis::log("µs a pixel"), &Axis::linear("RMSE to rays")),
         &by_time,
     )?;
-    section.picture("lines_error_by_time.svg", "Error against time of three estimators.");
+    section.picture(
+        "lines_error_by_time.svg",
+        "The error to rays against the time of a pixel, for three estimators and 8 to 512 samples.",
+    );
     line_chart(
         &lab.folder.join("lines_error_by_samples.svg"),
-        "Noise falls with the root of the number of samples",
-        "Spiral. Root of the mean square of the differences from the same estimator with 3000 samples.",
+        &format!("Noise falls with the number N of samples: {}", powers.join(", ")),
+        "Spiral. Root mean square difference from the same estimator with 3000 samples.",
         (&Axis::log("samples"), &Axis::log("RMSE to 3000 samples")),
         &by_number,
     )?;
-    section.picture("lines_error_by_samples.svg", "Noise against the number of samples.");
+    section.picture("lines_error_by_samples.svg", "The noise against the number of samples.");
     Ok(())
 }

@@ -21,7 +21,7 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
         canvas: lab.pick(512, 96),
         receivers: lab.pick(3000, 150),
         rays: lab.pick(20, 4),
-        repeats: lab.pick(3, 1),
+        repeats: lab.pick(5, 1),
         seed: lab.seed,
     };
     let mut section = Section::new("Ambient occlusion of lines");
