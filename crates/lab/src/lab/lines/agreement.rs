@@ -185,7 +185,7 @@ pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section
     section.rows("all numbers of samples", table);
     line_chart(
         &lab.folder.join("lines_error_by_time.svg"),
-        &format!("With {SAMPLES} samples: {}", nearest.join(", ")),
+        &format!("Difference from rays with {SAMPLES} samples: {}", nearest.join(", ")),
         "Spiral. Root mean square difference from rays (RMSE) against the time of a pixel on one thread, 8 to 512 samples.",
         (&Axis::log("µs a pixel"), &Axis::linear("RMSE to rays")),
         &by_time,
