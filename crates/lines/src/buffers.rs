@@ -27,8 +27,8 @@ pub struct LineBuffer {
 }
 
 impl LineBuffer {
-    /// Finds the nearest line in each pixel. Each pixel that a line crosses shows it, so that lines have no gaps. Of lines at the
-    /// same depth the one with the lowest number is nearest.
+    /// Finds the nearest line in each pixel. Each pixel that a line crosses shows it, so that lines have no gaps. Among lines at
+    /// the same depth the one with the lowest number counts as nearest.
     ///
     /// Time: proportional to the vertices and to the pixels that lines cross. Memory: 44 bytes a pixel.
     pub fn new(lines: &LineSet, view: &View) -> Self {

@@ -7,7 +7,7 @@
 //! - [`lines`]: sets of polylines; [`generate`]: seeded ones.
 //! - [`files`]: text, OBJ, PLY, TCK and TRK.
 //! - [`view`]: orthographic and perspective views.
-//! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. Of use without the rest.
+//! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can be used alone.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.

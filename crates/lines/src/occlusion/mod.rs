@@ -251,7 +251,7 @@ impl<'a> Occlusion<'a> {
         let pixel = view.pixel_size(f64::from(-above.middle.z)) as f32;
         let pole = above.pole.abs();
         // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the receiver's own line. They are
-        // taken as unknown, so that what lies above them stands for them, too.
+        // taken as unknown: the cells above them stand for them, too.
         let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
         for sample in set {
             let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };

@@ -150,7 +150,7 @@ fn an_empty_grid_is_open_a_full_one_closed_and_a_random_one_between() {
             let other = [Estimator::Extinction { k: 3.0 }, Estimator::OpticalDepth { line_radius: 0.1 }];
             assert_eq!(other.map(|e| at(&empty, e, f)), [0.0; 2]);
         }
-        // The base of a line across the view is parallel to the picture (nearly, in perspective): nothing of what lies behind counts.
+        // The base of a line across the view is parallel to the picture (nearly, in perspective): no slice behind it counts.
         if fov_y.is_none() {
             assert_eq!(PLAIN.map(|e| at(&behind, e, &receivers[0])), [0.0; 2]);
             assert!(at(&behind, PLAIN[1], &receiver(middle, vec3(0.0, 1.0, 1.0))) > 0.1);

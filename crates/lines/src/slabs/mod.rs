@@ -6,7 +6,7 @@
 //! and many lines in one slice count as many. (Groß and Gumhold 2021 keep line densities in isotropic voxels to the same end.)
 //!
 //! Columns keep every layer, so they also answer whether anything lies before a depth. Lines fill a fraction of a pixel: a column
-//! that is set by lines never hides what is behind it. Columns of solids are sampled at the pixel's centre: not conservative.
+//! that is set by lines never hides objects behind it. Columns of solids are sampled at the pixel's centre: not conservative.
 
 mod solid;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Estimates beside rays: how well they agree, and what they cost.
+//! Estimates beside rays: their agreement and their times.
 
 use casca_lines::generate::Family;
 use casca_lines::occlusion::{AoOptions, BasePlane, Estimator};

@@ -44,7 +44,7 @@ fn seen(case: &Case, view: &View) -> Vec<Option<Receiver>> {
 }
 
 fn turned(view: &View, degrees: f64) -> Result<View, LabError> {
-    // About the upward direction, through the middle of what is seen.
+    // About the upward direction, through the middle of the scene.
     let middle = DVec3::new(0.0, 0.0, -(view.depths()[0] + view.depths()[1]) / 2.0);
     let turn = DMat4::from_quat(DQuat::from_rotation_y(degrees.to_radians()));
     let about = DMat4::from_translation(middle) * turn * DMat4::from_translation(-middle);
