@@ -142,17 +142,18 @@ mod tests {
         let mut hits = 0;
         for _ in 0..2000 {
             let mut point = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
-            let (ends, start, direction) = ([point(), point()], point() * 2.0, point().normalize());
+            let (ends, start) = ([point(), point()], point() * 2.0);
+            let direction = (point() - start).normalize();
             let (found, truth) = (enters(ends, 0.2, start, direction), marched(ends, 0.2, start, direction));
             match (found, truth) {
-                (Some(a), Some(b)) => assert!((a - b).abs() < 1e-4, "{a} {b}"),
+                (Some(a), Some(b)) => assert!((a - b).abs() < 1e-3, "{a} {b}"),
                 (None, None) => {}
                 // Steps creep along a tube that is only grazed.
                 other => assert!(other.0.is_some() && truth.is_none(), "{other:?}"),
             }
             hits += usize::from(found.is_some());
         }
-        assert!((200..1500).contains(&hits), "{hits}");
+        assert!((150..1500).contains(&hits), "{hits}");
     }
 
     #[test]
