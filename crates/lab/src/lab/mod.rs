@@ -10,6 +10,7 @@ pub mod buffer;
 pub mod coherence;
 mod contender;
 mod front;
+pub mod lines;
 mod machine;
 pub mod reach;
 mod report;

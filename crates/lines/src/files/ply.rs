@@ -1,0 +1,167 @@
+//! PLY (Turk 1994, "The PLY polygon file format"): vertices with `edge` elements, or elements with lists of vertex indices.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::{Bytes, FileError, Lines, Words, broken};
+
+/// Bytes of a number, and whether it is a float or has a sign.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Float(usize),
+    Signed(usize),
+    Unsigned(usize),
+}
+
+impl Kind {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "float" | "float32" => Self::Float(4),
+            "double" | "float64" => Self::Float(8),
+            "char" | "int8" => Self::Signed(1),
+            "short" | "int16" => Self::Signed(2),
+            "int" | "int32" => Self::Signed(4),
+            "uchar" | "uint8" => Self::Unsigned(1),
+            "ushort" | "uint16" => Self::Unsigned(2),
+            "uint" | "uint32" => Self::Unsigned(4),
+            _ => return None,
+        })
+    }
+}
+
+struct Property {
+    name: String,
+    /// The kind of a list's length, if it is one.
+    list: Option<Kind>,
+    kind: Kind,
+}
+
+struct Element {
+    name: String,
+    count: usize,
+    properties: Vec<Property>,
+}
+
+/// The numbers of the body, as text or bytes.
+enum Body<'a> {
+    Text(Words<'a>),
+    Binary(Bytes<'a>),
+}
+
+impl Body<'_> {
+    fn number(&mut self, kind: Kind) -> Result<f64, FileError> {
+        let file = match self {
+            Self::Text(words) => return words.number("a number"),
+            Self::Binary(file) => file,
+        };
+        Ok(match kind {
+            Kind::Float(4) => f64::from(file.f32()?),
+            Kind::Float(_) => f64::from_le_bytes(file.array()?),
+            Kind::Signed(1) => f64::from(i8::from_le_bytes(file.array()?)),
+            Kind::Signed(2) => f64::from(i16::from_le_bytes(file.array()?)),
+            Kind::Signed(_) => f64::from(file.i32()?),
+            Kind::Unsigned(1) => f64::from(u8::from_le_bytes(file.array()?)),
+            Kind::Unsigned(2) => f64::from(u16::from_le_bytes(file.array()?)),
+            Kind::Unsigned(_) => f64::from(u32::from_le_bytes(file.array()?)),
+        })
+    }
+
+    fn fail(&self, why: String) -> FileError {
+        match self {
+            Self::Text(words) => broken("line", words.line, why),
+            Self::Binary(file) => broken("byte", file.at, why),
+        }
+    }
+}
+
+/// The lines of a PLY file. Edges that follow each other make one line.
+pub(super) fn read(bytes: &[u8]) -> Lines {
+    let (elements, mut body) = header(bytes)?;
+    let mut points: Vec<Vec3> = Vec::new();
+    let mut lines: Vec<Vec<u32>> = Vec::new();
+    for element in &elements {
+        if element.properties.is_empty() && element.count > 0 {
+            return Err(body.fail(format!("the element {} has no properties", element.name)));
+        }
+        for _ in 0..element.count {
+            let (mut named, mut list) = (HashMap::new(), Vec::new());
+            for property in &element.properties {
+                let Some(length) = property.list else {
+                    named.insert(property.name.as_str(), body.number(property.kind)?);
+                    continue;
+                };
+                list.clear();
+                for _ in 0..body.number(length)? as u64 {
+                    list.push(body.number(property.kind)? as u32);
+                }
+            }
+            let get = |name: &str| named.get(name).copied();
+            match (element.name.as_str(), get("vertex1"), get("vertex2")) {
+                ("vertex", ..) => {
+                    let coordinate = |n| get(n).ok_or_else(|| body.fail(format!("vertices have no {n}")));
+                    points.push(Vec3::from(
+                        [coordinate("x")?, coordinate("y")?, coordinate("z")?].map(|c| c as f32),
+                    ));
+                }
+                ("edge", Some(a), Some(b)) => match lines.last_mut() {
+                    Some(line) if line.last() == Some(&(a as u32)) => line.push(b as u32),
+                    _ => lines.push(vec![a as u32, b as u32]),
+                },
+                ("edge" | "line" | "polyline", ..) if !list.is_empty() => lines.push(list),
+                _ => {}
+            }
+        }
+    }
+    let point = |i: &u32| {
+        let found = points.get(*i as usize).copied();
+        found.ok_or_else(|| body.fail(format!("a line names vertex {i} of {}", points.len())))
+    };
+    lines.iter().map(|line| line.iter().map(point).collect()).collect()
+}
+
+fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
+    let (mut elements, mut at, mut number): (Vec<Element>, _, _) = (Vec::new(), 0, 0);
+    let mut binary = None;
+    loop {
+        let rest = &bytes[at..];
+        let Some(end) = rest.iter().take(1000).position(|b| *b == b'\n') else {
+            return Err(broken("line", number + 1, "the header does not end"));
+        };
+        (at, number) = (at + end + 1, number + 1);
+        let words = super::words(&rest[..end]);
+        let fail = |why: &str| broken("line", number, why);
+        let kind = |name: &str| Kind::named(name).ok_or_else(|| fail("a property of unknown type"));
+        let mut property = |p: Property| -> Result<(), FileError> {
+            let element = elements.last_mut().ok_or_else(|| fail("a property before the first element"))?;
+            element.properties.push(p);
+            Ok(())
+        };
+        match words[..] {
+            ["ply"] if number == 1 => {}
+            _ if number == 1 => return Err(fail("a PLY file starts with \"ply\"")),
+            ["format", "ascii", _] => binary = Some(None),
+            ["format", "binary_little_endian", _] => binary = Some(Some(false)),
+            ["format", "binary_big_endian", _] => binary = Some(Some(true)),
+            ["element", name, count] => elements.push(Element {
+                name: name.to_owned(),
+                count: super::parse(count, "a number of elements", number)?,
+                properties: Vec::new(),
+            }),
+            ["property", "list", length, of, name] => {
+                property(Property { name: name.to_owned(), list: Some(kind(length)?), kind: kind(of)? })?;
+            }
+            ["property", of, name] => {
+                property(Property { name: name.to_owned(), list: None, kind: kind(of)? })?
+            }
+            ["end_header"] => break,
+            ["comment" | "obj_info", ..] | [] => {}
+            _ => return Err(fail("a statement that PLY does not have")),
+        }
+    }
+    let body = match binary.ok_or_else(|| broken("line", number, "the header has no format"))? {
+        None => Body::Text(Words::new(&bytes[at..], number + 1)),
+        Some(big) => Body::Binary(Bytes { bytes, at, big }),
+    };
+    Ok((elements, body))
+}

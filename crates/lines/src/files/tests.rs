@@ -1,0 +1,176 @@
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::testing::cases;
+
+const FORMATS: [Format; 5] = [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk];
+
+/// A file of lines in a format.
+fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
+    let coordinates = |p: &Vec3| format!("{} {} {}", p.x, p.y, p.z);
+    let floats = |p: Vec3| p.to_array().into_iter().flat_map(f32::to_le_bytes);
+    let points: Vec<Vec3> = lines.concat();
+    let mut text = String::new();
+    match format {
+        Format::Text => {
+            let _ = writeln!(text, "{}", lines.len());
+            lines.iter().for_each(|l| text += &format!("{} ", l.len()));
+            points.iter().for_each(|p| text += &format!("\n{}", coordinates(p)));
+        }
+        Format::Obj => {
+            text += "# hair\no strand\n";
+            for line in lines {
+                line.iter().for_each(|p| text += &format!("v {}\n", coordinates(p)));
+                let numbers: Vec<String> =
+                    (0..line.len()).map(|i| format!("{}", i as i64 - line.len() as i64)).collect();
+                text += &format!("l {}\n", numbers.join(" "));
+            }
+        }
+        Format::Ply => {
+            let head = "property float x\nproperty float y\nproperty float z\nelement polyline";
+            let _ = write!(
+                text,
+                "ply\nformat ascii 1.0\nelement vertex {}\n{head} {}\n",
+                points.len(),
+                lines.len()
+            );
+            text += "property list int uint vertex_indices\nend_header\n";
+            points.iter().for_each(|p| text += &format!("{}\n", coordinates(p)));
+            let mut next = 0..;
+            for line in lines {
+                let numbers: Vec<String> = next.by_ref().take(line.len()).map(|i| i.to_string()).collect();
+                text += &format!("{} {}\n", line.len(), numbers.join(" "));
+            }
+        }
+        Format::Tck => {
+            let mut bytes = b"mrtrix tracks\ncount: 9\ndatatype: Float32LE\nfile: . 61\nEND\n".to_vec();
+            bytes.resize(61, 0);
+            for line in lines {
+                bytes.extend(line.iter().copied().flat_map(floats).chain(floats(Vec3::NAN)));
+            }
+            bytes.extend(floats(Vec3::INFINITY));
+            return bytes;
+        }
+        Format::Trk => {
+            let mut bytes = vec![0; 1000];
+            bytes[..5].copy_from_slice(b"TRACK");
+            (bytes[36], bytes[238]) = (1, 2);
+            bytes[988..992].copy_from_slice(&(lines.len() as i32).to_le_bytes());
+            bytes[996..].copy_from_slice(&1000i32.to_le_bytes());
+            for line in lines {
+                bytes.extend((line.len() as i32).to_le_bytes());
+                line.iter().for_each(|p| bytes.extend(floats(*p).chain([0; 4])));
+                bytes.extend([0; 8]);
+            }
+            return bytes;
+        }
+    }
+    text.into_bytes()
+}
+
+fn some_lines() -> impl Strategy<Value = Vec<Vec<Vec3>>> {
+    let number = (-1_000_000i32..1_000_000).prop_map(|n| n as f32 / 512.0);
+    let point = (number.clone(), number.clone(), number).prop_map(|(x, y, z)| Vec3::new(x, y, z));
+    proptest::collection::vec(proptest::collection::vec(point, 1..6), 0..5)
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn lines_are_read_as_they_were_written(lines in some_lines()) {
+        for format in FORMATS {
+            let read = read(&written(&lines, format), format).unwrap();
+            prop_assert_eq!(read, LineSet::new(lines.clone()).unwrap(), "{:?}", format);
+        }
+    }
+
+    #[test]
+    fn mutated_files_give_lines_or_errors(
+        lines in some_lines(), changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        cut: prop::sample::Index, digits: bool
+    ) {
+        for format in FORMATS {
+            let mut bytes = written(&lines, format);
+            for (at, value) in &changes {
+                let at = at.index(bytes.len());
+                // Digits keep text valid further into the file.
+                bytes[at] = if digits { b'0' + value % 10 } else { *value };
+            }
+            bytes.truncate(cut.index(bytes.len() * 2));
+            match read(&bytes, format) {
+                Ok(set) => prop_assert!(set.points().len() <= bytes.len()),
+                Err(why) => prop_assert!(!why.to_string().is_empty()),
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_name_place_and_cause() {
+    let fail = |bytes: &[u8], format| read(bytes, format).unwrap_err().to_string();
+    let huge = "99999999999999999";
+    for (format, text, said) in [
+        (Format::Text, "1\n2\n0 0 0\n0 x 0", "line 4: \"x\" is not a coordinate"),
+        (Format::Text, huge, "line 1: the file ends before a number of vertices"),
+        (Format::Text, "1\n99999999999999\n1 1 1", "line 3: the file ends before a coordinate"),
+        (Format::Text, "1\n1\n1 1 1\n2", "line 4: the file goes on after the last vertex"),
+        (Format::Text, "1 1 nan 1 1", "vertex 0 of line 0 is not finite"),
+        (Format::Obj, "v 1 2\n", "line 1: a vertex of less than 3 numbers"),
+        (Format::Obj, "v 1 2 3\n\nl 1 2", "line 3: there is no vertex 2"),
+        (Format::Ply, "plx\n", "line 1: a PLY file starts with \"ply\""),
+        (Format::Ply, "ply\nend_header\n", "line 2: the header has no format"),
+        (
+            Format::Ply,
+            "ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n",
+            "line 5: the element vertex has no properties",
+        ),
+        (
+            Format::Ply,
+            "ply\nformat binary_little_endian 1.0\nelement edge 1\nproperty list uint int v\nend_header\n\u{7f}\u{7f}\u{7f}\u{7f}",
+            "the file ends",
+        ),
+        (Format::Tck, "tracks", "byte 0: a TCK file starts"),
+        (Format::Tck, "mrtrix tracks\ndatatype: Bit\n", "line 2: data of Bit"),
+        (Format::Trk, "TRACK", "byte 996: the file ends"),
+    ] {
+        let why = fail(text.as_bytes(), format);
+        assert!(why.contains(said), "{text}: {why}");
+    }
+    let mut long = written(&[vec![Vec3::ONE]], Format::Trk);
+    long[1000..1004].copy_from_slice(&i32::MAX.to_le_bytes());
+    assert!(
+        fail(&long, Format::Trk).contains("byte 1000: a line of 2147483647 vertices is longer than the file")
+    );
+    assert!(matches!(open(Path::new("nothing.txt")), Err(FileError::Io { .. })));
+    assert!(matches!(open(Path::new("hair.doc")), Err(FileError::Unknown(_))));
+}
+
+#[test]
+fn edges_that_follow_each_other_make_one_line_in_both_byte_orders() {
+    let points = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
+    let edges = [[0, 1], [1, 2], [3, 0]];
+    for big in [false, true] {
+        let order = if big { "big" } else { "little" };
+        let mut bytes = format!(
+            "ply\nformat binary_{order}_endian 1.0\ncomment c\nelement vertex 4\nproperty double x\nproperty float y\n\
+             property float z\nproperty uchar red\nelement edge 3\nproperty ushort vertex1\nproperty int vertex2\nend_header\n"
+        )
+        .into_bytes();
+        let mut put = |le: &[u8]| if big { bytes.extend(le.iter().rev()) } else { bytes.extend(le) };
+        for p in points {
+            put(&f64::from(p.x).to_le_bytes());
+            [p.y, p.z].iter().for_each(|c| put(&c.to_le_bytes()));
+            put(&[7]);
+        }
+        for [a, b] in edges {
+            put(&(a as u16).to_le_bytes());
+            put(&i32::to_le_bytes(b));
+        }
+        let lines = read(&bytes, Format::Ply).unwrap();
+        let wanted = [vec![Vec3::X, Vec3::Y, Vec3::Z], vec![Vec3::ONE, Vec3::X]];
+        assert_eq!(lines, LineSet::new(wanted).unwrap());
+    }
+}

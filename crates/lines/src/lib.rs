@@ -1,0 +1,27 @@
+//! Ambient occlusion for dense sets of lines: streamlines, hair, wires. Where thousands of lines cross, nobody can tell which is
+//! in front; darkening lines by the lines around them shows it.
+//!
+//! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient occlusion for the rendering of lines;
+//! master's thesis, PUC-Rio 2015). Nothing is precomputed: lines may move in every frame.
+//!
+//! - [`lines`]: sets of polylines; [`generate`]: seeded ones.
+//! - [`files`]: text, OBJ, PLY, TCK and TRK.
+//! - [`view`]: orthographic and perspective views.
+//! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can be used alone.
+//! - [`buffers`]: the nearest line in each pixel.
+//! - [`samples`]: blue-noise points that choose columns.
+//! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
+//!
+//! Results are estimates, the same for any number of threads.
+
+pub mod buffers;
+pub mod files;
+pub mod generate;
+pub mod lines;
+mod numeric;
+pub mod occlusion;
+pub mod samples;
+pub mod slabs;
+#[cfg(test)]
+mod testing;
+pub mod view;

@@ -1,0 +1,287 @@
+//! Views of a scene, orthographic and perspective, and the columns of space behind their pixels.
+
+use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
+
+use crate::numeric::NOT_RIGID;
+
+/// The greatest number of pixels of a view in one direction.
+pub const MOST_PIXELS: u32 = 8192;
+
+/// How a view projects. Pixels are square.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lens {
+    /// Parallel rays; half the height of the picture, in units of the scene.
+    Orthographic {
+        /// Half the height, greater than 0.
+        half_height: f64,
+    },
+    /// Rays from the eye.
+    Perspective {
+        /// The vertical field of view in radians, between 0 and pi.
+        fov_y: f64,
+    },
+}
+
+/// Why a view was refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ViewError {
+    /// The matrix scales, shears, mirrors, or has an entry that is not finite.
+    #[error("the view's matrix is not a rotation with a translation")]
+    NotRigid,
+    /// The eye is at the target, or the upward direction points along the view.
+    #[error("the eye, the target and the upward direction give no view")]
+    NoDirection,
+    /// The picture has no area, or a side of more than [`MOST_PIXELS`].
+    #[error("a picture of {0} x {1} pixels: each side must have 1 to {MOST_PIXELS}")]
+    Size(u32, u32),
+    /// The height or the angle of the lens.
+    #[error("a lens of {0}: half heights are positive and finite, angles lie between 0 and pi")]
+    Lens(f64),
+    /// The nearest and the farthest depth.
+    #[error("depths from {0} to {1}: they must be finite and increase, from above 0 in perspective")]
+    Depths(f64, f64),
+}
+
+/// A view: where its pixels are and which columns of space lie behind them.
+///
+/// Eye space has x to the right, y upwards and z towards the viewer; the *depth* of a point is -z. Pixel (0, 0) is at the upper
+/// left. Scenes of millions of units are fine: points go through eye space in double precision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    eye_from_world: DAffine3,
+    lens: Lens,
+    depths: [f64; 2],
+    size: [u32; 2],
+    /// Pixels per unit, at depth 1 in perspective.
+    scale: f64,
+}
+
+impl View {
+    /// A view from a matrix that turns and moves the world into eye space; `depths` are the nearest and the farthest depth.
+    ///
+    /// # Errors
+    /// If the matrix is anything but a rotation with a translation, or another value is out of its range.
+    pub fn new(
+        eye_from_world: DMat4,
+        lens: Lens,
+        depths: [f64; 2],
+        size: [u32; 2],
+    ) -> Result<Self, ViewError> {
+        let turn = DMat3::from_mat4(eye_from_world);
+        let last_row = eye_from_world.row(3) == glam::DVec4::W;
+        let off = turn * turn.transpose() - DMat3::IDENTITY;
+        let rigid = off.to_cols_array().iter().all(|x| x.abs() < NOT_RIGID) && turn.determinant() > 0.0;
+        if !(rigid && last_row && eye_from_world.is_finite()) {
+            return Err(ViewError::NotRigid);
+        }
+        if !size.iter().all(|s| (1..=MOST_PIXELS).contains(s)) {
+            return Err(ViewError::Size(size[0], size[1]));
+        }
+        let half = f64::from(size[1]) / 2.0;
+        let (scale, value, least) = match lens {
+            Lens::Orthographic { half_height } => (half / half_height, half_height, f64::NEG_INFINITY),
+            Lens::Perspective { fov_y } if fov_y < std::f64::consts::PI => {
+                (half / (fov_y / 2.0).tan(), fov_y, 0.0)
+            }
+            Lens::Perspective { fov_y } => (f64::NAN, fov_y, 0.0),
+        };
+        if !(value > 0.0 && scale > 0.0 && scale.is_finite()) {
+            return Err(ViewError::Lens(value));
+        }
+        let [near, far] = depths;
+        // The square of the range must not overflow.
+        if !(near > least && near < far && near.abs().max(far.abs()) < 1e150) {
+            return Err(ViewError::Depths(near, far));
+        }
+        Ok(Self { eye_from_world: DAffine3::from_mat4(eye_from_world), lens, depths, size, scale })
+    }
+
+    /// A view from an eye towards a target.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if eye, target and upward direction give no view.
+    pub fn look_at(
+        [eye, target, up]: [Vec3; 3],
+        lens: Lens,
+        depths: [f64; 2],
+        size: [u32; 2],
+    ) -> Result<Self, ViewError> {
+        let [eye, target, up] = [eye, target, up].map(Vec3::as_dvec3);
+        let no = ViewError::NoDirection;
+        let back = (eye - target).try_normalize().ok_or(no)?;
+        let right = up.cross(back).try_normalize().ok_or(no)?;
+        let turn = DMat3::from_cols(right, back.cross(right), back).transpose();
+        Self::new(DMat4::from_mat3_translation(turn, turn * -eye), lens, depths, size)
+    }
+
+    /// A view that holds all of a box, as seen from the direction `from`; a degenerate box is given some room.
+    ///
+    /// # Errors
+    /// As [`Self::look_at`].
+    pub fn around(
+        [min, max]: [Vec3; 2],
+        from: Vec3,
+        fov_y: Option<f64>,
+        size: [u32; 2],
+    ) -> Result<Self, ViewError> {
+        let (middle, radius) = ((min + max) * 0.5, ((max - min).length() * 0.5).max(1e-3));
+        let away = from.try_normalize().ok_or(ViewError::NoDirection)?;
+        let up = if away.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
+        let r = f64::from(radius) * 1.02;
+        let aspect = (f64::from(size[0]) / f64::from(size[1].max(1))).min(1.0);
+        let (lens, distance) = match fov_y {
+            None => (Lens::Orthographic { half_height: r / aspect }, r),
+            Some(fov_y) => (Lens::Perspective { fov_y }, r / ((fov_y / 2.0).tan() * aspect).atan().sin()),
+        };
+        let eye = middle + away * distance as f32;
+        let least = if fov_y.is_some() { r * 1e-3 } else { -r * 1e-3 };
+        Self::look_at([eye, middle, up], lens, [(distance - r).max(least), distance + r], size)
+    }
+
+    /// The same view with a picture of another height in pixels, and of the same shape to a pixel.
+    ///
+    /// # Errors
+    /// If a side has no pixel, or more than [`MOST_PIXELS`].
+    pub fn with_height(&self, height: u32) -> Result<Self, ViewError> {
+        let width = (f64::from(self.size[0]) * f64::from(height) / f64::from(self.size[1])).round() as u32;
+        Self::new(DMat4::from(self.eye_from_world), self.lens, self.depths, [width, height])
+    }
+
+    /// The picture moved by so many pixels to the right and downwards over the scene.
+    pub fn moved_by_pixels(&self, x: f64, y: f64) -> Self {
+        let step = match self.lens {
+            Lens::Orthographic { .. } => DVec3::new(x, -y, 0.0) / self.scale,
+            // Perspective has no such motion; points in the middle of the depths move so.
+            Lens::Perspective { .. } => {
+                DVec3::new(x, -y, 0.0) / self.scale * (self.depths[0] + self.depths[1]) / 2.0
+            }
+        };
+        let moved = DAffine3::from_translation(-step) * self.eye_from_world;
+        Self { eye_from_world: moved, ..*self }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The nearest and the farthest depth.
+    pub fn depths(&self) -> [f64; 2] {
+        self.depths
+    }
+
+    /// The lens.
+    pub fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    /// The rotation and translation from the world into eye space.
+    pub fn eye_from_world(&self) -> DAffine3 {
+        self.eye_from_world
+    }
+
+    /// Whether rays come from one eye.
+    pub fn is_perspective(&self) -> bool {
+        matches!(self.lens, Lens::Perspective { .. })
+    }
+
+    /// A point of the world in eye space.
+    pub fn to_eye(&self, world: Vec3) -> DVec3 {
+        self.eye_from_world.transform_point3(world.as_dvec3())
+    }
+
+    /// A point of eye space in the world.
+    pub fn to_world(&self, eye: Vec3) -> DVec3 {
+        self.eye_from_world.inverse().transform_point3(eye.as_dvec3())
+    }
+
+    /// The side of a pixel at a depth, in units of the scene.
+    pub fn pixel_size(&self, depth: f64) -> f64 {
+        if self.is_perspective() { depth / self.scale } else { 1.0 / self.scale }
+    }
+
+    /// The direction away from the viewer at a point of eye space, of length 1.
+    pub fn away(&self, eye: Vec3) -> Vec3 {
+        let along = if self.is_perspective() { eye.normalize_or(Vec3::NEG_Z) } else { Vec3::NEG_Z };
+        if along.z > 0.0 { Vec3::NEG_Z } else { along }
+    }
+
+    /// How a point of eye space moves along its column when its depth grows by 1.
+    pub fn per_depth(&self, eye: Vec3) -> Vec3 {
+        if self.is_perspective() { eye / -eye.z } else { Vec3::NEG_Z }
+    }
+
+    /// Homogeneous pixel coordinates (x, y, w): the point is at (x / w, y / w) if w > 0.
+    pub(crate) fn project(&self, eye: DVec3) -> DVec3 {
+        let w = if self.is_perspective() { -eye.z } else { 1.0 };
+        let [middle_x, middle_y] = self.size.map(|s| f64::from(s) / 2.0);
+        DVec3::new(middle_x * w + self.scale * eye.x, middle_y * w - self.scale * eye.y, w)
+    }
+
+    /// The pixel that a point of eye space is behind, if it lies in the picture.
+    pub fn pixel(&self, eye: Vec3) -> Option<[u32; 2]> {
+        let p = self.project(eye.as_dvec3());
+        let (x, y) = ((p.x / p.z).floor(), (p.y / p.z).floor());
+        let inside =
+            p.z > 0.0 && x >= 0.0 && y >= 0.0 && x < f64::from(self.size[0]) && y < f64::from(self.size[1]);
+        inside.then_some([x as u32, y as u32])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn singular_views_are_refused_with_the_cause() {
+        let lens = Lens::Orthographic { half_height: 1.0 };
+        let new = |m, lens, depths, size| View::new(m, lens, depths, size).unwrap_err();
+        let (unit, depths) = (DMat4::IDENTITY, [1.0, 2.0]);
+        let mirrored = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+        for bad in [DMat4::ZERO, unit * 2.0, mirrored, DMat4::from_translation(DVec3::NAN)] {
+            assert_eq!(new(bad, lens, depths, [9, 9]), ViewError::NotRigid, "{bad}");
+        }
+        for size in [[0, 9], [9, 0], [MOST_PIXELS + 1, 9]] {
+            assert_eq!(new(unit, lens, depths, size), ViewError::Size(size[0], size[1]));
+        }
+        for value in [0.0, -1.0, f64::INFINITY, 1e-320] {
+            let lens = Lens::Orthographic { half_height: value };
+            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Lens(value));
+        }
+        for fov_y in [0.0, 3.2, f64::INFINITY] {
+            assert_eq!(new(unit, Lens::Perspective { fov_y }, depths, [9, 9]), ViewError::Lens(fov_y));
+        }
+        let eye = Lens::Perspective { fov_y: 1.0 };
+        for (lens, depths) in
+            [(lens, [2.0, 2.0]), (lens, [0.0, 1e300]), (eye, [0.0, 1.0]), (eye, [-1.0, 1.0])]
+        {
+            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Depths(depths[0], depths[1]));
+        }
+        for triple in
+            [[Vec3::X, Vec3::X, Vec3::Y], [Vec3::Y, Vec3::ZERO, Vec3::Y], [Vec3::NAN, Vec3::ZERO, Vec3::Y]]
+        {
+            assert_eq!(View::look_at(triple, lens, depths, [9, 9]), Err(ViewError::NoDirection));
+        }
+    }
+
+    #[test]
+    fn points_are_behind_their_pixels_in_both_lenses() {
+        for (lens, pixel) in [
+            (Lens::Orthographic { half_height: 3.0 }, [9, 2]),
+            (Lens::Perspective { fov_y: 2.0 * 0.5f64.atan() }, [10, 2]),
+        ] {
+            let view =
+                View::look_at([Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y], lens, [1.0, 9.0], [16, 12]).unwrap();
+            let world = Vec3::new(0.8, 1.7 - f32::from(view.is_perspective()) * 0.6, 1.0);
+            let eye = view.to_eye(world);
+            assert_eq!((view.pixel(eye.as_vec3()), eye.z), (Some(pixel), -4.0), "{lens:?}");
+            assert!(view.to_world(eye.as_vec3()).distance(world.as_dvec3()) < 1e-6);
+            let higher = view.with_height(36).unwrap();
+            assert_eq!(higher.size(), [48, 36]);
+            assert!((higher.pixel_size(4.0) * 3.0 - view.pixel_size(4.0)).abs() < 1e-12);
+            let (beside, moved) = (view.to_eye(Vec3::X), view.moved_by_pixels(1.0, 0.0).to_eye(Vec3::X));
+            assert!(((beside - moved).x - view.pixel_size(5.0)).abs() < 1e-12);
+            assert_eq!(view.pixel(Vec3::new(99.0, 0.0, -4.0)), None);
+        }
+    }
+}
