@@ -11,6 +11,7 @@ pub mod coherence;
 mod contender;
 mod front;
 mod machine;
+pub mod points;
 pub mod reach;
 mod report;
 mod scaling;

@@ -305,6 +305,16 @@ impl RayOracle {
         self.blocker(&segment).is_some()
     }
 
+    /// Whether an occluder hides a point of a mesh's triangle. That triangle does not, nor does a hit in the last 1e-6 of the way.
+    pub fn hides_sample(&self, eye: DVec3, point: DVec3, object: usize, triangle: usize) -> bool {
+        let step = point - eye;
+        let own = |part: &Part| (part.object as usize, part.triangle as usize) == (object, triangle);
+        [&self.fixed, &self.moving].into_iter().any(|tree| {
+            let hides = |part: &Part| part.shape.enter(eye, step, false).is_some_and(|t| t < 1.0 - END);
+            tree.any(eye, step, 1.0, |part| !own(part) && hides(part)).is_some()
+        })
+    }
+
     /// The nearest object a ray enters from outside, and the distance in
     /// units of `direction`; the lower index at equal distance.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<(usize, f64)> {
