@@ -7,6 +7,7 @@
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
+//! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 
 mod camera;
@@ -16,6 +17,7 @@ pub mod hull;
 mod numeric;
 #[cfg(test)]
 mod samples;
+pub mod spacing;
 pub mod splat;
 
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};

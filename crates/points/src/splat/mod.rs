@@ -9,6 +9,7 @@ mod squares;
 pub use image::DepthImage;
 
 use crate::camera::Camera;
+use crate::hull::MAX_POINTS;
 use crate::numeric::{SUBPIXELS, to_subpixels};
 use bitvec::vec::BitVec;
 use glam::Vec3;
@@ -102,6 +103,12 @@ pub enum SplatError {
         radii: usize,
         /// The number of points.
         points: usize,
+    },
+    /// There are more points than indices.
+    #[error("{count} points are too many: at most {MAX_POINTS}")]
+    TooMany {
+        /// The number of points.
+        count: usize,
     },
     /// A part that is not from 0 to below 1, or a length that is not from 0 to below infinity.
     #[error("the bias is {bias:?}: a part must be at least 0 and below 1, a length at least 0 and finite")]
