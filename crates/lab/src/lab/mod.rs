@@ -32,7 +32,7 @@ pub use against::against;
 pub use aggressive::aggressive;
 pub use contender::{Contender, FrameInput};
 pub use front::{Cost, distance, front};
-pub use report::{ReportError, write};
+pub use report::{HEAD, ReportError, write};
 pub use scaling::{Reach, scaling, scaling_to};
 pub use section::{Block, Section, Table};
 pub use shadows::shadows;

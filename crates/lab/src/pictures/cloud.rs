@@ -76,7 +76,13 @@ const WHITE: RGBColor = RGBColor(255, 255, 255);
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn cloud(path: &Path, title: &str, subtitle: &str, view: &CloudView, panels: &[CloudPanel]) -> Result<(), PictureError> {
+pub fn cloud(
+    path: &Path,
+    title: &str,
+    subtitle: &str,
+    view: &CloudView,
+    panels: &[CloudPanel],
+) -> Result<(), PictureError> {
     let width = (SIDE + 10) * panels.len().max(2) + 10;
     let mut canvas = Canvas::new(width, HEAD + CAPTION + SIDE + 10, WHITE);
     canvas.text((12.0, 22.0), 25.0, TEXT, title);
@@ -161,7 +167,8 @@ mod tests {
     fn a_picture_is_drawn_for_eyes_anywhere() {
         let path = std::env::temp_dir().join(format!("casca-cloud-{}.png", std::process::id()));
         let points = [Vec3::ZERO, Vec3::ONE, Vec3::NAN, Vec3::splat(1e30)];
-        let fates = [Fate::of(true, true), Fate::of(false, true), Fate::of(true, false), Fate::of(false, false)];
+        let fates =
+            [Fate::of(true, true), Fate::of(false, true), Fate::of(true, false), Fate::of(false, false)];
         let panel = CloudPanel { caption: "a method".to_owned(), fates: fates.to_vec() };
         for eye in [Vec3::ZERO, Vec3::X * 50.0, Vec3::Z * 50.0, Vec3::Z * 4.0] {
             let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 45.0, 1.0, 0.1, 100.0);

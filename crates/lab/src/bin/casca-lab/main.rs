@@ -2,7 +2,7 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `points` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
@@ -11,6 +11,8 @@ mod coherence;
 mod level;
 #[cfg(feature = "experiments")]
 mod page;
+#[cfg(feature = "experiments")]
+mod points;
 mod prepare;
 mod progress;
 #[cfg(feature = "experiments")]
@@ -43,7 +45,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  sight      Times questions about boxes and points\n  report     Runs the experiments and writes the report\n\n"
+     answer them\n  sight      Times questions about boxes and points\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -72,6 +74,8 @@ enum Command {
     Coherence(coherence::Options),
     #[cfg(feature = "experiments")]
     Sight(sight::Options),
+    #[cfg(feature = "experiments")]
+    Points(points::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -103,6 +107,8 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Sight(options) => sight::run(options),
             #[cfg(feature = "experiments")]
+            Self::Points(options) => points::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -133,6 +139,7 @@ mod tests {
             "reach",
             "coherence",
             "sight",
+            "points",
             "report",
             "prepare",
             "level",

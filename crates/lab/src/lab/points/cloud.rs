@@ -114,7 +114,8 @@ impl Cloud {
             DVec3::new(x * (1.0 - z * z).sqrt(), y * (1.0 - z * z).sqrt(), z).as_vec3()
         };
         let look = Look::at(Vec3::new(3.0, 2.0, 1.0), Vec3::ZERO);
-        Self::by_formula("sphere", (0..count).map(at).collect(), look, |p| {
+        let spacing = (4.0 * std::f32::consts::PI / count as f32).sqrt();
+        Self::by_formula("sphere", ((0..count).map(at).collect(), spacing), look, |p| {
             p.dot(look.eye.as_dvec3() - p) > 0.0
         })
     }
@@ -153,7 +154,12 @@ impl Cloud {
         Ok(Self::by_formula("sheets", (points_of(&samples), spacing), look, is_seen))
     }
 
-    fn by_formula(name: &str, (points, spacing): (Vec<Vec3>, f32), look: Look, is_seen: impl Fn(DVec3) -> bool) -> Self {
+    fn by_formula(
+        name: &str,
+        (points, spacing): (Vec<Vec3>, f32),
+        look: Look,
+        is_seen: impl Fn(DVec3) -> bool,
+    ) -> Self {
         let truth = points.iter().map(|p| is_seen(p.as_dvec3())).collect();
         Self { name: name.to_owned(), points, spacing, truth, look }
     }

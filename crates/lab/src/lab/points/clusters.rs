@@ -28,7 +28,8 @@ pub(super) fn clusters(study: &mut Study, radius: f64) -> Result<(), LabError> {
     let hare = study.hare();
     let points = hare.places();
     let of_hull = time(|| by_hull(hare, spherical(radius)).map(|_| ()))?;
-    let heads: Vec<&str> = ["clusters of", "clusters", "way", "log10 R", "time / HPR"].into_iter().chain(COLUMNS).collect();
+    let heads: Vec<&str> =
+        ["clusters of", "clusters", "way", "log10 R", "time / HPR"].into_iter().chain(COLUMNS).collect();
     let mut table = Table::new("points-clusters", &heads);
     let mut errors: [[Vec<(f64, f64)>; 4]; 2] = Default::default();
     let mut of_thesis: Vec<f64> = Vec::new();
@@ -42,7 +43,8 @@ pub(super) fn clusters(study: &mut Study, radius: f64) -> Result<(), LabError> {
                 _ => (radius, Confusion::of(&hare.truth, &ask(radius)?)),
             };
             let share = time(|| ask(log).map(|_| ()))? / of_hull;
-            let cells = [name.clone(), count.to_string(), way.to_owned(), format!("{log:.2}"), format!("{share:.2}")];
+            let cells =
+                [name.clone(), count.to_string(), way.to_owned(), format!("{log:.2}"), format!("{share:.2}")];
             table.row(cells.into_iter().chain(counts.cells()));
             let kind = usize::from(name.starts_with("octree"));
             errors[kind][i].push((count as f64, counts.error()));
@@ -59,10 +61,17 @@ pub(super) fn clusters(study: &mut Study, radius: f64) -> Result<(), LabError> {
         }
     }
     let worst = of_thesis.iter().copied().fold(0.0, f64::max);
-    let title = format!("With the thesis' numbers of clusters and a rescaled radius E is at most {worst:.1}%");
+    let title =
+        format!("With the thesis' numbers of clusters and a rescaled radius E is at most {worst:.1}%");
     let file = "points-clusters.svg";
     let axes = (&Axis::log("clusters for the points of the hare"), &Axis::log("E, percent"));
-    lines(&study.lab.folder.join(file), &title, "Fewer clusters are faster and err more. Dashed: grids.", axes, &drawn)?;
+    lines(
+        &study.lab.folder.join(file),
+        &title,
+        "Fewer clusters are faster and err more. Dashed: grids.",
+        axes,
+        &drawn,
+    )?;
     study.section.text(format!(
         "### Clusters\n\nHPR of one centroid for each cell of a grid or leaf of an octree, on the hare, with log10 R = {radius:.2}. *As given* keeps that radius \
          for the centroids; they are farther apart, so that the far side shows between them. *Rescaled* divides it by the points for each cluster. \
@@ -71,7 +80,12 @@ pub(super) fn clusters(study: &mut Study, radius: f64) -> Result<(), LabError> {
     ));
     study.section.picture(file, &title);
     study.section.table(table);
-    study.target("Grid 37^3 and octree 17 on the hare with the rescaled radius, the worse E", worst, 6.0, "%");
+    study.target(
+        "Grid 37^3 and octree 17 on the hare with the rescaled radius, the worse E",
+        worst,
+        6.0,
+        "%",
+    );
     Ok(())
 }
 

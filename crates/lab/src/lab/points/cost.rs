@@ -38,7 +38,10 @@ fn random(count: usize, seed: u64) -> Result<(Vec<Vec3>, f32), LabError> {
 }
 
 /// Nanoseconds for each point: the median of some runs, after one that does not count if there are several.
-fn nanoseconds(count: usize, mut call: impl FnMut() -> Result<usize, LabError>) -> Result<(f64, usize), LabError> {
+fn nanoseconds(
+    count: usize,
+    mut call: impl FnMut() -> Result<usize, LabError>,
+) -> Result<(f64, usize), LabError> {
     let runs = if count <= REPEATED { 3 } else { 1 };
     let mut found = if runs > 1 { call()? } else { 0 };
     let mut times = Vec::new();
@@ -60,9 +63,13 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
     let look = Look::at(HARE_LOOK.0, HARE_LOOK.1);
     let (camera, eye) = (look.camera(SIZE)?, look.eye.as_dvec3());
     let names = ["HPR", "clusters (octree 17)", "splats, no filter", "splats, max filter"];
-    let mut table = Table::new("points-cost", &["points", "operator", "ns a point", "million points a second", "found visible"]);
+    let mut table = Table::new(
+        "points-cost",
+        &["points", "operator", "ns a point", "million points a second", "found visible"],
+    );
     let mut series: [Vec<(f64, f64)>; 4] = Default::default();
-    let sizes = (0..).map(|i| [10_000, 30_000][i % 2] * 10_usize.pow(i as u32 / 2)).take_while(|&n| n <= splats);
+    let sizes =
+        (0..).map(|i| [10_000, 30_000][i % 2] * 10_usize.pow(i as u32 / 2)).take_while(|&n| n <= splats);
     for count in sizes {
         (study.lab.progress)(&format!("cost: {} points", grouped(count)));
         let (points, spacing) = random(count, study.lab.seed)?;
@@ -71,30 +78,63 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
             let options = SplatOptions { radius: Radius::Same(spacing), bias: THESIS_BIAS, filter };
             Ok(casca_points::splat::visible_points(&points, &camera, &options)?.visible.count_ones())
         };
-        let mut measured = vec![None, None, Some(nanoseconds(count, || splat(Filter::None))?), Some(nanoseconds(count, || splat(Filter::Max))?)];
+        let mut measured = vec![
+            None,
+            None,
+            Some(nanoseconds(count, || splat(Filter::None))?),
+            Some(nanoseconds(count, || splat(Filter::Max))?),
+        ];
         if count <= hulls {
             let places: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-            measured[0] = Some(nanoseconds(count, || Ok(visible_points(&places, eye, spherical(radius))?.count_ones()))?);
+            measured[0] = Some(nanoseconds(count, || {
+                Ok(visible_points(&places, eye, spherical(radius))?.count_ones())
+            })?);
             let octree = Clustering::Octree { max_points: 17 };
-            let ask = || visible_clusters(&places, eye, spherical(radius), octree, ClusterRadius::Rescaled, Passes::One);
+            let ask = || {
+                visible_clusters(
+                    &places,
+                    eye,
+                    spherical(radius),
+                    octree,
+                    ClusterRadius::Rescaled,
+                    Passes::One,
+                )
+            };
             measured[1] = Some(nanoseconds(count, || Ok(ask()?.count_ones()))?);
         }
         for (i, measured) in measured.into_iter().enumerate() {
             let Some((time, found)) = measured else { continue };
-            table.row([count.to_string(), names[i].to_owned(), format!("{time:.2}"), format!("{:.1}", 1e3 / time), found.to_string()]);
+            table.row([
+                count.to_string(),
+                names[i].to_owned(),
+                format!("{time:.2}"),
+                format!("{:.1}", 1e3 / time),
+                found.to_string(),
+            ]);
             series[i].push((count as f64, time));
         }
     }
     let last = |i: usize| series[i].last().copied().unwrap_or_default();
     let title = format!(
         "A point takes {:.0} ns by HPR of {} points and {:.1} ns by splats of {}",
-        last(0).1, grouped(last(0).0 as usize), last(3).1, grouped(last(3).0 as usize)
+        last(0).1,
+        grouped(last(0).0 as usize),
+        last(3).1,
+        grouped(last(3).0 as usize)
     );
-    let drawn: Vec<Line> = series.into_iter().zip(names).enumerate().map(|(i, (s, name))| Line::new(name, other(i), s)).collect();
+    let drawn: Vec<Line> = series
+        .into_iter()
+        .zip(names)
+        .enumerate()
+        .map(|(i, (s, name))| Line::new(name, other(i), s))
+        .collect();
     let axes = (&Axis::log("points"), &Axis::log("nanoseconds a point"));
     let file = "points-cost.svg";
     let threads = rayon::current_num_threads();
-    let subtitle = format!("Random points of the hare. HPR and clusters run on one thread, splats on {threads}, with a picture of {}x{} pixels.", SIZE.0, SIZE.1);
+    let subtitle = format!(
+        "Random points of the hare. HPR and clusters run on one thread, splats on {threads}, with a picture of {}x{} pixels.",
+        SIZE.0, SIZE.1
+    );
     lines(&study.lab.folder.join(file), &title, &subtitle, axes, &drawn)?;
     study.section.text(format!(
         "### Cost\n\nThe time of a point by the number of points, the median of three runs, one run from {} points on. Few points of a splat image pay for its pixels.",

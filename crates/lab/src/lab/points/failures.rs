@@ -26,16 +26,36 @@ struct Case {
 
 fn cases(study: &Study) -> Result<Vec<Case>, LabError> {
     let (lab, calm) = (study.lab, study.hare());
-    let inside = Look { eye: Vec3::new(-0.3, 0.8, 0.0), target: Vec3::new(0.9, 1.5, 0.0), fov: 100.0, depths: (0.02, 10.0) };
+    let inside = Look {
+        eye: Vec3::new(-0.3, 0.8, 0.0),
+        target: Vec3::new(0.9, 1.5, 0.0),
+        fov: 100.0,
+        depths: (0.02, 10.0),
+    };
     let among = Cloud::of_mesh("hare", hare(110), calm.points.len(), lab.seed, inside)?;
     let case = |file, name, cloud, radius| Case { file, name, cloud, radius };
     Ok(vec![
         case("calm", "none", calm.clone(), (0.0, 1.0)),
         case("noise", "noise of 0.3% of the diagonal", calm.noisy(3e-3, lab.seed), (0.0, 1.0)),
-        case("density", "one half thinned to a tenth of its points", calm.filtered(lab.seed, thinned), (0.0, 1.0)),
+        case(
+            "density",
+            "one half thinned to a tenth of its points",
+            calm.filtered(lab.seed, thinned),
+            (0.0, 1.0),
+        ),
         case("inside", "the eye inside the body", among, (0.0, 1.0)),
-        case("tiny", "tiny radius: 10^-2.5 of the best for HPR, a fifth for splats", calm.clone(), (-2.5, 0.2)),
-        case("huge", "huge radius: 10^2 of the best for HPR, ten times for splats", calm.clone(), (2.0, 10.0)),
+        case(
+            "tiny",
+            "tiny radius: 10^-2.5 of the best for HPR, a fifth for splats",
+            calm.clone(),
+            (-2.5, 0.2),
+        ),
+        case(
+            "huge",
+            "huge radius: 10^2 of the best for HPR, ten times for splats",
+            calm.clone(),
+            (2.0, 10.0),
+        ),
     ])
 }
 
@@ -48,7 +68,11 @@ fn answers(case: &Case, log: f64) -> Result<[BitVec; 3], LabError> {
     let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
     let radius = Radius::Same(automatic_radius(&cloud.points)? * case.radius.1);
     let splats = (Bias::World(TOLERANCE * cloud.spacing), Filter::Max);
-    Ok([by_hull(cloud, kernel)?, by_clusters(cloud, kernel, clusters)?, by_splats(cloud, SIZE, radius, splats)?])
+    Ok([
+        by_hull(cloud, kernel)?,
+        by_clusters(cloud, kernel, clusters)?,
+        by_splats(cloud, SIZE, radius, splats)?,
+    ])
 }
 
 /// One table, and one picture for each case.
@@ -67,9 +91,13 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
             let truth = if i == 2 { cloud.truth.clone() & &in_view } else { cloud.truth.clone() };
             let counts = Confusion::of(&truth, &found);
             table.row([case.name.to_owned(), name.to_owned()].into_iter().chain(counts.cells()));
-            let fates = truth.iter().by_vals().zip(found.iter().by_vals()).map(|(t, f)| Fate::of(t, f)).collect();
+            let fates =
+                truth.iter().by_vals().zip(found.iter().by_vals()).map(|(t, f)| Fate::of(t, f)).collect();
             let short = name.split(" (").next().unwrap_or(name);
-            let caption = format!("{short}: {} false visible, {} false hidden", counts.false_visible, counts.false_hidden);
+            let caption = format!(
+                "{short}: {} false visible, {} false hidden",
+                counts.false_visible, counts.false_hidden
+            );
             panels.push(CloudPanel { caption, fates });
         }
         let file = format!("points-failure-{}.png", case.file);
@@ -77,8 +105,13 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
         // From the side, so that both halves show: the one that the eye sees and the other.
         let middle = Vec3::new(0.05, 1.4, 0.0);
         let camera = Camera::look_at(middle + Vec3::new(5.2, 1.4, -3.6), middle, 32.0, 1.0, 0.1, 50.0);
-        let view = CloudView { points: &cloud.points, size: cloud.spacing * 1.15, eye: cloud.look.eye, camera };
-        let subtitle = format!("{} points of a hare, {} of them visible from the eye; looked at from the side.", cloud.points.len(), cloud.truth.count_ones());
+        let view =
+            CloudView { points: &cloud.points, size: cloud.spacing * 1.15, eye: cloud.look.eye, camera };
+        let subtitle = format!(
+            "{} points of a hare, {} of them visible from the eye; looked at from the side.",
+            cloud.points.len(),
+            cloud.truth.count_ones()
+        );
         draw(&study.lab.folder.join(&file), &title, &subtitle, &view, &panels)?;
         pictures.push((file, title));
     }

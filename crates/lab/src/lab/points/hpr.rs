@@ -1,12 +1,15 @@
 //! Hidden point removal: its radius, its kernels, and noise.
 
+use bitvec::vec::BitVec;
 use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius};
 use casca_points::hpr::Kernel;
 use casca_points::spacing::automatic_radius;
 use casca_points::splat::{Filter, Radius};
 
 use super::judge::{COLUMNS, Confusion};
-use super::study::{SIZE, Study, Sweep, THESIS_BIAS, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep};
+use super::study::{
+    SIZE, Study, Sweep, THESIS_BIAS, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
+};
 use crate::lab::{LabError, Table};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
@@ -21,7 +24,9 @@ pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
     for cloud in &study.clouds {
         (study.lab.progress)(&format!("radius of HPR, {}", cloud.name));
         let found = sweep(cloud, &values, |r| by_hull(cloud, spherical(r)))?;
-        let cells = |(r, counts): &(f64, Confusion)| [cloud.name.clone(), format!("{r:.2}")].into_iter().chain(counts.cells());
+        let cells = |(r, counts): &(f64, Confusion)| {
+            [cloud.name.clone(), format!("{r:.2}")].into_iter().chain(counts.cells())
+        };
         found.iter().for_each(|at| rows.row(cells(at)));
         table.row(cells(&best(&found)));
         all.push((cloud.name.clone(), found));
@@ -33,18 +38,26 @@ pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
          visible, and more for narrow places.",
     );
     let file = "points-radius.svg";
-    let title = format!("HPR of the hare errs least at log10 R = {best_radius:.2}: E is {:.2}%", counts.error());
+    let title =
+        format!("HPR of the hare errs least at log10 R = {best_radius:.2}: E is {:.2}%", counts.error());
     let drawn = [
         Line::new("false hidden", other(0), line(&all[0].1, |c| c.percent(c.false_hidden))),
         Line::new("false visible", other(1), line(&all[0].1, |c| c.percent(c.false_visible))),
         Line::new("E, half of their sum", other(2).dashed(), line(&all[0].1, Confusion::error)),
     ];
-    let axes = (&Axis::linear("log10 R"), &Axis { holds: vec![0.01, 100.0], ..Axis::log("percent of the truly visible points") });
+    let axes = (
+        &Axis::linear("log10 R"),
+        &Axis { holds: vec![0.01, 100.0], ..Axis::log("percent of the truly visible points") },
+    );
     let subtitle = "Each kind of error by the radius; without a mark there is no such error.";
     lines(&study.lab.folder.join(file), &title, subtitle, axes, &drawn)?;
     study.section.picture(file, &title);
     let file = "points-radius-clouds.svg";
-    let drawn: Vec<Line> = all.iter().enumerate().map(|(i, (name, s))| Line::new(name, other(i), line(s, Confusion::error))).collect();
+    let drawn: Vec<Line> = all
+        .iter()
+        .enumerate()
+        .map(|(i, (name, s))| Line::new(name, other(i), line(s, Confusion::error)))
+        .collect();
     let least: Vec<String> = all.iter().map(|(name, s)| format!("{name} {:.1}", best(s).0)).collect();
     let title = format!("The best log10 R by cloud: {}", least.join(", "));
     let axes = (&Axis::linear("log10 R"), &Axis::log("E, percent"));
@@ -81,14 +94,19 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
     let sigmas = study.lab.pick(vec![0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2], vec![0.0, 3e-3]);
     let values = steps(0.5, 3.5, study.lab.pick(0.25, 1.0));
     let hare = study.hare();
-    let names = ["HPR, radius as without noise", "HPR, best radius", "octree clusters of 17", "splats, automatic radius"];
+    let names = [
+        "HPR, radius as without noise",
+        "HPR, best radius",
+        "octree clusters of 17",
+        "splats, automatic radius",
+    ];
     let heads: Vec<&str> = ["noise", "method", "parameter"].into_iter().chain(COLUMNS).collect();
     let mut table = Table::new("points-noise", &heads);
     let mut errors: [Vec<(f64, f64)>; 4] = Default::default();
     for sigma in sigmas {
         (study.lab.progress)(&format!("noise of {sigma}"));
         let noisy = hare.noisy(sigma as f32, study.lab.seed);
-        let judge = |found| Confusion::of(&noisy.truth, &found);
+        let judge = |found: BitVec| Confusion::of(&noisy.truth, &found);
         let tuned = best(&sweep(&noisy, &values, |r| by_hull(&noisy, spherical(r)))?);
         let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
         let size = automatic_radius(&noisy.points)?;
@@ -96,7 +114,10 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
             (radius, judge(by_hull(&noisy, spherical(radius))?)),
             tuned,
             (radius, judge(by_clusters(&noisy, spherical(radius), clusters)?)),
-            (f64::from(size), judge(by_splats(&noisy, SIZE, Radius::Same(size), (THESIS_BIAS, Filter::Max))?)),
+            (
+                f64::from(size),
+                judge(by_splats(&noisy, SIZE, Radius::Same(size), (THESIS_BIAS, Filter::Max))?),
+            ),
         ];
         for (i, (parameter, counts)) in answers.iter().enumerate() {
             let cells = [format!("{sigma}"), names[i].to_owned(), format!("{parameter:.4}")];
@@ -107,12 +128,29 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
     let last = |i: usize| errors[i].last().map_or(0.0, |p| p.1);
     let title = format!(
         "With noise of 1% of the diagonal E is {:.0}% for HPR, {:.0}% at the best radius for the noise, {:.0}% for clusters, {:.0}% for splats",
-        last(0), last(1), last(2), last(3)
+        last(0),
+        last(1),
+        last(2),
+        last(3)
     );
-    let drawn: Vec<Line> = errors.into_iter().zip(names).enumerate().map(|(i, (e, name))| Line::new(name, other(i), e)).collect();
-    let axes = (&Axis::log("standard deviation of the noise over the diagonal of the bounding box"), &Axis::linear("E, percent"));
+    let drawn: Vec<Line> = errors
+        .into_iter()
+        .zip(names)
+        .enumerate()
+        .map(|(i, (e, name))| Line::new(name, other(i), e))
+        .collect();
+    let axes = (
+        &Axis::log("standard deviation of the noise over the diagonal of the bounding box"),
+        &Axis::linear("E, percent"),
+    );
     let file = "points-noise.svg";
-    lines(&study.lab.folder.join(file), &title, "E on the hare. The truth is that of the points without noise.", axes, &drawn)?;
+    lines(
+        &study.lab.folder.join(file),
+        &title,
+        "E on the hare. The truth is that of the points without noise.",
+        axes,
+        &drawn,
+    )?;
     study.section.text(
         "### Noise\n\nNoise lifts some points above their neighbours. HPR takes the lowest points, as seen from the eye, for behind the surface, and \
          hides them: nearly all of its errors are false hidden points. A smaller radius does not help against that, a larger one does, up to where the far side \

@@ -43,7 +43,8 @@ fn one_per_pixel(cloud: &Cloud, camera: &Camera, marked: &BitSlice) -> BitVec {
 pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
     let hare = study.hare();
     let sizes = study.lab.pick(vec![SIZE, (1024, 768), (2048, 1536)], vec![SIZE]);
-    let heads: Vec<&str> = ["picture", "filter", "protocol", "R / spacing"].into_iter().chain(COLUMNS).collect();
+    let heads: Vec<&str> =
+        ["picture", "filter", "protocol", "R / spacing"].into_iter().chain(COLUMNS).collect();
     let (mut rows, mut table) = (Table::new("points-splat", &heads), Table::new("points-splat-best", &heads));
     let values = radii_of(study);
     let mut first: Vec<(&str, Sweep)> = Vec::new();
@@ -61,7 +62,12 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
             }
             for (protocol, sweep) in [("all points", &all), ("one per pixel", &single)] {
                 let cells = |(r, counts): &(f64, Confusion)| {
-                    let about = [format!("{}x{}", size.0, size.1), name.to_owned(), protocol.to_owned(), format!("{r:.2}")];
+                    let about = [
+                        format!("{}x{}", size.0, size.1),
+                        name.to_owned(),
+                        protocol.to_owned(),
+                        format!("{r:.2}"),
+                    ];
                     about.into_iter().chain(counts.cells())
                 };
                 sweep.iter().for_each(|at| rows.row(cells(at)));
@@ -80,17 +86,34 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
     let least = |name: &str| first.iter().find(|f| f.0 == name).map_or(f64::NAN, |f| best(&f.1).1.error());
     let title = format!(
         "Splats at 640x480: the least E is {:.2}% with the max filter, {:.2}% without, {:.2}% with the min filter",
-        least("max"), least("none"), least("min")
+        least("max"),
+        least("none"),
+        least("min")
     );
-    let drawn: Vec<Line> = first.iter().enumerate().map(|(i, (name, s))| Line::new(*name, other(i), line(s, Confusion::error))).collect();
+    let drawn: Vec<Line> = first
+        .iter()
+        .enumerate()
+        .map(|(i, (name, s))| Line::new(*name, other(i), line(s, Confusion::error)))
+        .collect();
     let axes = (&Axis::log("half side of the squares, in spacings"), &Axis::log("E, percent"));
     let file = "points-splat.svg";
-    lines(&study.lab.folder.join(file), &title, "Small squares leave gaps, large ones hide what is beside silhouettes.", axes, &drawn)?;
+    lines(
+        &study.lab.folder.join(file),
+        &title,
+        "Small squares leave gaps, large ones hide what is beside silhouettes.",
+        axes,
+        &drawn,
+    )?;
     study.section.picture(file, &title);
     study.section.table(table);
     study.section.rows("All radii as CSV", rows);
     let none = least("none");
-    study.target("Splats at 640x480: least E with the max filter, beside that without", least("max"), none, "%");
+    study.target(
+        "Splats at 640x480: least E with the max filter, beside that without",
+        least("max"),
+        none,
+        "%",
+    );
     Ok(())
 }
 
@@ -98,25 +121,41 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
 pub(super) fn bias(study: &mut Study) -> Result<(), LabError> {
     let hare = study.hare();
     let values = radii_of(study);
-    let ask = |r: f64, bias| by_splats(hare, SIZE, Radius::Same(r as f32 * hare.spacing), (bias, Filter::Max));
+    let ask =
+        |r: f64, bias| by_splats(hare, SIZE, Radius::Same(r as f32 * hare.spacing), (bias, Filter::Max));
     let (radius, _) = best(&sweep(hare, &values, |r| ask(r, THESIS_BIAS))?);
     // The tolerance of a window's part in the middle of the hare, in spacings.
     let (far, middle) = (f64::from(hare.look.depths.1), f64::from(hare.look.eye.distance(hare.look.target)));
-    let in_world = |part: f64| (middle * far / ((1.0 - part) * far + part * middle) - middle) / f64::from(hare.spacing);
+    let in_world =
+        |part: f64| (middle * far / ((1.0 - part) * far + part * middle) - middle) / f64::from(hare.spacing);
     let heads: Vec<&str> = ["tolerance", "value", "in spacings"].into_iter().chain(COLUMNS).collect();
     let mut table = Table::new("points-bias", &heads);
-    let parts = study.lab.pick(vec![0.002, 0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2], vec![0.01, 0.05, 0.15]);
+    let parts = study
+        .lab
+        .pick(vec![0.002, 0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2], vec![0.01, 0.05, 0.15]);
     let window = sweep(hare, &parts, |part| ask(radius, Bias::Window(part as f32)))?;
     let lengths: Vec<f64> = parts.iter().map(|&part| in_world(part)).collect();
     let world = sweep(hare, &lengths, |length| ask(radius, Bias::World(length as f32 * hare.spacing)))?;
     for (part, counts) in &window {
-        table.row(["window".to_owned(), part.to_string(), format!("{:.2}", in_world(*part))].into_iter().chain(counts.cells()));
+        table.row(
+            ["window".to_owned(), part.to_string(), format!("{:.2}", in_world(*part))]
+                .into_iter()
+                .chain(counts.cells()),
+        );
     }
     for (length, counts) in &world {
-        table.row(["world".to_owned(), format!("{length:.2}"), format!("{length:.2}")].into_iter().chain(counts.cells()));
+        table.row(
+            ["world".to_owned(), format!("{length:.2}"), format!("{length:.2}")]
+                .into_iter()
+                .chain(counts.cells()),
+        );
     }
     let best_world = best(&world);
-    let title = format!("The tolerance matters as much as the radius: E is least at {:.0} spacings, {:.2}%", best_world.0, best_world.1.error());
+    let title = format!(
+        "The tolerance matters as much as the radius: E is least at {:.0} spacings, {:.2}%",
+        best_world.0,
+        best_world.1.error()
+    );
     let window: Sweep = window.into_iter().map(|(part, counts)| (in_world(part), counts)).collect();
     let drawn = [
         Line::new("part of the window's depth", other(0), line(&window, Confusion::error)),
@@ -124,9 +163,18 @@ pub(super) fn bias(study: &mut Study) -> Result<(), LabError> {
         Line::new("world: false hidden", other(2), line(&world, |c| c.percent(c.false_hidden))),
         Line::new("world: false visible", other(3), line(&world, |c| c.percent(c.false_visible))),
     ];
-    let axes = (&Axis::log("tolerance in the middle of the hare, in spacings"), &Axis::log("percent of the truly visible points"));
+    let axes = (
+        &Axis::log("tolerance in the middle of the hare, in spacings"),
+        &Axis::log("percent of the truly visible points"),
+    );
     let file = "points-bias.svg";
-    lines(&study.lab.folder.join(file), &title, "E, and both kinds of errors, by the tolerance; 640x480, max filter.", axes, &drawn)?;
+    lines(
+        &study.lab.folder.join(file),
+        &title,
+        "E, and both kinds of errors, by the tolerance; 640x480, max filter.",
+        axes,
+        &drawn,
+    )?;
     study.section.text(format!(
         "### Splats: the tolerance\n\nThe thesis' 0.05 of the window's depth is {:.1} spacings in the middle of the hare; it changes with the far plane and with the \
          distance. A length in the world does not. Squares have a half side of {radius:.2} spacings.",
@@ -147,7 +195,8 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
     };
     let mut clouds: Vec<Cloud> = study.clouds.iter().map(in_view).collect::<Result<_, _>>()?;
     clouds.push(Cloud { name: "hare, one half thinned to a tenth".to_owned(), ..uneven });
-    let heads: Vec<&str> = ["cloud, points in view", "radius", "R / spacing"].into_iter().chain(COLUMNS).collect();
+    let heads: Vec<&str> =
+        ["cloud, points in view", "radius", "R / spacing"].into_iter().chain(COLUMNS).collect();
     let mut table = Table::new("points-automatic", &heads);
     let values = radii_of(study);
     let mut ratios = Vec::new();

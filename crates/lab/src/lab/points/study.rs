@@ -51,7 +51,12 @@ impl<'a> Study<'a> {
     /// Notes a figure that should be at most a bound.
     pub fn target(&mut self, figure: &str, measured: f64, most: f64, unit: &str) {
         let met = if measured <= most { "yes" } else { "no" };
-        let row = [figure.to_owned(), format!("{measured:.2}{unit}"), format!("at most {most:.2}{unit}"), met.to_owned()];
+        let row = [
+            figure.to_owned(),
+            format!("{measured:.2}{unit}"),
+            format!("at most {most:.2}{unit}"),
+            met.to_owned(),
+        ];
         self.targets.row(row);
     }
 
