@@ -25,7 +25,7 @@ except ImportError as why:
     open3d = None
     print(f"skipped: Open3D cannot be loaded ({why})")
 
-LOG10_RADIUS = 2.75
+LOG10_RADIUS = 3.0
 
 
 def by_open3d(points):

@@ -8,6 +8,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use casca_lab::lab::points::cloud::Cloud;
+use casca_lab::lab::points::hare::hare;
 use casca_points::hpr::{Kernel, visible_points};
 use glam::DVec3;
 
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn cloud(name: &str, count: usize) -> Result<Vec<DVec3>, Box<dyn Error>> {
     let cloud = match name {
         "sphere" => Cloud::sphere(count),
-        "hare" => Cloud::hare(count, 1).map_err(|e| e.to_string())?,
+        "hare" => Cloud::of_mesh("hare", hare(110), count, 1, Cloud::hare(1000).look).map_err(|e| e.to_string())?,
         "scan" => return Ok(scan(count)),
         _ => return Err(format!("no cloud has the name {name}").into()),
     };

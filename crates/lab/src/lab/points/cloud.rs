@@ -63,16 +63,32 @@ pub struct Cloud {
     pub look: Look,
 }
 
-/// The eye that looks at the hare.
-pub const HARE_LOOK: (Vec3, Vec3) = (Vec3::new(3.6, 3.3, 4.2), Vec3::new(0.05, 1.4, 0.0));
+/// The vertices of the hare by the square of its cells.
+const VERTICES: f64 = 1.836;
+
+/// The middle of the hare.
+pub const MIDDLE: Vec3 = Vec3::new(0.05, 1.4, 0.0);
 
 impl Cloud {
-    /// The hare with this many points.
-    ///
-    /// # Errors
-    /// Never: the hare has an area.
-    pub fn hare(count: usize, seed: u64) -> Result<Self, LabError> {
-        Self::of_mesh("hare", hare(110), count, seed, Look::at(HARE_LOOK.0, HARE_LOOK.1))
+    /// The vertices of the hare's mesh, about as many as asked for, seen from in front.
+    pub fn hare(count: usize) -> Self {
+        Self::hare_from(count, Look::at(Vec3::new(3.6, 3.3, 4.2), MIDDLE))
+    }
+
+    /// The same seen from elsewhere.
+    pub fn hare_from(count: usize, look: Look) -> Self {
+        let cells = (count as f64 / VERTICES).sqrt().round() as u32;
+        Self::of_vertices("hare", hare(cells), look)
+    }
+
+    /// The vertices of a mesh, judged by rays at its triangles; those around a vertex do not hide it.
+    pub fn of_vertices(name: &str, mesh: Mesh, look: Look) -> Self {
+        let (points, area) = (mesh.positions.clone(), Sampler::new(&mesh).map_or(0.0, |s| s.area()));
+        let triangles = mesh.triangles.clone();
+        let truth =
+            seen_on_mesh(mesh, &points, look.eye, |i, triangle| triangles[triangle].contains(&(i as u32)));
+        let spacing = (area / points.len().max(1) as f64).sqrt() as f32;
+        Self { name: name.to_owned(), points, spacing, truth, look }
     }
 
     /// Even samples of a mesh, judged by rays.
@@ -81,8 +97,10 @@ impl Cloud {
     /// If the mesh has no area.
     pub fn of_mesh(name: &str, mesh: Mesh, count: usize, seed: u64, look: Look) -> Result<Self, LabError> {
         let (samples, spacing) = samples(&mesh, count, seed)?;
-        let truth = seen_on_mesh(mesh, &samples, look.eye);
-        Ok(Self { name: name.to_owned(), points: points_of(&samples), spacing, truth, look })
+        let points = points_of(&samples);
+        let truth =
+            seen_on_mesh(mesh, &points, look.eye, |i, triangle| samples[i].triangle as usize == triangle);
+        Ok(Self { name: name.to_owned(), points, spacing, truth, look })
     }
 
     /// All triangles of a glTF file, seen from its camera at the first frame.
@@ -217,13 +235,15 @@ fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
     Mesh { positions, triangles: mesh.triangles.clone() }
 }
 
-/// Whether the eye sees each sample of a mesh: no other triangle is between them.
-fn seen_on_mesh(mesh: Mesh, samples: &[Sample], eye: Vec3) -> BitVec {
+/// Whether the eye sees each point of a mesh: no triangle is between them but those that are the point's own.
+fn seen_on_mesh(mesh: Mesh, points: &[Vec3], eye: Vec3, own: impl Fn(usize, usize) -> bool + Sync) -> BitVec {
     let shape = Shape::Mesh { mesh: Arc::new(mesh), transform: Affine3A::IDENTITY };
     let object = Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
     let rays = RayOracle::new(&[object]);
-    let is_seen = |s: &Sample| !rays.hides_sample(eye.as_dvec3(), s.point.as_dvec3(), 0, s.triangle as usize);
-    let seen: Vec<bool> = samples.par_iter().map(is_seen).collect();
+    let is_seen = |(i, p): (usize, &Vec3)| {
+        !rays.hides_point(eye.as_dvec3(), p.as_dvec3(), 0, |triangle| own(i, triangle))
+    };
+    let seen: Vec<bool> = points.par_iter().enumerate().map(is_seen).collect();
     seen.into_iter().collect()
 }
 
@@ -234,7 +254,8 @@ mod tests {
 
     /// The truth by rays, at a mesh, beside that of a formula.
     fn compared(cloud: &Cloud, mesh: Mesh, samples: &[Sample]) -> Confusion {
-        Confusion::of(&cloud.truth, &seen_on_mesh(mesh, samples, cloud.look.eye))
+        let own = |i: usize, triangle| samples[i].triangle as usize == triangle;
+        Confusion::of(&cloud.truth, &seen_on_mesh(mesh, &points_of(samples), cloud.look.eye, own))
     }
 
     #[test]
@@ -272,7 +293,12 @@ mod tests {
     fn the_hare_is_closed_and_has_hollows_and_its_samples_are_even() {
         let mesh = hare(60);
         assert!(mesh.is_closed() && mesh.triangles.len() > 10_000, "{}", mesh.triangles.len());
-        let cloud = Cloud::hare(3000, 1).unwrap();
+        let vertices = Cloud::hare(9000);
+        assert!((8800..9200).contains(&vertices.points.len()), "{}", vertices.points.len());
+        // A triangle of a limb faces the eye or not; its vertices belong to others, too.
+        let share = vertices.truth.count_ones() as f64 / vertices.points.len() as f64;
+        assert!((0.36..0.46).contains(&share), "{share}");
+        let cloud = Cloud::of_mesh("hare", mesh, 3000, 1, Cloud::hare(100).look).unwrap();
         assert_eq!(cloud.points.len(), 3000);
         // A convex body shows less than half of itself; one with hollows shows still less, and hides parts that face the eye.
         let seen = cloud.truth.count_ones();

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::Effort;
-use super::cloud::{HARE_LOOK, Look};
+use super::cloud::Cloud;
 use super::hare::hare;
 use super::sample::Sampler;
 use super::study::{Study, THESIS_BIAS, spherical};
@@ -60,7 +60,7 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
         Effort::Short => (1_000_000, 10_000_000),
         Effort::Full => (10_000_000, 100_000_000),
     };
-    let look = Look::at(HARE_LOOK.0, HARE_LOOK.1);
+    let look = Cloud::hare(1000).look;
     let (camera, eye) = (look.camera(SIZE)?, look.eye.as_dvec3());
     let names = ["HPR", "clusters (octree 17)", "splats, no filter", "splats, max filter"];
     let mut table = Table::new(

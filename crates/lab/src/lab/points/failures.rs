@@ -6,11 +6,10 @@ use casca_points::spacing::automatic_radius;
 use casca_points::splat::{Bias, Filter, Radius};
 use glam::Vec3;
 
-use super::cloud::{Cloud, Look};
-use super::hare::hare;
+use super::cloud::{Cloud, Look, MIDDLE};
 use super::judge::{COLUMNS, Confusion};
-use super::splat::{TOLERANCE, thinned};
-use super::study::{SIZE, Study, by_clusters, by_hull, by_splats, spherical};
+use super::splat::thinned;
+use super::study::{SIZE, Study, TOLERANCE, by_clusters, by_hull, by_splats, spherical};
 use crate::lab::{LabError, Table};
 use crate::pictures::{CloudPanel, CloudView, Fate, cloud as draw};
 use crate::world::Camera;
@@ -32,7 +31,7 @@ fn cases(study: &Study) -> Result<Vec<Case>, LabError> {
         fov: 100.0,
         depths: (0.02, 10.0),
     };
-    let among = Cloud::of_mesh("hare", hare(110), calm.points.len(), lab.seed, inside)?;
+    let among = Cloud::hare_from(calm.points.len(), inside);
     let case = |file, name, cloud, radius| Case { file, name, cloud, radius };
     Ok(vec![
         case("calm", "none", calm.clone(), (0.0, 1.0)),
@@ -86,7 +85,7 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
         // Splats are judged by the points in the picture.
         let camera = cloud.look.camera(SIZE)?;
         let in_view: BitVec = cloud.points.iter().map(|&p| camera.project(p).is_some()).collect();
-        let mut panels = Vec::new();
+        let (mut panels, mut errors) = (Vec::new(), Vec::new());
         for (i, (name, found)) in OPERATORS.into_iter().zip(answers(&case, radius)?).enumerate() {
             let truth = if i == 2 { cloud.truth.clone() & &in_view } else { cloud.truth.clone() };
             let counts = Confusion::of(&truth, &found);
@@ -99,12 +98,12 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
                 counts.false_visible, counts.false_hidden
             );
             panels.push(CloudPanel { caption, fates });
+            errors.push(format!("{:.0}% for {short}", counts.error()));
         }
         let file = format!("points-failure-{}.png", case.file);
-        let title = format!("Stress: {}", case.name);
+        let title = format!("Stress: {}. E is {}", case.name, errors.join(", "));
         // From the side, so that both halves show: the one that the eye sees and the other.
-        let middle = Vec3::new(0.05, 1.4, 0.0);
-        let camera = Camera::look_at(middle + Vec3::new(5.2, 1.4, -3.6), middle, 32.0, 1.0, 0.1, 50.0);
+        let camera = Camera::look_at(MIDDLE + Vec3::new(5.2, 1.4, -3.6), MIDDLE, 32.0, 1.0, 0.1, 50.0);
         let view =
             CloudView { points: &cloud.points, size: cloud.spacing * 1.15, eye: cloud.look.eye, camera };
         let subtitle = format!(

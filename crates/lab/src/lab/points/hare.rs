@@ -48,7 +48,7 @@ fn distance(p: Vec3) -> f32 {
     })
 }
 
-/// The hare as a closed mesh with `cells` cells along its height of 3.2: about `5 cells^2` triangles of even size.
+/// The hare as a closed mesh with `cells` cells along its height of 3.2: about `3.7 cells^2` triangles of even size.
 pub fn hare(cells: u32) -> Mesh {
     surface(distance, LOW, HIGH, (HIGH.y - LOW.y) / cells.clamp(8, 1000) as f32)
 }

@@ -4,11 +4,11 @@ use bitvec::vec::BitVec;
 use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius};
 use casca_points::hpr::Kernel;
 use casca_points::spacing::automatic_radius;
-use casca_points::splat::{Filter, Radius};
+use casca_points::splat::{Bias, Filter, Radius};
 
 use super::judge::{COLUMNS, Confusion};
 use super::study::{
-    SIZE, Study, Sweep, THESIS_BIAS, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
+    SIZE, Study, Sweep, TOLERANCE, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
 };
 use crate::lab::{LabError, Table};
 use crate::pictures::palette::other;
@@ -34,8 +34,7 @@ pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
     let (best_radius, counts) = best(&all[0].1);
     study.section.text(
         "### HPR: the radius\n\nA small radius hides points in hollows, a large one lets points of the far side through the gaps between points. The \
-         table has the best radius of each cloud. Inside a room nearly all walls face the eye; there the radius matters less for what is falsely \
-         visible, and more for narrow places.",
+         table has the best radius of each cloud.",
     );
     let file = "points-radius.svg";
     let title =
@@ -110,14 +109,12 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         let tuned = best(&sweep(&noisy, &values, |r| by_hull(&noisy, spherical(r)))?);
         let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
         let size = automatic_radius(&noisy.points)?;
+        let tolerance = Bias::World(TOLERANCE * noisy.spacing);
         let answers = [
             (radius, judge(by_hull(&noisy, spherical(radius))?)),
             tuned,
             (radius, judge(by_clusters(&noisy, spherical(radius), clusters)?)),
-            (
-                f64::from(size),
-                judge(by_splats(&noisy, SIZE, Radius::Same(size), (THESIS_BIAS, Filter::Max))?),
-            ),
+            (f64::from(size), judge(by_splats(&noisy, SIZE, Radius::Same(size), (tolerance, Filter::Max))?)),
         ];
         for (i, (parameter, counts)) in answers.iter().enumerate() {
             let cells = [format!("{sigma}"), names[i].to_owned(), format!("{parameter:.4}")];
@@ -152,9 +149,8 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         &drawn,
     )?;
     study.section.text(
-        "### Noise\n\nNoise lifts some points above their neighbours. HPR takes the lowest points, as seen from the eye, for behind the surface, and \
-         hides them: nearly all of its errors are false hidden points. A smaller radius does not help against that, a larger one does, up to where the far side \
-         shows. Splats forgive noise within their tolerance.",
+        "### Noise\n\nNoise lifts points off the surface. HPR finds those hidden that end up behind their neighbours. Splats have a tolerance of 3 spacings \
+         in the world, and the radius of the noisy points, which grows with the noise.",
     );
     study.section.picture(file, &title);
     study.section.table(table);

@@ -62,15 +62,19 @@ pub fn points(lab: &Lab, effort: Effort) -> Result<Section, LabError> {
 /// The clouds: the hare, shapes with formulas, and the lab's files.
 fn clouds(lab: &Lab) -> Result<Vec<Cloud>, LabError> {
     let count = lab.pick(20_000, 2000);
+    let hare = Cloud::hare(lab.pick(30_000, 3000));
+    let mesh = hare::hare(lab.pick(110, 40));
+    let sampled = Cloud::of_mesh("hare, sampled", mesh, hare.points.len(), lab.seed, hare.look)?;
     let mut clouds = vec![
-        Cloud::hare(lab.pick(30_000, 3000), lab.seed)?,
+        hare,
+        sampled,
         Cloud::sphere(count),
         Cloud::cube(count, lab.seed)?,
         Cloud::sheets(count, lab.seed)?,
     ];
     for file in &lab.files {
         (lab.progress)(&format!("rays at {}", file.display()));
-        clouds.push(Cloud::of_file(file, lab.pick(100_000, 3000), lab.seed)?);
+        clouds.push(Cloud::of_file(file, lab.pick(400_000, 3000), lab.seed)?);
     }
     Ok(clouds)
 }

@@ -10,7 +10,7 @@ use casca_points::splat::{Bias, Filter, Radius};
 
 use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
-use super::study::{SIZE, Study, Sweep, THESIS_BIAS, best, by_splats, line, steps, sweep};
+use super::study::{SIZE, Study, Sweep, THESIS_BIAS, TOLERANCE, best, by_splats, line, steps, sweep};
 use crate::lab::{LabError, Table};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
@@ -109,7 +109,7 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
     study.section.rows("All radii as CSV", rows);
     let none = least("none");
     study.target(
-        "Splats at 640x480: least E with the max filter, beside that without",
+        "Splats at 640x480 with the thesis' tolerance: least E with the max filter, beside that without",
         least("max"),
         none,
         "%",
@@ -117,71 +117,67 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
     Ok(())
 }
 
-/// Errors against the tolerance, in depths of the window and in the world.
+/// Errors against the tolerance, in depths of the window and in the world, each at the best radius.
 pub(super) fn bias(study: &mut Study) -> Result<(), LabError> {
     let hare = study.hare();
     let values = radii_of(study);
-    let ask =
-        |r: f64, bias| by_splats(hare, SIZE, Radius::Same(r as f32 * hare.spacing), (bias, Filter::Max));
-    let (radius, _) = best(&sweep(hare, &values, |r| ask(r, THESIS_BIAS))?);
     // The tolerance of a window's part in the middle of the hare, in spacings.
     let (far, middle) = (f64::from(hare.look.depths.1), f64::from(hare.look.eye.distance(hare.look.target)));
-    let in_world =
+    let in_spacings =
         |part: f64| (middle * far / ((1.0 - part) * far + part * middle) - middle) / f64::from(hare.spacing);
-    let heads: Vec<&str> = ["tolerance", "value", "in spacings"].into_iter().chain(COLUMNS).collect();
-    let mut table = Table::new("points-bias", &heads);
     let parts = study
         .lab
-        .pick(vec![0.002, 0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.2], vec![0.01, 0.05, 0.15]);
-    let window = sweep(hare, &parts, |part| ask(radius, Bias::Window(part as f32)))?;
-    let lengths: Vec<f64> = parts.iter().map(|&part| in_world(part)).collect();
-    let world = sweep(hare, &lengths, |length| ask(radius, Bias::World(length as f32 * hare.spacing)))?;
-    for (part, counts) in &window {
-        table.row(
-            ["window".to_owned(), part.to_string(), format!("{:.2}", in_world(*part))]
-                .into_iter()
-                .chain(counts.cells()),
-        );
+        .pick(vec![0.005, 0.01, 0.015, 0.02, 0.025, 0.035, 0.05, 0.075, 0.1, 0.15], vec![0.02, 0.05]);
+    let heads: Vec<&str> =
+        ["tolerance", "filter", "in spacings", "R / spacing"].into_iter().chain(COLUMNS).collect();
+    let mut table = Table::new("points-bias", &heads);
+    let mut drawn = Vec::new();
+    let mut least: Vec<(f64, Confusion)> = Vec::new();
+    let ways = [("window", Filter::Max), ("world", Filter::Max), ("world", Filter::None)];
+    for (i, (way, filter)) in ways.into_iter().enumerate() {
+        let name = FILTERS.iter().find(|f| f.1 == filter).map_or("", |f| f.0);
+        let mut errors = Sweep::new();
+        for &part in &parts {
+            (study.lab.progress)(&format!("tolerance of splats: {way}, {name}, {part}"));
+            let length = in_spacings(part);
+            let bias = match way {
+                "window" => Bias::Window(part as f32),
+                _ => Bias::World(length as f32 * hare.spacing),
+            };
+            let ask = |r: f64| by_splats(hare, SIZE, Radius::Same(r as f32 * hare.spacing), (bias, filter));
+            let (radius, counts) = best(&sweep(hare, &values, ask)?);
+            let value = if way == "window" { format!("window {part}") } else { "world".to_owned() };
+            let cells = [value, name.to_owned(), format!("{length:.2}"), format!("{radius:.2}")];
+            table.row(cells.into_iter().chain(counts.cells()));
+            errors.push((length, counts));
+        }
+        let style = if way == "world" { other(i) } else { other(i).dashed() };
+        drawn.push(Line::new(format!("{way}, filter {name}"), style, line(&errors, Confusion::error)));
+        least.push(best(&errors));
     }
-    for (length, counts) in &world {
-        table.row(
-            ["world".to_owned(), format!("{length:.2}"), format!("{length:.2}")]
-                .into_iter()
-                .chain(counts.cells()),
-        );
-    }
-    let best_world = best(&world);
+    let [(_, window), (length, with), (_, without)] = least[..] else { return Ok(()) };
     let title = format!(
-        "The tolerance matters as much as the radius: E is least at {:.0} spacings, {:.2}%",
-        best_world.0,
-        best_world.1.error()
+        "The tolerance matters as much as the radius: E is least at {length:.1} spacings, {:.2}% with the max filter and {:.2}% without",
+        with.error(),
+        without.error()
     );
-    let window: Sweep = window.into_iter().map(|(part, counts)| (in_world(part), counts)).collect();
-    let drawn = [
-        Line::new("part of the window's depth", other(0), line(&window, Confusion::error)),
-        Line::new("length in the world", other(1).dashed(), line(&world, Confusion::error)),
-        Line::new("world: false hidden", other(2), line(&world, |c| c.percent(c.false_hidden))),
-        Line::new("world: false visible", other(3), line(&world, |c| c.percent(c.false_visible))),
-    ];
-    let axes = (
-        &Axis::log("tolerance in the middle of the hare, in spacings"),
-        &Axis::log("percent of the truly visible points"),
-    );
+    let axes = (&Axis::log("tolerance in the middle of the hare, in spacings"), &Axis::log("E, percent"));
     let file = "points-bias.svg";
-    lines(
-        &study.lab.folder.join(file),
-        &title,
-        "E, and both kinds of errors, by the tolerance; 640x480, max filter.",
-        axes,
-        &drawn,
-    )?;
+    let subtitle = "E by the tolerance, at the best radius for each; 640x480.";
+    lines(&study.lab.folder.join(file), &title, subtitle, axes, &drawn)?;
     study.section.text(format!(
-        "### Splats: the tolerance\n\nThe thesis' 0.05 of the window's depth is {:.1} spacings in the middle of the hare; it changes with the far plane and with the \
-         distance. A length in the world does not. Squares have a half side of {radius:.2} spacings.",
-        in_world(0.05)
+        "### Splats: the tolerance\n\nThe thesis' 0.05 of the window's depth is {:.1} spacings in the middle of the hare, more than is good for it; the best part gives {:.2}%. A part \
+         changes with the far plane and with the distance, a length in the world does not. Each row has the best of {} radii.",
+        in_spacings(0.05), window.error(), values.len()
     ));
     study.section.picture(file, &title);
     study.section.table(table);
+    study.target(
+        "Splats at 640x480 with the best tolerance: least E with the max filter, beside that without",
+        with.error(),
+        without.error(),
+        "%",
+    );
     Ok(())
 }
 
@@ -230,9 +226,6 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
     study.section.table(table);
     Ok(())
 }
-
-/// The tolerance in spacings where near and far planes are not those of the thesis.
-pub(super) const TOLERANCE: f32 = 6.0;
 
 /// Keeps one in ten of the points of one half.
 pub(super) fn thinned(p: glam::Vec3, random: &mut rand_pcg::Pcg64Mcg) -> bool {
