@@ -173,7 +173,10 @@ fn check(points: &[Vec3], options: &SplatOptions) -> Result<(), SplatError> {
             return Err(SplatError::Radii { radii: radii.len(), points: points.len() });
         }
         Radius::Each(radii) => {
-            if let Some(index) = radii.par_iter().position_first(|&radius| !good(radius)) {
+            let all_good = radii
+                .par_chunks(TASK)
+                .all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
+            if !all_good && let Some(index) = radii.iter().position(|&radius| !good(radius)) {
                 return Err(SplatError::Radius { index, radius: radii[index] });
             }
         }
@@ -186,31 +189,42 @@ fn check(points: &[Vec3], options: &SplatOptions) -> Result<(), SplatError> {
     }
 }
 
-/// Points of a block in the picture.
+/// Where points of a block are in the picture.
 struct Block {
-    /// In 1/256 of a pixel; no use for points of the depth infinity.
+    /// In 1/256 of a pixel; 0 for points outside.
     x: [i32; BLOCK],
     y: [i32; BLOCK],
-    /// Infinity for points that are not in the picture.
+    /// NaN for points outside, which is neither nearer nor farther than any depth.
     depth: [f32; BLOCK],
 }
 
 impl Block {
-    /// Up to `BLOCK` points.
     #[inline(always)]
     fn new(points: &[Vec3], camera: &Camera) -> Self {
-        let mut block = Self { x: [0; BLOCK], y: [0; BLOCK], depth: [f32::INFINITY; BLOCK] };
+        if let Ok(all) = points.try_into() {
+            return Self::of_all(all, camera);
+        }
+        // The eye is not in the picture.
+        let mut some = [camera.eye(); BLOCK];
+        some.iter_mut().zip(points).for_each(|(to, &from)| *to = from);
+        Self::of_all(&some, camera)
+    }
+
+    /// Without a branch, for vector instructions.
+    #[inline(always)]
+    fn of_all(points: &[Vec3; BLOCK], camera: &Camera) -> Self {
+        let mut block = Self { x: [0; BLOCK], y: [0; BLOCK], depth: [f32::NAN; BLOCK] };
         let (near, far) = camera.depths();
         let (width, height) = camera.size();
         let (width, height) = ((width * SUBPIXELS) as i32, (height * SUBPIXELS) as i32);
-        for (i, &p) in points.iter().enumerate().take(BLOCK) {
+        for (i, &p) in points.iter().enumerate() {
             let at = camera.place(p);
             let (x, y) = (to_subpixels(at.x), to_subpixels(at.y));
             let inside = (x >= 0) & (x < width) & (y >= 0) & (y < height);
             let seen = (at.depth >= near) & (at.depth <= far) & inside;
-            block.x[i] = x;
-            block.y[i] = y;
-            block.depth[i] = if seen { at.depth } else { f32::INFINITY };
+            block.x[i] = if seen { x } else { 0 };
+            block.y[i] = if seen { y } else { 0 };
+            block.depth[i] = if seen { at.depth } else { f32::NAN };
         }
         block
     }
@@ -219,39 +233,30 @@ impl Block {
 /// Draws the squares of a block, of which `first` is the first point's index. Says whether all coordinates are finite.
 fn draw(squares: &Squares, points: &[Vec3], first: usize, camera: &Camera, radius: Radius) -> bool {
     let block = Block::new(points, camera);
-    let mut half = [0; BLOCK];
     let scale = camera.pixels_per_tangent();
-    match radius {
-        Radius::Same(radius) => {
-            let scale = radius * scale;
-            for (half, depth) in half.iter_mut().zip(&block.depth) {
-                *half = squares::half_side(scale / depth);
-            }
+    let half = match radius {
+        Radius::Same(radius) => block.depth.map(|depth| squares::half_side(radius * scale / depth)),
+        Radius::Each(all) => {
+            let mut radii = [0.0; BLOCK];
+            radii.iter_mut().zip(&all[first..]).for_each(|(to, &from)| *to = from);
+            std::array::from_fn(|i| squares::half_side(radii[i] * scale / block.depth[i]))
         }
-        Radius::Each(radii) => {
-            for ((half, depth), radius) in half.iter_mut().zip(&block.depth).zip(&radii[first..]) {
-                *half = squares::half_side(radius * scale / depth);
-            }
-        }
-    }
-    for (i, half) in half.into_iter().enumerate() {
-        if block.depth[i] < f32::INFINITY {
-            squares.draw(block.x[i], block.y[i], half, block.depth[i]);
-        }
-    }
+    };
+    squares.draw(&block.x, &block.y, &half, &block.depth);
     // Zero times a coordinate is NaN if it is not finite.
-    points.iter().map(|p| p.x * 0.0 + p.y * 0.0 + p.z * 0.0).sum::<f32>() == 0.0
+    points.iter().fold(true, |all, p| all & (p.x * 0.0 + p.y * 0.0 + p.z * 0.0 == 0.0))
 }
 
 /// A bit for each point of a block: whether it is not beyond the limits.
 fn test(limits: &DepthImage, points: &[Vec3], camera: &Camera) -> usize {
     let block = Block::new(points, camera);
+    let width = camera.size().0;
+    let pixel: [u32; BLOCK] =
+        std::array::from_fn(|i| block.y[i] as u32 / SUBPIXELS * width + block.x[i] as u32 / SUBPIXELS);
     let mut bits = 0;
-    for i in 0..points.len().min(BLOCK) {
-        let seen = block.depth[i] < f32::INFINITY;
-        let (x, y) = (block.x[i] as u32 / SUBPIXELS, block.y[i] as u32 / SUBPIXELS);
-        let visible = seen && limits.get(x, y).is_some_and(|limit| block.depth[i] <= limit);
-        bits |= usize::from(visible) << i;
+    for (i, &pixel) in pixel.iter().enumerate() {
+        let limit = limits.depths.get(pixel as usize).copied().unwrap_or(0.0);
+        bits |= usize::from(block.depth[i] <= limit) << i;
     }
     bits
 }

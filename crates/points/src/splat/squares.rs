@@ -19,8 +19,8 @@ const LEVELS: usize = 11;
 /// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in pixels.
 #[inline(always)]
 pub(super) fn half_side(pixels: f32) -> i32 {
-    // A point always covers its own pixel.
-    to_subpixels((pixels - 0.5).clamp(0.0, MOST))
+    // A point always covers its own pixel. NaN is the size of points outside the picture.
+    to_subpixels(if pixels > 0.5 { (pixels - 0.5).min(MOST) } else { 0.0 })
 }
 
 /// Squares that grow into a depth image. Any thread may draw at any time: the minimum does not depend on the order.
@@ -46,15 +46,10 @@ impl Level {
         Self { border: border as i32, width, depths }
     }
 
+    /// The depth of a square by its upper left pixel.
     #[inline(always)]
-    fn lower(&self, x: i32, y: i32, depth: u32) {
-        let index = (y + self.border) as usize * self.width + (x + self.border) as usize;
-        // Reading is far cheaper than writing, and most points are behind others.
-        if let Some(old) = self.depths.get(index)
-            && depth < old.load(Relaxed)
-        {
-            old.fetch_min(depth, Relaxed);
-        }
+    fn depth(&self, x: i32, y: i32) -> &AtomicU32 {
+        &self.depths[(y + self.border) as usize * self.width + (x + self.border) as usize]
     }
 
     fn into_depths(self) -> Depths {
@@ -92,23 +87,37 @@ impl Squares {
         Self { size, levels: Default::default() }
     }
 
-    /// Draws the square around a point in the picture; all lengths in 1/256 of a pixel.
+    /// Draws squares around points in the picture, all lengths in 1/256 of a pixel. Does nothing for depths of NaN.
     #[inline(always)]
-    pub fn draw(&self, x: i32, y: i32, half: i32, depth: f32) {
-        let (depth, one) = (depth.to_bits(), SUBPIXELS as i32);
-        let [left, right, top, bottom] = [x - half, x + half, y - half, y + half].map(|v| v.div_euclid(one));
+    pub fn draw<const N: usize>(&self, x: &[i32; N], y: &[i32; N], half: &[i32; N], depth: &[f32; N]) {
+        // All are read before any is written, so that the processor waits for its caches once; most points are behind others.
+        let old: [f32; N] = std::array::from_fn(|i| {
+            if half[i] == 0 {
+                let [pixel, ..] = self.corners(x[i], y[i], 0);
+                return f32::from_bits(pixel.load(Relaxed));
+            }
+            let old = self.corners(x[i], y[i], half[i]).map(|depth| depth.load(Relaxed));
+            f32::from_bits(old[0].max(old[1]).max(old[2].max(old[3])))
+        });
+        for i in 0..N {
+            if depth[i] < old[i] {
+                for corner in &self.corners(x[i], y[i], half[i])[..if half[i] == 0 { 1 } else { 4 }] {
+                    corner.fetch_min(depth[i].to_bits(), Relaxed);
+                }
+            }
+        }
+    }
+
+    /// The four squares of a level, often the same, that make up a square.
+    #[inline(always)]
+    fn corners(&self, x: i32, y: i32, half: i32) -> [&AtomicU32; 4] {
+        let pixel = |v: i32| v.div_euclid(SUBPIXELS as i32);
+        let [left, right, top, bottom] = [x - half, x + half, y - half, y + half].map(pixel);
         // Width and height differ by one pixel at most.
         let k = (1 + (right - left).min(bottom - top)).ilog2() as usize;
         let level = self.levels[k].get_or_init(|| Level::new(self.size, k));
-        level.lower(left, top, depth);
         let (right, bottom) = (right + 1 - (1 << k), bottom + 1 - (1 << k));
-        if right != left {
-            level.lower(right, top, depth);
-        }
-        if bottom != top {
-            level.lower(left, bottom, depth);
-            level.lower(right, bottom, depth);
-        }
+        [(left, top), (right, top), (left, bottom), (right, bottom)].map(|(x, y)| level.depth(x, y))
     }
 
     /// The nearest depth of each pixel.

@@ -1,7 +1,7 @@
 //! The operator beside squares that are drawn one by one, and beside analytic truth.
 
 use super::*;
-use crate::samples::cases;
+use crate::samples::{cases, sphere};
 use proptest::prelude::*;
 
 proptest! {
@@ -17,7 +17,7 @@ proptest! {
         for (x, y, magnitude, half, depth) in squares {
             let (x, y) = ((x * f64::from(size.0 * 256)) as i32, (y * f64::from(size.1 * 256)) as i32);
             let half = half >> magnitude;
-            drawn.draw(x, y, half, f32::from(depth));
+            drawn.draw(&[x], &[y], &[half], &[f32::from(depth)]);
             let covers = |pixel: u32, at: i32| {
                 let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
                 low <= at + half && high >= at - half
@@ -30,4 +30,174 @@ proptest! {
         }
         prop_assert_eq!(drawn.into_image().depths, image);
     }
+}
+
+/// How far each point is before its limit of depth, by the definition; negative if hidden.
+fn rooms(points: &[Vec3], camera: &Camera, options: &SplatOptions) -> Vec<f64> {
+    let round = |x: f32| (f64::from(x) * 256.0).round_ties_even();
+    let (width, height) = camera.size();
+    let place = |&p: &Vec3| {
+        let at = camera.place(p);
+        let (x, y) = (round(at.x), round(at.y));
+        let inside = x >= 0.0 && x < f64::from(width) * 256.0 && y >= 0.0 && y < f64::from(height) * 256.0;
+        (inside && (1.0..=9.0).contains(&at.depth)).then_some((x, y, at.depth))
+    };
+    let at: Vec<Option<(f64, f64, f32)>> = points.iter().map(place).collect();
+    let nearest = |x: i64, y: i64| {
+        let covers = |i: usize, (px, py, depth): (f64, f64, f32)| {
+            let radius = match options.radius {
+                Radius::Same(radius) => radius,
+                Radius::Each(radii) => radii[i],
+            };
+            let half = (f64::from(radius * camera.pixels_per_tangent() / depth) - 0.5).clamp(0.0, 512.0);
+            let half = round(half as f32);
+            let covers = |pixel: i64, at: f64| {
+                (at - half..at + half + 256.0).contains(&(pixel as f64 * 256.0 + 255.0))
+            };
+            covers(x, px) && covers(y, py)
+        };
+        let depths =
+            at.iter().enumerate().filter_map(|(i, at)| at.filter(|&at| covers(i, at)).map(|at| at.2));
+        depths.fold(f32::INFINITY, f32::min)
+    };
+    let filtered = |x: i64, y: i64| {
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        let inside =
+            around.filter(|&(x, y)| (0..width.into()).contains(&x) && (0..height.into()).contains(&y));
+        let depths: Vec<f32> = inside.map(|(x, y)| nearest(x, y)).collect();
+        let (most, least) = (
+            depths.iter().copied().fold(0.0, f32::max),
+            depths.iter().copied().fold(f32::INFINITY, f32::min),
+        );
+        match options.filter {
+            Filter::PlainMax => most,
+            Filter::Max if most < f32::INFINITY => most,
+            Filter::Min if most < f32::INFINITY => least,
+            _ => nearest(x, y),
+        }
+    };
+    let window = |depth: f32| {
+        let clip = camera.view_projection() * (camera.eye() + camera.axes()[2] * depth).extend(1.0);
+        f64::from(clip.z) / f64::from(clip.w)
+    };
+    let room = |&(x, y, depth): &(f64, f64, f32)| {
+        let limit = filtered((x / 256.0).floor() as i64, (y / 256.0).floor() as i64);
+        match options.bias {
+            Bias::World(length) => f64::from(limit + length - depth),
+            Bias::Window(_) if limit == f32::INFINITY => 1.0,
+            Bias::Window(part) => window(limit) + (1.0 - window(limit)) * f64::from(part) - window(depth),
+        }
+    };
+    at.iter().map(|at| at.as_ref().map_or(-1.0, room)).collect()
+}
+
+fn camera(size: (u32, u32), fov_y: f32) -> Camera {
+    Camera::look_at(Vec3::new(0.5, -0.3, 4.0), Vec3::ZERO, Vec3::Y, fov_y, size, 1.0, 9.0).unwrap()
+}
+
+const FILTERS: [Filter; 4] = [Filter::None, Filter::Max, Filter::PlainMax, Filter::Min];
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    #[test]
+    fn answers_are_those_of_the_definition(
+        points in prop::collection::vec(prop::array::uniform4(-2.0..2.0_f32), 0..80),
+        size in (1..14_u32, 1..14_u32),
+        fov_y in 0.3..2.0_f32,
+        (filter, each, bias) in (0..4_usize, any::<bool>(), prop_oneof![
+            (0.0..0.4_f32).prop_map(Bias::Window), (0.0..0.6_f32).prop_map(Bias::World), Just(Bias::World(0.0)),
+        ]),
+    ) {
+        let radii: Vec<f32> = points.iter().map(|p| p[3].max(0.0).powi(3)).collect();
+        let radius = if each { Radius::Each(&radii) } else { Radius::Same(radii.first().copied().unwrap_or(0.1)) };
+        let options = SplatOptions { radius, bias, filter: FILTERS[filter] };
+        let points: Vec<Vec3> = points.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
+        let camera = camera(size, fov_y);
+        let found = visible_points(&points, &camera, &options).unwrap().visible;
+        prop_assert_eq!(found.len(), points.len());
+        for (found, room) in found.iter().zip(rooms(&points, &camera, &options)) {
+            // The matrix of the definition rounds window depths otherwise.
+            let in_doubt = room.abs() < 1e-5 && matches!(bias, Bias::Window(_));
+            prop_assert!(in_doubt || *found == (room >= 0.0), "{found} {room}");
+        }
+    }
+
+    #[test]
+    fn any_floats_have_an_answer(bits in prop::collection::vec(prop::array::uniform4(any::<u32>()), 0..80)) {
+        let floats: Vec<[f32; 4]> = bits.iter().map(|p| p.map(f32::from_bits)).collect();
+        let radii: Vec<f32> = floats.iter().map(|p| p[3].abs()).collect();
+        let points: Vec<Vec3> = floats.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
+        let options = SplatOptions { radius: Radius::Each(&radii), bias: Bias::World(0.1), filter: Filter::Max };
+        let found = visible_points(&points, &camera((30, 20), 1.0), &options);
+        let bad_radius = radii.iter().position(|r| !r.is_finite());
+        let bad_point = points.iter().position(|p| !p.is_finite());
+        match found {
+            Err(SplatError::Radius { index, .. }) => prop_assert_eq!(Some(index), bad_radius),
+            Err(SplatError::PointNotFinite { index }) => prop_assert_eq!((bad_radius, Some(index)), (None, bad_point)),
+            found => prop_assert!(found.is_ok() && bad_radius.or(bad_point).is_none()),
+        }
+    }
+}
+
+#[test]
+fn answers_do_not_depend_on_the_number_of_threads() {
+    let points: Vec<Vec3> = sphere(60_001).iter().map(|p| p.as_vec3()).collect();
+    let options = SplatOptions { radius: Radius::Same(0.02), bias: Bias::Window(0.05), filter: Filter::Max };
+    let found = [1, 2, 7].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| visible_points(&points, &camera((320, 240), 0.6), &options).unwrap())
+    });
+    assert!(found[0] == found[1] && found[0] == found[2]);
+    assert!((20_000..35_000).contains(&found[0].visible.count_ones()));
+}
+
+/// False visible and false hidden points of a ball in front of a wall.
+fn errors(radius: f32, filter: Filter) -> [usize; 2] {
+    let camera =
+        Camera::look_at(Vec3::new(2.0, 1.0, 9.0), Vec3::ZERO, Vec3::Y, 0.6, (320, 240), 1.0, 20.0).unwrap();
+    let ball = sphere(4000).into_iter().map(|p| p.as_vec3() + Vec3::Z * 2.0);
+    let wall = (0..120 * 120)
+        .map(|i| Vec3::new((i % 120) as f32 * 0.033 - 2.0, (i / 120) as f32 * 0.033 - 2.0, 0.0));
+    let points: Vec<Vec3> = ball.chain(wall).collect();
+    let options = SplatOptions { radius: Radius::Same(radius), bias: Bias::World(0.3), filter };
+    let found = visible_points(&points, &camera, &options).unwrap().visible;
+    let mut errors = [0; 2];
+    for (i, (&p, found)) in points.iter().zip(&found).enumerate() {
+        let (to_eye, to_ball) = (camera.eye() - p, Vec3::Z * 2.0 - p);
+        let along = to_ball.dot(to_eye.normalize());
+        let truth = if i < 4000 {
+            to_eye.dot(-to_ball) > 0.0
+        } else {
+            to_ball.length_squared() - along * along > 1.0
+        };
+        errors[usize::from(truth)] += usize::from(truth != *found);
+    }
+    errors
+}
+
+#[test]
+fn the_max_filter_errs_least_and_the_min_filter_most() {
+    let best = |filter| {
+        let errors = (8..30).map(|i| errors(0.002 * i as f32, filter));
+        errors.min_by_key(|errors| errors.iter().sum::<usize>()).unwrap()
+    };
+    let [none, max, _, min] = FILTERS.map(|filter| best(filter).iter().sum::<usize>());
+    assert!(max * 10 < none * 9 && none < min && min < 700, "{max} {none} {min}");
+}
+
+#[test]
+fn errors_name_the_cause() {
+    let find = |radius, bias| {
+        let options = SplatOptions { radius, bias, filter: Filter::Max };
+        visible_points(&[Vec3::ZERO; 2], &camera((4, 4), 1.0), &options)
+            .map(|found| found.visible.count_ones())
+    };
+    let world = Bias::World(0.0);
+    assert_eq!(find(Radius::Same(0.0), world), Ok(2));
+    assert_eq!(find(Radius::Same(f32::MAX), world), Ok(2));
+    assert_eq!(find(Radius::Same(-1.0), world), Err(SplatError::Radius { index: 0, radius: -1.0 }));
+    assert_eq!(find(Radius::Each(&[1.0]), world), Err(SplatError::Radii { radii: 1, points: 2 }));
+    let part = Bias::Window(1.0);
+    assert_eq!(find(Radius::Same(0.0), part), Err(SplatError::Bias { bias: part }));
 }
