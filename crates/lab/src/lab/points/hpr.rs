@@ -6,6 +6,7 @@ use casca_points::hpr::Kernel;
 use casca_points::spacing::automatic_radius;
 use casca_points::splat::{Bias, Filter, Radius};
 
+use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
 use super::study::{
     SIZE, Study, Sweep, TOLERANCE, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
@@ -17,24 +18,27 @@ use crate::pictures::{Axis, Line, lines};
 /// Errors against the radius, for all clouds. Returns the best radius for the hare.
 pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
     let values = steps(0.0, 5.0, study.lab.pick(0.25, 1.0));
-    let heads: Vec<&str> = ["cloud", "log10 R"].into_iter().chain(COLUMNS).collect();
+    let heads: Vec<&str> = ["cloud", "radius", "log10 R"].into_iter().chain(COLUMNS).collect();
     let mut rows = Table::new("points-radius", &heads);
     let mut table = Table::new("points-radius-best", &heads);
     let mut all: Vec<(String, Sweep)> = Vec::new();
     for cloud in &study.clouds {
         (study.lab.progress)(&format!("radius of HPR, {}", cloud.name));
         let found = sweep(cloud, &values, |r| by_hull(cloud, spherical(r)))?;
-        let cells = |(r, counts): &(f64, Confusion)| {
-            [cloud.name.clone(), format!("{r:.2}")].into_iter().chain(counts.cells())
+        let cells = |way: &str, (r, counts): &(f64, Confusion)| {
+            [cloud.name.clone(), way.to_owned(), format!("{r:.2}")].into_iter().chain(counts.cells())
         };
-        found.iter().for_each(|at| rows.row(cells(at)));
-        table.row(cells(&best(&found)));
+        found.iter().for_each(|at| rows.row(cells("given", at)));
+        table.row(cells("by hand", &best(&found)));
+        let own = sweep(cloud, &[automatic(cloud)?], |r| by_hull(cloud, spherical(r)))?;
+        table.row(cells("automatic", &own[0]));
         all.push((cloud.name.clone(), found));
     }
     let (best_radius, counts) = best(&all[0].1);
     study.section.text(
         "### HPR: the radius\n\nA small radius hides points in hollows, a large one lets points of the far side through the gaps between points. The \
-         table has the best radius of each cloud.",
+         table has the best radius of each cloud by hand, and an automatic one. A gap of the angle a shows points that are less than R a^2 / 4 behind it; so with \
+         R = 4 r^2 / s, for the largest distance r and the automatic radius s of splats, points are hidden that lie a spacing or more behind a gap of a spacing.",
     );
     let file = "points-radius.svg";
     let title =
@@ -66,6 +70,14 @@ pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
     study.section.rows("All radii as CSV", rows);
     study.target("HPR of the hare at its best radius, E", counts.error(), 2.0, "%");
     Ok(best_radius)
+}
+
+/// The logarithm of a radius that needs no hand: see the text of [`radius`].
+fn automatic(cloud: &Cloud) -> Result<f64, LabError> {
+    let eye = cloud.look.eye;
+    let farthest = cloud.points.iter().map(|p| p.distance(eye)).fold(0.0, f32::max);
+    let ratio = 4.0 * farthest / automatic_radius(&cloud.points)?;
+    Ok(f64::from(ratio).log10().max(0.0))
 }
 
 /// Errors of the exponential kernel.
