@@ -1,7 +1,8 @@
 """Hidden point removal side by side: casca-points, Open3D and qhull (scipy), on the same points, in turns.
 
     pip install numpy scipy open3d
-    cargo build --release && python compare.py target/release/casca-points-compare
+    cargo build --release -p casca-lab --features experiments --bin points-compare
+    python crates/points/compare/compare.py target/release/points-compare
 
 Prints a table: the median seconds of each, the ratio to casca-points, and how many points have another answer than by
 casca-points. Each method gets doubles relative to the eye and returns the indices of visible points; reading the points is not timed.

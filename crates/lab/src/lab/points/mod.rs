@@ -74,7 +74,7 @@ fn clouds(lab: &Lab) -> Result<Vec<Cloud>, LabError> {
     ];
     for file in &lab.files {
         (lab.progress)(&format!("rays at {}", file.display()));
-        clouds.push(Cloud::of_file(file, lab.pick(400_000, 3000), lab.seed)?);
+        clouds.push(Cloud::of_file(file, lab.pick(200_000, 3000), lab.seed)?);
     }
     Ok(clouds)
 }

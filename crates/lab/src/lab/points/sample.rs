@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{IVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -17,10 +17,10 @@ pub struct Sample {
     pub triangle: u32,
 }
 
-/// Random discs that do not overlap fill 0.547 of a plane at most. At this share few tries fail, and no large holes are left.
-const FILL: f64 = 0.5;
+/// Random discs that do not overlap fill 0.547 of a plane at most. At this share most tries succeed, and no large holes are left.
+const FILL: f64 = 0.45;
 /// Tries for each point, before evenly spaced points are given up.
-const TRIES: usize = 60;
+const TRIES: usize = 15;
 
 /// Draws points from the triangles of a mesh, each piece of area as likely as any other of its size.
 pub struct Sampler<'a> {
@@ -66,7 +66,8 @@ impl<'a> Sampler<'a> {
         let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5a3_b1e5);
         // Discs of half the distance around the points fill the given share.
         let distance = (4.0 * FILL * self.area() / (std::f64::consts::PI * count.max(1) as f64)).sqrt();
-        let cell = |p: Vec3| (p.as_dvec3() / distance).floor().as_ivec3();
+        // Cells twice as wide: the neighbours of a point are in the eight around the nearest corner of cells.
+        let place = |p: Vec3| p.as_dvec3() / (2.0 * distance);
         let mut cells: HashMap<IVec3, Vec<Vec3>> = HashMap::new();
         let mut samples = Vec::with_capacity(count);
         for _ in 0..count.saturating_mul(TRIES) {
@@ -74,10 +75,11 @@ impl<'a> Sampler<'a> {
                 break;
             }
             let sample = self.draw(&mut random);
-            let place = cell(sample.point);
+            let at = place(sample.point);
+            let corner = (at - 0.5).floor().as_ivec3();
             let near = |p: &Vec3| f64::from(p.distance(sample.point)) < distance;
-            if !neighbours(place).any(|c| cells.get(&c).is_some_and(|points| points.iter().any(near))) {
-                cells.entry(place).or_default().push(sample.point);
+            if !around(corner).any(|c| cells.get(&c).is_some_and(|points| points.iter().any(near))) {
+                cells.entry(at.floor().as_ivec3()).or_default().push(sample.point);
                 samples.push(sample);
             }
         }
@@ -85,13 +87,7 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// A cell and those around it.
-fn neighbours(at: IVec3) -> impl Iterator<Item = IVec3> {
-    let step = |i: i32| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    (0..27).map(move |i| at.saturating_add(step(i)))
-}
-
-/// The places of samples in double precision.
-pub fn places(samples: &[Sample]) -> Vec<DVec3> {
-    samples.iter().map(|s| s.point.as_dvec3()).collect()
+/// The eight cells around the greatest corner of one.
+fn around(cell: IVec3) -> impl Iterator<Item = IVec3> {
+    (0..8).map(move |i| cell.saturating_add(IVec3::new(i & 1, i >> 1 & 1, i >> 2)))
 }
