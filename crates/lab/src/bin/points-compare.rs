@@ -36,7 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn cloud(name: &str, count: usize) -> Result<Vec<DVec3>, Box<dyn Error>> {
     let cloud = match name {
         "sphere" => Cloud::sphere(count),
-        "hare" => Cloud::of_mesh("hare", hare(110), count, 1, Cloud::hare(1000).look).map_err(|e| e.to_string())?,
+        "hare" => {
+            Cloud::of_mesh("hare", hare(110), count, 1, Cloud::hare(1000).look).map_err(|e| e.to_string())?
+        }
         "scan" => return Ok(scan(count)),
         _ => return Err(format!("no cloud has the name {name}").into()),
     };
@@ -47,7 +49,8 @@ fn cloud(name: &str, count: usize) -> Result<Vec<DVec3>, Box<dyn Error>> {
 fn scan(count: usize) -> Vec<DVec3> {
     let directions = Cloud::sphere(count).places();
     let (low, high) = (DVec3::new(-3.0, -1.5, -2.0), DVec3::new(4.0, 1.5, 5.0));
-    let reach = |d: DVec3| [0, 1, 2].map(|i| (if d[i] > 0.0 { high[i] } else { low[i] }) / d[i]).into_iter().fold(f64::INFINITY, f64::min);
+    let side = |d: DVec3, i: usize| ((if d[i] > 0.0 { high[i] } else { low[i] }) / d[i]).abs();
+    let reach = |d: DVec3| side(d, 0).min(side(d, 1)).min(side(d, 2));
     directions.into_iter().map(|d| d * reach(d)).collect()
 }
 

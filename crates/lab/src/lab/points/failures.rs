@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::cloud::{Cloud, Look, MIDDLE};
 use super::judge::{COLUMNS, Confusion};
 use super::splat::thinned;
-use super::study::{SIZE, Study, TOLERANCE, by_clusters, by_hull, by_splats, spherical};
+use super::study::{RADII, SIZE, Study, by_clusters, by_hull, by_splats, spherical};
 use crate::lab::{LabError, Table};
 use crate::pictures::{CloudPanel, CloudView, Fate, cloud as draw};
 use crate::world::Camera;
@@ -18,6 +18,7 @@ use crate::world::Camera;
 struct Case {
     file: &'static str,
     name: &'static str,
+    title: &'static str,
     cloud: Cloud,
     /// What is added to log10 R, and the factor of the splats' radius.
     radius: (f64, f32),
@@ -32,26 +33,35 @@ fn cases(study: &Study) -> Result<Vec<Case>, LabError> {
         depths: (0.02, 10.0),
     };
     let among = Cloud::hare_from(calm.points.len(), inside);
-    let case = |file, name, cloud, radius| Case { file, name, cloud, radius };
+    let case = |file, name, title, cloud, radius| Case { file, name, title, cloud, radius };
     Ok(vec![
-        case("calm", "none", calm.clone(), (0.0, 1.0)),
-        case("noise", "noise of 0.3% of the diagonal", calm.noisy(3e-3, lab.seed), (0.0, 1.0)),
+        case("calm", "none", "Without stress", calm.clone(), (0.0, 1.0)),
+        case(
+            "noise",
+            "noise of 0.3% of the diagonal",
+            "Noise of 0.3% of the diagonal",
+            calm.noisy(3e-3, lab.seed),
+            (0.0, 1.0),
+        ),
         case(
             "density",
             "one half thinned to a tenth of its points",
+            "One half thinned to a tenth",
             calm.filtered(lab.seed, thinned),
             (0.0, 1.0),
         ),
-        case("inside", "the eye inside the body", among, (0.0, 1.0)),
+        case("inside", "the eye inside the body", "The eye inside the body", among, (0.0, 1.0)),
         case(
             "tiny",
             "tiny radius: 10^-2.5 of the best for HPR, a fifth for splats",
+            "Tiny radius (HPR: 1/300 of the best, splats: a fifth)",
             calm.clone(),
             (-2.5, 0.2),
         ),
         case(
             "huge",
             "huge radius: 10^2 of the best for HPR, ten times for splats",
+            "Huge radius (HPR: 100 times the best, splats: 10 times)",
             calm.clone(),
             (2.0, 10.0),
         ),
@@ -65,8 +75,8 @@ fn answers(case: &Case, log: f64) -> Result<[BitVec; 3], LabError> {
     let cloud = &case.cloud;
     let kernel = spherical((log + case.radius.0).max(0.0));
     let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
-    let radius = Radius::Same(automatic_radius(&cloud.points)? * case.radius.1);
-    let splats = (Bias::World(TOLERANCE * cloud.spacing), Filter::Max);
+    let size = automatic_radius(&cloud.points)?;
+    let (radius, splats) = (Radius::Same(size * case.radius.1), (Bias::World(RADII * size), Filter::Max));
     Ok([
         by_hull(cloud, kernel)?,
         by_clusters(cloud, kernel, clusters)?,
@@ -101,9 +111,9 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
             errors.push(format!("{:.0}% for {short}", counts.error()));
         }
         let file = format!("points-failure-{}.png", case.file);
-        let title = format!("Stress: {}. E is {}", case.name, errors.join(", "));
+        let title = format!("{}: E is {}", case.title, errors.join(", "));
         // From the side, so that both halves show: the one that the eye sees and the other.
-        let camera = Camera::look_at(MIDDLE + Vec3::new(5.2, 1.4, -3.6), MIDDLE, 32.0, 1.0, 0.1, 50.0);
+        let camera = Camera::look_at(MIDDLE + Vec3::new(5.2, 1.4, -3.6), MIDDLE, 34.0, 1.0, 0.1, 50.0);
         let view =
             CloudView { points: &cloud.points, size: cloud.spacing * 1.15, eye: cloud.look.eye, camera };
         let subtitle = format!(
@@ -115,7 +125,7 @@ pub(super) fn failures(study: &mut Study, radius: f64) -> Result<(), LabError> {
         pictures.push((file, title));
     }
     study.section.text(format!(
-        "### Where operators fail\n\nThe hare under stress: log10 R = {radius:.2}, splats with the automatic radius, the max filter and a tolerance of {TOLERANCE} spacings, \
+        "### Where operators fail\n\nThe hare under stress: log10 R = {radius:.2}, splats with the automatic radius, the max filter and a tolerance of {RADII} automatic radii, \
          640x480. Splats answer for the picture only, so points beside it count as hidden for them. E can exceed 100%: there may be more false visible points than visible ones."
     ));
     study.section.table(table);

@@ -9,7 +9,7 @@ use casca_points::splat::{Bias, Filter, Radius};
 use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
 use super::study::{
-    SIZE, Study, Sweep, TOLERANCE, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
+    RADII, SIZE, Study, Sweep, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
 };
 use crate::lab::{LabError, Table};
 use crate::pictures::palette::other;
@@ -61,7 +61,7 @@ pub(super) fn radius(study: &mut Study) -> Result<f64, LabError> {
         .enumerate()
         .map(|(i, (name, s))| Line::new(name, other(i), line(s, Confusion::error)))
         .collect();
-    let least: Vec<String> = all.iter().map(|(name, s)| format!("{name} {:.1}", best(s).0)).collect();
+    let least: Vec<String> = all.iter().map(|(name, s)| format!("{name} {:.2}", best(s).0)).collect();
     let title = format!("The best log10 R by cloud: {}", least.join(", "));
     let axes = (&Axis::linear("log10 R"), &Axis::log("E, percent"));
     lines(&study.lab.folder.join(file), &title, "E by the radius.", axes, &drawn)?;
@@ -121,7 +121,7 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         let tuned = best(&sweep(&noisy, &values, |r| by_hull(&noisy, spherical(r)))?);
         let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
         let size = automatic_radius(&noisy.points)?;
-        let tolerance = Bias::World(TOLERANCE * noisy.spacing);
+        let tolerance = Bias::World(RADII * size);
         let answers = [
             (radius, judge(by_hull(&noisy, spherical(radius))?)),
             tuned,
@@ -161,8 +161,8 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         &drawn,
     )?;
     study.section.text(
-        "### Noise\n\nNoise lifts points off the surface. HPR finds those hidden that end up behind their neighbours. Splats have a tolerance of 3 spacings \
-         in the world, and the radius of the noisy points, which grows with the noise.",
+        "### Noise\n\nNoise lifts points off the surface. HPR finds those hidden that end up behind their neighbours. Splats have the automatic radius \
+         of the noisy points and a tolerance of 3.5 such radii, which both grow with the noise.",
     );
     study.section.picture(file, &title);
     study.section.table(table);

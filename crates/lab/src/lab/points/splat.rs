@@ -10,7 +10,7 @@ use casca_points::splat::{Bias, Filter, Radius};
 
 use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
-use super::study::{SIZE, Study, Sweep, THESIS_BIAS, TOLERANCE, best, by_splats, line, steps, sweep};
+use super::study::{RADII, SIZE, Study, Sweep, THESIS_BIAS, TOLERANCE, best, by_splats, line, steps, sweep};
 use crate::lab::{LabError, Table};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
@@ -230,9 +230,6 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
     study.section.table(table);
     Ok(())
 }
-
-/// The tolerance in automatic radii.
-const RADII: f32 = 3.5;
 
 /// Keeps one in ten of the points of one half.
 pub(super) fn thinned(p: glam::Vec3, random: &mut rand_pcg::Pcg64Mcg) -> bool {

@@ -13,6 +13,9 @@ use crate::lab::{Lab, LabError, Section, Table};
 /// The tolerance of splats in spacings: near the best for the hare.
 pub(super) const TOLERANCE: f32 = 3.0;
 
+/// The same in automatic radii, for clouds whose spacing is not known.
+pub(super) const RADII: f32 = 3.5;
+
 /// The usual size of pictures.
 pub(super) const SIZE: (u32, u32) = (640, 480);
 
