@@ -7,7 +7,7 @@ pub enum Method {
     /// The objects that lie in the view, hidden or not. Costs all objects of the scene.
     Sector,
     /// The objects that can be seen from anywhere in the grid cell of the view's eye: for every eye in that cell that is inside no
-    /// occluder, each object of which that eye sees a point inside the view. The view stays where it is; it bounds the objects that are
+    /// occluder, each object of which that eye sees a point inside the view. Eyes of the cell inside another solid do not count. The view stays where it is; it bounds the objects that are
     /// seen, and need not hold the other eyes.
     ///
     /// Only cells that lie wholly inside one solid or one rectangle of opaque tiles hide: walls without thickness hide nothing. Where the

@@ -9,6 +9,8 @@
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
+//!
+//! The crate `casca-clouds` reads point clouds from files, and cuts those larger than memory into bricks that `casca` culls.
 
 mod camera;
 pub mod cluster;

@@ -28,6 +28,14 @@ pub enum GpuError {
     /// The adapter gives no device.
     #[error("the graphics adapter gives no device: {0}")]
     NoDevice(String),
+    /// The adapter has no room for a buffer.
+    #[error("the graphics adapter has no room for {bytes} bytes in one buffer (its limit is {most})")]
+    NoRoom {
+        /// The size of the buffer.
+        bytes: u64,
+        /// The largest buffer that shaders can be given.
+        most: u64,
+    },
     /// A picture cannot be read back.
     #[error("the picture cannot be read back: {0}")]
     Read(String),
@@ -101,6 +109,34 @@ impl Gpu {
             usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
             view_formats: &[],
         })
+    }
+
+    /// A buffer of `bytes` zeros, to copy to and from.
+    ///
+    /// # Errors
+    /// It is larger than the adapter's limits, or than its memory.
+    pub fn buffer(&self, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
+        let limits = self.device.limits();
+        let most = if usage.contains(wgpu::BufferUsages::STORAGE) {
+            limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+        } else {
+            limits.max_buffer_size
+        };
+        if bytes > most {
+            return Err(GpuError::NoRoom { bytes, most });
+        }
+        // Without a scope, a device that is out of memory ends the program.
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT),
+            usage: usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        match pollster::block_on(scope.pop()) {
+            Some(_) => Err(GpuError::NoRoom { bytes, most }),
+            None => Ok(buffer),
+        }
     }
 
     /// Waits until all that was submitted is done.
@@ -183,6 +219,15 @@ impl Gpu {
 mod tests {
     use super::*;
     use wgpu::util::DeviceExt;
+
+    #[test]
+    fn a_buffer_beyond_the_limits_is_an_error() {
+        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let most = gpu.device.limits().max_buffer_size;
+        let error = gpu.buffer(most + 1, wgpu::BufferUsages::STORAGE).unwrap_err();
+        assert!(matches!(error, GpuError::NoRoom { bytes, .. } if bytes == most + 1), "{error}");
+        assert_eq!(gpu.buffer(7, wgpu::BufferUsages::STORAGE).unwrap().size(), 8);
+    }
 
     #[test]
     fn a_buffer_is_read_as_it_was_written() {

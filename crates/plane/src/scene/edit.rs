@@ -12,8 +12,8 @@ use crate::solid::filled;
 
 impl Scene {
     /// Adds an object. A dynamic one counts as visible until a frame ends without it. Costs the cells that its bounds touch: four
-    /// bytes each, and 1.5 kB for each 8x8 cells that were empty; also the cells inside its occluder. An object that leaves the grid, or touches more cells than twice the number around the grid, is looked at in every
-    /// query instead.
+    /// bytes each, and 1.5 kB for each 8x8 cells that were empty; also the cells inside its occluder. An object that touches the border
+    /// of the grid or leaves it, or touches more cells than twice the number around the grid, is looked at in every query instead.
     ///
     /// # Errors
     /// Refuses shapes that are not finite or inverted, or have a negative radius, occluders that stick out of the rectangle

@@ -49,6 +49,10 @@ impl Scene {
 /// Rectangles that contain the set bits, each once: runs of a row, with those of the next rows that begin and end alike.
 fn blocks(bits: &BitGrid) -> Vec<Block> {
     let (mut done, mut open): (Vec<Block>, Vec<Block>) = (Vec::new(), Vec::new());
+    if bits.width() == 0 {
+        // There may be 2^32 rows of no tiles.
+        return done;
+    }
     for y in 0..bits.height() {
         let (mut x, mut last) = (0, std::mem::take(&mut open).into_iter().peekable());
         while x < bits.width() {
@@ -102,7 +106,9 @@ mod tests {
             assert_eq!(seen, bits);
         }
         assert_eq!(blocks(&bits(&["##", "##", "##"])), [Block { x: 0, end: 2, y: 0, top: 3 }]);
-        assert!(blocks(&BitGrid::default()).is_empty());
+        for empty in [BitGrid::default(), BitGrid::new(0, u32::MAX), BitGrid::new(u32::MAX, 0)] {
+            assert!(blocks(&empty).is_empty());
+        }
     }
 
     #[test]

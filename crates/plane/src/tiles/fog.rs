@@ -66,7 +66,7 @@ impl Fog {
         self.fresh.clear(&self.ever);
     }
 
-    /// Adds the tiles that the last run of a field of view found. Costs its bounds, by words.
+    /// Adds the tiles that the last run of a field of view found; call it once after each run. Costs its bounds, by words.
     ///
     /// # Errors
     /// A field of view on a map of other dimensions, or one that has not run yet.
@@ -93,6 +93,10 @@ impl Fog {
         if (tiles.width(), tiles.height()) != (width, height) {
             let (found_width, found_height) = (tiles.width(), tiles.height());
             return Err(TileError::Dimensions { found_width, found_height, width, height });
+        }
+        if columns.is_empty() {
+            // There may be 2^32 rows of no tiles.
+            return Ok(());
         }
         let words = columns.start as usize / 64..(columns.end as usize).div_ceil(64);
         for y in rows.clone() {

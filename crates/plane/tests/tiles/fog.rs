@@ -59,3 +59,13 @@ fn fields_of_view_of_other_maps_are_refused() {
     assert_eq!(fog.add(&FieldOfView::new()), Err(found));
     assert!(fog.add_tiles(&BitGrid::new(8, 9)).is_err() && fog.add_tiles(&BitGrid::new(8, 8)).is_ok());
 }
+
+#[test]
+fn maps_of_many_rows_without_tiles_cost_nothing() {
+    let mut fog = Fog::new(0, u32::MAX);
+    for _ in 0..10_000 {
+        assert_eq!(fog.add_tiles(&BitGrid::new(0, u32::MAX)), Ok(()));
+    }
+    fog.begin_frame();
+    assert_eq!(fog.newly_seen().count(), 0);
+}

@@ -9,6 +9,7 @@ use crate::hpr::{HprError, Kernel, visible_points};
 use crate::numeric::DISTANCE_ERROR;
 use bitvec::vec::BitVec;
 use cells::Cells;
+pub use cells::morton;
 use glam::DVec3;
 
 /// How points are cut into cells.

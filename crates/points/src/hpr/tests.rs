@@ -1,6 +1,7 @@
 //! Hidden point removal beside the truth of spheres, boxes and planes, which formulas give. Both kinds of errors are counted.
 
 use super::*;
+use crate::hull::tests::truth;
 use crate::samples::{cases, sphere};
 use proptest::prelude::*;
 
@@ -65,6 +66,27 @@ fn three_sides_of_a_box_are_visible() {
     let eye = DVec3::new(4.0, 3.0, 5.0);
     let errors = errors(&points, eye, SPHERICAL, |p| p.max_element() == 1.0);
     assert!(errors.visible > 4000 && errors.false_visible < 120 && errors.false_hidden < 120, "{errors:?}");
+}
+
+#[test]
+fn a_soft_body_has_the_answer_of_whole_numbers_in_each_frame() {
+    let (rest, eye, kernel) = (sphere(2000), DVec3::new(-3.0, 3.0, 3.0), Kernel::Absolute { radius: 3000.0 });
+    for frame in 0..150 {
+        let time = f64::from(frame) / 8.0;
+        let wave = |p: DVec3| 1.0 + 0.3 * (5.0 * p.x + time).sin() * (4.0 * p.y - 2.0 * time).sin();
+        let body: Vec<DVec3> = rest.iter().map(|&p| p * wave(p)).collect();
+        let all = visible_points(&body, eye, kernel).unwrap();
+        assert!((500..1000).contains(&all.count_ones()), "{}", all.count_ones());
+        // Whatever is hidden among a few points is hidden among all.
+        let some: Vec<usize> = (0..12).map(|i| (frame as usize * 37 + i * 163) % body.len()).collect();
+        let few: Vec<DVec3> = some.iter().map(|&i| body[i]).collect();
+        let found = visible_points(&few, eye, kernel).unwrap();
+        assert!(some.iter().zip(&found).all(|(&i, found)| *found || !all[i]), "frame {frame}");
+        let whole = |p: DVec3| (p * f64::from(1 << 28)).round().to_array().map(|x| x as i128);
+        let images = flip::flip(&few, eye, kernel).unwrap();
+        let truth = truth(&images.into_iter().chain([DVec3::ZERO]).map(whole).collect::<Vec<_>>());
+        assert_eq!(found.iter().by_vals().collect::<Vec<_>>(), truth[..12], "frame {frame}");
+    }
 }
 
 #[test]

@@ -41,7 +41,8 @@ pub const MAX_POINTS: usize = 1 << 30;
 /// errors: they have the corners of their polygon, the two ends, and all points.
 ///
 /// The answer is exact for the given coordinates, except those below 2^-107 of the largest one: these are rounded to
-/// multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, and about 120 bytes for each point.
+/// multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on those
+/// with facets and points of many edges, but more can be made up; and about 120 bytes for each point.
 ///
 /// # Errors
 ///
@@ -66,4 +67,4 @@ pub fn extreme_points(points: &[DVec3]) -> Result<BitVec, HullError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

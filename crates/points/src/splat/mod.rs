@@ -69,6 +69,37 @@ pub struct SplatOptions<'a> {
     pub filter: Filter,
 }
 
+impl SplatOptions<'_> {
+    /// Whether the parameters serve for so many points. The operators ask by themselves.
+    ///
+    /// # Errors
+    ///
+    /// [`SplatError`] names the parameter at fault.
+    pub fn check(&self, count: usize) -> Result<(), SplatError> {
+        let good = |radius: f32| radius >= 0.0 && radius.is_finite();
+        match self.radius {
+            Radius::Same(radius) if !good(radius) => return Err(SplatError::Radius { index: 0, radius }),
+            Radius::Each(radii) if radii.len() != count => {
+                return Err(SplatError::Radii { radii: radii.len(), points: count });
+            }
+            Radius::Each(radii) => {
+                let all_good = radii
+                    .par_chunks(TASK)
+                    .all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
+                if !all_good && let Some(index) = radii.iter().position(|&radius| !good(radius)) {
+                    return Err(SplatError::Radius { index, radius: radii[index] });
+                }
+            }
+            Radius::Same(_) => {}
+        }
+        match self.bias {
+            Bias::Window(part) if (0.0..1.0).contains(&part) => Ok(()),
+            Bias::World(length) if good(length) => Ok(()),
+            bias => Err(SplatError::Bias { bias }),
+        }
+    }
+}
+
 /// The answer of the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplatResult {
@@ -141,7 +172,7 @@ pub fn visible_points(
     camera: &Camera,
     options: &SplatOptions,
 ) -> Result<SplatResult, SplatError> {
-    check(points, options)?;
+    options.check(points.len())?;
     let squares = Squares::new(camera.size());
     let finite = points.par_chunks(TASK).enumerate().map(|(task, points)| {
         let mut finite = true;
@@ -163,30 +194,6 @@ pub fn visible_points(
     let mut visible = BitVec::from_vec(words.collect());
     visible.truncate(points.len());
     Ok(SplatResult { visible, depth })
-}
-
-fn check(points: &[Vec3], options: &SplatOptions) -> Result<(), SplatError> {
-    let good = |radius: f32| radius >= 0.0 && radius.is_finite();
-    match options.radius {
-        Radius::Same(radius) if !good(radius) => return Err(SplatError::Radius { index: 0, radius }),
-        Radius::Each(radii) if radii.len() != points.len() => {
-            return Err(SplatError::Radii { radii: radii.len(), points: points.len() });
-        }
-        Radius::Each(radii) => {
-            let all_good = radii
-                .par_chunks(TASK)
-                .all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
-            if !all_good && let Some(index) = radii.iter().position(|&radius| !good(radius)) {
-                return Err(SplatError::Radius { index, radius: radii[index] });
-            }
-        }
-        Radius::Same(_) => {}
-    }
-    match options.bias {
-        Bias::Window(part) if (0.0..1.0).contains(&part) => Ok(()),
-        Bias::World(length) if good(length) => Ok(()),
-        bias => Err(SplatError::Bias { bias }),
-    }
 }
 
 /// Where points of a block are in the picture.

@@ -1,0 +1,219 @@
+//! Round trips, files written by hand and by other libraries, and broken ones.
+
+use std::io::Cursor;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::samples::cases;
+
+const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 3\n\
+    property list uchar int ring\nproperty double x\nproperty float nx\nproperty double y\nproperty float ny\nproperty double z\n\
+    property float nz\nproperty float red\nproperty float green\nproperty float blue\nelement face 1\n\
+    property list uchar int vertex_index\nend_header\n45\n2 7 8 5000000.25 0 -3 0 1 2 1 0.5 0\n0 5000001 0 -4 3 1 0 1 1 1\n\
+    1 5 nan 0 0 0 0 0 0 0 0\n3 0 1 2\n";
+
+const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
+
+fn parse(bytes: &[u8]) -> Result<(PointCloud, u64), FileError> {
+    let mut all = PointCloud::default();
+    let skipped =
+        read_source::<FileError>(Cursor::new(bytes.to_vec()), "test".into(), usize::MAX, |chunk| {
+            all = chunk;
+            Ok(())
+        })?;
+    all.check().unwrap();
+    Ok((all, skipped))
+}
+
+fn cause(bytes: &[u8]) -> String {
+    parse(bytes).unwrap_err().to_string()
+}
+
+/// `count` points on a helix far from zero, with colours, normals and radii.
+fn helix(count: usize) -> PointCloud {
+    let turn = |i: usize| Vec3::new((i as f32).cos(), (i as f32).sin(), 0.0);
+    PointCloud {
+        origin: DVec3::new(4_500_480.0, -1024.0, 0.0),
+        positions: (0..count).map(|i| turn(i) * 20.0 + Vec3::Z * i as f32).collect(),
+        colours: (0..count).map(|i| [i as u8, 255 - i as u8, 7]).collect(),
+        normals: (0..count).map(|i| turn(2 * i).normalize_or_zero()).collect(),
+        radii: (0..count).map(|i| 0.1 + i as f32).collect(),
+    }
+}
+
+fn ply(cloud: &PointCloud) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    PlyWriter::write_all(&mut bytes, cloud).unwrap();
+    bytes
+}
+
+/// The helix with colours in 16 bits, written by the crate `las`.
+fn las(count: usize, compressed: bool) -> Vec<u8> {
+    let cloud = helix(count);
+    let mut builder = las::Builder::from((1, 4));
+    builder.point_format = las::point::Format::new(2).unwrap();
+    builder.point_format.is_compressed = compressed;
+    let transform = |offset| las::Transform { scale: 1e-3, offset };
+    builder.transforms = las::Vector { x: transform(4_500_000.0), y: transform(0.0), z: transform(0.0) };
+    let mut writer = las::Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
+    for (p, c) in cloud.world_positions().zip(&cloud.colours) {
+        let [red, green, blue] = c.map(|c| u16::from(c) * 257);
+        let color = Some(las::Color { red, green, blue });
+        writer.write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() }).unwrap();
+    }
+    writer.close().unwrap();
+    writer.into_inner().unwrap().into_inner()
+}
+
+/// The helix in doubles, moved by a pose of 1 unit along x, written by the crate `e57`.
+fn e57(count: usize) -> Vec<u8> {
+    use e57::{Record, RecordValue, Transform, Translation};
+    let mut bytes = Cursor::new(Vec::new());
+    let mut file = e57::E57Writer::new(&mut bytes, "file").unwrap();
+    let prototype = vec![Record::CARTESIAN_X_F64, Record::CARTESIAN_Y_F64, Record::CARTESIAN_Z_F64];
+    let mut scan = file.add_pointcloud("scan", prototype).unwrap();
+    let translation = Translation { x: 1.0, y: 0.0, z: 0.0 };
+    scan.set_transform(Some(Transform { translation, ..Default::default() }));
+    for p in helix(count).world_positions() {
+        scan.add_point(p.to_array().map(RecordValue::Double).to_vec()).unwrap();
+    }
+    scan.finalize().unwrap();
+    file.finalize().unwrap();
+    drop(file);
+    bytes.into_inner()
+}
+
+#[test]
+fn an_ascii_file_is_read_as_its_header_says() {
+    let (cloud, skipped) = parse(ASCII.as_bytes()).unwrap();
+    assert_eq!(skipped, 1, "a point has no number for its y");
+    let places: Vec<DVec3> = cloud.world_positions().collect();
+    assert_eq!(places, [DVec3::new(5_000_000.25, -3.0, 1.0), DVec3::new(5_000_001.0, -4.0, 1.0)]);
+    assert_eq!(cloud.normals, [Vec3::Z, Vec3::Y]);
+    assert_eq!(cloud.colours, [[255, 128, 0], [255, 255, 255]]);
+    assert!(cloud.radii.is_empty());
+}
+
+#[test]
+fn big_endian_files_are_read() {
+    let mut bytes =
+        b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty short x\nproperty double y\n\
+        property float z\nproperty ushort red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+            .to_vec();
+    bytes.extend((-7_i16).to_be_bytes());
+    bytes.extend(0.5_f64.to_be_bytes());
+    bytes.extend(9.25_f32.to_be_bytes());
+    bytes.extend([0x80, 0x80, 3, 4]);
+    let (cloud, _) = parse(&bytes).unwrap();
+    assert_eq!(
+        (cloud.positions, cloud.colours, cloud.origin),
+        (vec![Vec3::new(-7.0, 0.5, 9.25)], vec![[128, 3, 4]], DVec3::ZERO)
+    );
+}
+
+#[test]
+fn clouds_come_back_from_ply() {
+    let near = PointCloud { origin: DVec3::ZERO, normals: Vec::new(), ..helix(20) };
+    for cloud in [helix(200), near] {
+        let (back, _) = parse(&ply(&cloud)).unwrap();
+        assert!(back == cloud, "{:?} {:?}", back.positions[0], cloud.positions[0]);
+    }
+    let short = PlyWriter::new(Vec::new(), 3, Attributes::default(), false).unwrap();
+    assert!(short.finish().unwrap_err().to_string().contains("3 points fewer"));
+}
+
+#[test]
+fn surfels_are_read() {
+    let (cloud, _) = parse(SURFELS.as_bytes()).unwrap();
+    assert_eq!(cloud.positions, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(3.0, 2.0, 1.0)]);
+    assert_eq!((cloud.colours[1], cloud.normals[1], cloud.radii[1]), ([0, 255, 0], Vec3::Y, 0.3));
+}
+
+#[test]
+fn scans_are_read_to_their_resolution() {
+    let expected = helix(300);
+    let scans = [(las(300, false), 0.0, 6e-4), (las(300, true), 0.0, 6e-4), (e57(300), 1.0, 5e-5)];
+    for (bytes, moved, resolution) in scans {
+        let (cloud, _) = parse(&bytes).unwrap();
+        assert_eq!(cloud.len(), 300);
+        let moved = DVec3::X * moved;
+        let errors =
+            cloud.world_positions().zip(expected.world_positions()).map(|(a, b)| a.distance(b + moved));
+        let worst = errors.fold(0.0, f64::max);
+        assert!(worst < resolution * 3_f64.sqrt(), "{worst}");
+        assert!(cloud.colours.is_empty() || cloud.colours == expected.colours);
+    }
+}
+
+#[test]
+fn chunks_of_any_size_hold_the_same_points() {
+    for bytes in [ply(&helix(50)), las(50, true), e57(50)] {
+        let (whole, _) = parse(&bytes).unwrap();
+        for most in [0, 1, 7, 50, 51] {
+            let mut positions = Vec::new();
+            let each = |chunk: PointCloud| {
+                assert!(chunk.len() <= most.max(1) && chunk.origin == whole.origin);
+                positions.extend(chunk.positions);
+                Ok::<_, FileError>(())
+            };
+            read_source(Cursor::new(bytes.clone()), "test".into(), most, each).unwrap();
+            assert_eq!(positions, whole.positions);
+        }
+    }
+}
+
+#[test]
+fn errors_name_the_place_and_the_cause() {
+    let expect = |bytes: &[u8], part: &str| assert!(cause(bytes).contains(part), "{} / {part}", cause(bytes));
+    expect(b"", "no number of surfels");
+    expect(&SURFELS.as_bytes()[..25], "test, line 4: the file ends after 1 of 2 surfels");
+    expect(SURFELS.replace("3 2 1", "3 2 a").as_bytes(), "line 4: a surfel is ten numbers");
+    expect(ASCII.replace("5000001", "five").as_bytes(), "line 22, vertex 1 of 3");
+    expect(ASCII.replace("element vertex", "element point").as_bytes(), "no element vertex");
+    expect(ASCII.replace("double z", "double w").as_bytes(), "vertex has no x, y and z");
+    expect(&ASCII.as_bytes()[..ASCII.find("1 5 nan").unwrap()], "the file ends here");
+    expect(ASCII.replace("vertex 3", "vertex 99999999999999").as_bytes(), "of 99999999999999");
+    let whole = ply(&helix(9));
+    expect(&whole[..whole.len() - 1], "vertex 8 of 9");
+    expect(&las(9, false)[..400], "after point 0 of 9");
+    expect(&las(9, true)[..500], "failed to fill whole buffer");
+    // A table of 2^32 - 1 chunks, which would take 64 GiB.
+    let mut wild = las(9, true);
+    let number =
+        |bytes: &[u8], at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+    let table = number(&wild, number(&wild, 96));
+    wild[table + 4..table + 8].fill(255);
+    expect(&wild, "4294967295 chunks in");
+    assert!(matches!(read(Path::new("/no/such/file")), Err(FileError::Io { .. })));
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    #[test]
+    fn no_bytes_cause_a_panic(
+        kind in 0..7_usize,
+        cut in prop::option::of(0..4000_usize),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
+        mut noise in prop::collection::vec(any::<u8>(), 0..300),
+    ) {
+        static FILES: std::sync::LazyLock<[Vec<u8>; 6]> = std::sync::LazyLock::new(|| {
+            [ASCII.into(), ply(&helix(40)), SURFELS.into(), las(40, false), las(40, true), e57(40)]
+        });
+        let bytes = match FILES.get(kind) {
+            Some(file) => {
+                let mut file = file[..cut.unwrap_or(usize::MAX).min(file.len())].to_vec();
+                for (index, value) in changes.iter().filter(|_| cut != Some(0)) {
+                    *index.get_mut(&mut file) = *value;
+                }
+                file
+            }
+            None => {
+                noise.splice(0..0, *[b"ply\n", b"LASF", b"ASTM", b"9\n\n\n"][noise.len() % 4]);
+                noise
+            }
+        };
+        let _ = parse(&bytes);
+    }
+}

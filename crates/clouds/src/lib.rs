@@ -1,0 +1,16 @@
+//! Point clouds from files, and clouds larger than memory.
+//!
+//! - [`PointCloud`]: points with their colours, normals and radii.
+//! - [`files`]: clouds from PLY, LAS, LAZ, E57 and surfel files, in chunks.
+//! - [`bricks`]: clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
+
+pub mod bricks;
+mod cloud;
+pub mod files;
+mod numeric;
+// Points and configurations that the tests of these crates share.
+#[cfg(test)]
+#[path = "../../points/src/samples.rs"]
+mod samples;
+
+pub use cloud::{LengthError, PointCloud};

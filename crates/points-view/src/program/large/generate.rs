@@ -1,0 +1,43 @@
+//! The command `generate`.
+
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::PathBuf;
+
+use casca_clouds::files::{Attributes, PlyWriter};
+use clap::Args;
+
+use super::town::Town;
+use super::{Done, progress};
+
+/// Write the scan of a town, as large as you like, and its walls, behind which nothing can be seen.
+#[derive(Debug, Args)]
+pub struct Generate {
+    /// The PLY file to write. The walls go to a text file beside it: a box of six numbers on each line.
+    out: PathBuf,
+    /// The number of points.
+    #[arg(long, default_value_t = 10_000_000)]
+    points: u64,
+    /// The seed of heights, colours and points.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl Generate {
+    pub fn run(self) -> Done {
+        let mut town = Town::new(self.seed);
+        fs::write(self.out.with_extension("walls"), town.walls())?;
+        let has = Attributes { colours: true, ..Attributes::default() };
+        let mut writer = PlyWriter::new(BufWriter::new(File::create(&self.out)?), self.points, has, false)?;
+        let bar = progress(Some(self.points), "scanning");
+        let mut left = self.points;
+        while left > 0 {
+            let count = left.min(1 << 18);
+            writer.push(&town.scan(count as usize))?;
+            left -= count;
+            bar.inc(count);
+        }
+        bar.finish();
+        Ok(writer.finish()?)
+    }
+}
