@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use casca_lab::lab::{EXPERIMENTS, Lab, Section, write};
+use casca_lab::lab::{EXPERIMENTS, HEAD, Lab, Section, write};
 
 const MOST_LINES: usize = 520;
 
@@ -45,7 +45,7 @@ fn a_quick_run_makes_a_short_and_complete_report() {
     let lab = Lab { quick: true, seed: 1, files: Vec::new(), folder, progress: &|_: &str| () };
     let sections: Vec<Section> = EXPERIMENTS.iter().map(|(_, run)| run(&lab).unwrap()).collect();
     let report = place.join("report.md");
-    write(&report, &lab, &sections, "cargo run", "Seed 1.").unwrap();
+    write(&report, HEAD, &lab, &sections, "cargo run", "Seed 1.").unwrap();
     check(&report);
     std::fs::remove_dir_all(&place).unwrap();
 }

@@ -39,29 +39,31 @@ fn markdown(block: &Block, folder: &str) -> String {
     }
 }
 
+/// The introduction of pages about objects and queries.
+pub const HEAD: &str = "# casca in the laboratory\n\n\
+    Speed against accuracy, the stability of each method, and the experiments of the thesis that casca follows.\n\n\
+    The methods: `point` (casca's default: the objects that the eye can see), `cell` (casca: the objects that can \
+    be seen from anywhere in the eye's grid cell), `frustum` (no occlusion), `hzb` (a rasterised hierarchical depth \
+    buffer, as engines use it) and `rays` (a ray-cast depth buffer). The PVS is the set of objects that a method \
+    finds visible. PVS/visible is its size over the number of objects that can be seen: 1 is exact.\n";
+
 /// Writes a report, and each table as CSV into the lab's folder, where the pictures are already.
-/// `command` is how to make it again; `settings` tells the seed and the like.
+/// `head` is its title and introduction, [`HEAD`] for one; `command` is how to make it again; `settings` tells the seed and the like.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write(
     path: &Path,
+    head: &str,
     lab: &Lab,
     sections: &[Section],
     command: &str,
     settings: &str,
 ) -> Result<(), ReportError> {
     let folder = lab.folder.file_name().unwrap_or_default().to_string_lossy();
-    let mut out = String::from("# casca in the laboratory\n\n");
-    let _ = writeln!(
-        out,
-        "Speed against accuracy, the stability of each method, and the experiments of the thesis that casca follows. \
-         `{command}` makes this page, its pictures and its tables; all numbers and the sentences about them come from \
-         one run. Every row is in a CSV file in [{folder}]({folder}).\n\n\
-         The methods: `point` (casca's default: the objects that the eye can see), `cell` (casca: the objects that can \
-         be seen from anywhere in the eye's grid cell), `frustum` (no occlusion), `hzb` (a rasterised hierarchical depth \
-         buffer, as engines use it) and `rays` (a ray-cast depth buffer). The PVS is the set of objects that a method \
-         finds visible. PVS/visible is its size over the number of objects that can be seen: 1 is exact.\n"
+    let mut out = format!(
+        "{head}\n`{command}` makes this page, its pictures and its tables; all numbers and the sentences about them come from \
+         one run. Every row is in a CSV file in [{folder}]({folder}).\n\n"
     );
     let _ = writeln!(out, "- Machine: {}.\n- Commit: {}.\n- {settings}\n", machine(), commit());
     if lab.quick {
@@ -107,7 +109,7 @@ mod tests {
         section.rows("All rows", Table { name: "rows".to_owned(), ..table });
         section.picture("a.svg", "A picture.");
         let file = folder.join("report.md");
-        write(&file, &lab, &[section], "cargo run", "Settings.").unwrap();
+        write(&file, HEAD, &lab, &[section], "cargo run", "Settings.").unwrap();
         let text = std::fs::read_to_string(&file).unwrap();
         assert!(text.contains("(#upkeep-1000-objects)") && text.contains("\n## Upkeep: 1,000 objects\n"));
         assert!(text.contains("A quick run") && text.contains("| 1 |") && text.contains("/a.svg)"));

@@ -6,6 +6,7 @@
 
 mod bars;
 mod chart;
+mod cloud;
 mod frame;
 mod lines;
 pub mod palette;
@@ -18,6 +19,7 @@ use std::path::Path;
 
 pub use bars::{Bar, bars};
 pub use chart::{FrameCounts, chart};
+pub use cloud::{CloudPanel, CloudView, Fate, cloud};
 pub use frame::{FramePicture, buffers, frame};
 pub use lines::{Axis, Line, lines};
 pub use top_view::{TopView, top_view};

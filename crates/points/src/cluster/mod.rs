@@ -65,6 +65,23 @@ pub enum ClusterError {
     Hpr(#[from] HprError),
 }
 
+/// The number of clusters: of cells or leaves that hold points.
+///
+/// # Errors
+///
+/// As [`visible_clusters`].
+pub fn cluster_count(points: &[DVec3], clustering: Clustering) -> Result<usize, ClusterError> {
+    check(points)?;
+    Ok(Cells::new(points, clustering)?.iter().count())
+}
+
+fn check(points: &[DVec3]) -> Result<(), HprError> {
+    match points.iter().position(|p| !p.is_finite()) {
+        Some(index) => Err(HprError::PointNotFinite { index }),
+        None => Ok(()),
+    }
+}
+
 /// A bit for each point: whether it is visible from the eye, by the centroids of clusters.
 ///
 /// Fast and rough: a cell at the silhouette is visible or hidden as a whole. Takes `O(n log n)` time and about 60 bytes a point for the
@@ -81,9 +98,7 @@ pub fn visible_clusters(
     radius: Radius,
     passes: Passes,
 ) -> Result<BitVec, ClusterError> {
-    if let Some(index) = points.iter().position(|p| !p.is_finite()) {
-        return Err(HprError::PointNotFinite { index }.into());
-    }
+    check(points)?;
     let cells = Cells::new(points, clustering)?;
     let centroids: Vec<DVec3> = cells.iter().map(|cell| centroid(points, cell)).collect();
     let kernel_of_cells = match radius {

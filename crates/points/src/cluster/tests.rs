@@ -54,6 +54,7 @@ fn every_point_is_in_one_cell_and_leaves_are_small() {
     }
     let leaves = Cells::new(&sphere(3000), Clustering::Octree { max_points: 5 }).unwrap();
     assert!(leaves.iter().all(|leaf| leaf.len() <= 5) && leaves.iter().count() < 3000);
+    assert_eq!(cluster_count(&sphere(3000), Clustering::Octree { max_points: 5 }), Ok(leaves.iter().count()));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
@@ -13,6 +13,8 @@ mod level;
 mod lines;
 #[cfg(feature = "experiments")]
 mod page;
+#[cfg(feature = "experiments")]
+mod points;
 mod prepare;
 mod progress;
 #[cfg(feature = "experiments")]
@@ -45,7 +47,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  sight      Times questions about boxes and points\n  lines      Compares the occlusion of lines with rays\n  report     Runs the experiments and writes the report\n\n"
+     answer them\n  sight      Times questions about boxes and points\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -76,6 +78,8 @@ enum Command {
     Sight(sight::Options),
     #[cfg(feature = "experiments")]
     Lines(lines::Options),
+    #[cfg(feature = "experiments")]
+    Points(points::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
     Prepare(prepare::Options),
@@ -109,6 +113,8 @@ impl Command {
             #[cfg(feature = "experiments")]
             Self::Lines(options) => lines::run(options),
             #[cfg(feature = "experiments")]
+            Self::Points(options) => points::run(options),
+            #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
             Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
@@ -140,6 +146,7 @@ mod tests {
             "coherence",
             "sight",
             "lines",
+            "points",
             "report",
             "prepare",
             "level",

@@ -9,6 +9,10 @@ use crate::progress;
 
 /// Where and how an experiment runs.
 pub struct Page<'a> {
+    /// The title and introduction.
+    pub head: &'a str,
+    /// glTF files that join the procedural scenes.
+    pub files: Vec<PathBuf>,
     /// The command and its options, without those that say where results go.
     pub command: &'a str,
     /// The folder of the page.
@@ -35,8 +39,13 @@ impl Page<'_> {
         let bar = progress::spinner(self.quiet);
         bar.set_prefix(name.to_owned());
         let progress = |what: &str| bar.set_message(what.to_owned());
-        let files: Vec<PathBuf> = Vec::new();
-        let lab = Lab { quick: self.quick, seed: self.seed, files, folder, progress: &progress };
+        let lab = Lab {
+            quick: self.quick,
+            seed: self.seed,
+            files: self.files.clone(),
+            folder,
+            progress: &progress,
+        };
         let (section, value) = experiment(&lab)?;
         bar.finish_and_clear();
         for block in &section.blocks {
@@ -48,7 +57,7 @@ impl Page<'_> {
         }
         let path = self.out.join(file);
         let command = format!("cargo run --release -p casca-lab --features experiments -- {}", self.command);
-        write(&path, &lab, &[section], &command, &format!("Seed {}.", self.seed))?;
+        write(&path, self.head, &lab, &[section], &command, &format!("Seed {}.", self.seed))?;
         say(path.display());
         Ok(value)
     }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName};
-use casca_lab::lab::LabError;
 use casca_lab::lab::reach::{Effort, ReachScore, measure, section};
+use casca_lab::lab::{HEAD, LabError};
 use casca_lab::scenes::{SceneKind, SceneOptions};
 use clap::Parser;
 
@@ -54,6 +54,8 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         _ => (Effort::short(options.seed), ""),
     };
     let page = Page {
+        head: HEAD,
+        files: Vec::new(),
         command: &format!("reach{size}"),
         out: &options.out,
         quick: options.quick,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::{LabError, Reach, scaling_to};
+use casca_lab::lab::{HEAD, LabError, Reach, scaling_to};
 use clap::Parser;
 
 use crate::page::Page;
@@ -40,6 +40,8 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         _ => Reach::Short,
     };
     let page = Page {
+        head: HEAD,
+        files: Vec::new(),
         command: if options.full { "scaling --full" } else { "scaling" },
         out: &options.out,
         quick: reach == Reach::Smoke,

@@ -1,0 +1,90 @@
+//! Errors and times of the operators on point clouds, as charts (SVG), pictures (PNG), tables (CSV) and a page.
+
+use std::path::PathBuf;
+
+use casca_lab::command_line::{EXIT_CODES, Outcome};
+use casca_lab::lab::LabError;
+use casca_lab::lab::points::{Effort, HEAD, points};
+use clap::Parser;
+
+use crate::page::Page;
+use crate::report::files_in;
+
+/// The options.
+#[derive(Debug, Parser)]
+#[command(
+    about = "Errors and times of the operators on point clouds, beside clouds whose truth is known",
+    after_help = EXIT_CODES, allow_negative_numbers = true
+)]
+pub struct Options {
+    /// glTF files that are sampled, too [default: the files in ../shared/scenes]
+    #[arg(long, value_delimiter = ',')]
+    files: Option<Vec<PathBuf>>,
+    /// Hulls of ten million points and splats of a hundred million: takes some GB of memory
+    #[arg(long, conflicts_with = "quick")]
+    full: bool,
+    /// A smoke run, whose figures mean nothing
+    #[arg(long)]
+    quick: bool,
+    /// Seed of all that is random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where the page goes, and its folder of charts, pictures and tables
+    #[arg(long, default_value = "target/points")]
+    out: PathBuf,
+    /// No progress line
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Measures, prints the tables, and writes charts, pictures, tables and page.
+pub fn run(options: &Options) -> Result<Outcome, LabError> {
+    let effort = match (options.full, options.quick) {
+        (true, _) => Effort::Full,
+        (_, true) => Effort::Quick,
+        _ => Effort::Short,
+    };
+    let files = options.files.clone().unwrap_or_else(|| {
+        let mut files = files_in("../shared/scenes");
+        // The same triangles as in sponza.glb.
+        files.retain(|f| !f.ends_with("sponza-parts.glb"));
+        files
+    });
+    if files.is_empty() {
+        eprintln!("skipped: no files to sample");
+    }
+    let page = Page {
+        head: HEAD,
+        files,
+        command: if options.full { "points --full" } else { "points" },
+        out: &options.out,
+        quick: options.quick,
+        seed: options.seed,
+        quiet: options.quiet,
+    };
+    page.make("points", |lab| Ok((points(lab, effort)?, ())))?;
+    Ok(Outcome::Well)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quick_run_writes_a_page_and_a_file_that_is_not_there_is_named() {
+        let options = |words: &[&str]| Options::try_parse_from(std::iter::once(&"points").chain(words));
+        assert!(options(&["--full", "--quick"]).is_err());
+        let place = std::env::temp_dir().join(format!("casca-points-page-{}", std::process::id()));
+        let out = place.to_str().unwrap();
+        let mut quick = options(&["--quick", "--quiet", "--out", out]).unwrap();
+        quick.files = Some(Vec::new());
+        assert_eq!(run(&quick).unwrap(), Outcome::Well);
+        let page = std::fs::read_to_string(place.join("points.md")).unwrap();
+        for file in ["points-radius.svg", "points-failure-noise.png", "points-clusters.csv"] {
+            assert!(page.contains(file) && place.join("report").join(file).exists(), "{file}");
+        }
+        quick.files = Some(vec![place.join("none.glb")]);
+        assert!(run(&quick).unwrap_err().to_string().contains("none.glb"));
+        std::fs::remove_dir_all(&place).unwrap();
+    }
+}
