@@ -4,8 +4,8 @@
 //! - [`LitScene::of_world`]: a test scene of the laboratory in seeded colours.
 //! - [`load`](crate::import::load_lit): a glTF file with its materials and lights.
 //!
-//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one material, and looks
-//! the same from both sides. Textures are replaced by their mean colour, because what is compared is light, not detail.
+//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one material, and looks the same from both
+//! sides. Textures are not read: a material has its base colour everywhere.
 
 mod image;
 mod light;

@@ -74,7 +74,7 @@ impl Kind {
             }
             Self::Furnace => {
                 let mut scene = empty(Self::Furnace, Vec3::new(0.3, 0.6, 0.5), Vec3::new(3.6, 2.4, 2.2));
-                let walls = Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.5));
+                let walls = inside_out(Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.5)));
                 add(&mut scene, "walls", walls, Material::emitter(Vec3::ONE));
                 scene
             }
@@ -126,6 +126,12 @@ fn add(scene: &mut LitScene, name: &str, mesh: Mesh, material: Material) {
     });
 }
 
+/// A closed mesh that is looked at from inside.
+fn inside_out(mut mesh: Mesh) -> Mesh {
+    mesh.triangles.iter_mut().for_each(|t| t.reverse());
+    mesh
+}
+
 /// Two triangles; counter-clockwise seen from the front.
 fn quad(corners: [Vec3; 4]) -> Mesh {
     Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
@@ -174,10 +180,7 @@ fn light_box() -> LitScene {
         let norm = p.to_array().iter().map(|c| c.abs().powi(8)).sum::<f32>().powf(1.0 / 8.0);
         *p = *p / norm * 2.0;
     }
-    for t in &mut inside.triangles {
-        t.reverse();
-    }
-    add(&mut scene, "inside", inside, Material::matt(Vec3::splat(0.8)));
+    add(&mut scene, "inside", inside_out(inside), Material::matt(Vec3::splat(0.8)));
     let kind = LightKind::Spot {
         position: Vec3::new(0.0, 1.8, 0.0),
         direction: Vec3::NEG_Y,
@@ -206,11 +209,7 @@ fn plane() -> LitScene {
 
 fn emissive() -> LitScene {
     let mut scene = empty(Kind::Emissive, Vec3::new(0.3, 1.7, 2.7), Vec3::new(2.4, 0.8, 0.9));
-    // Seen from inside: corners in the other order.
-    let mut room = Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0));
-    for t in &mut room.triangles {
-        t.reverse();
-    }
+    let room = inside_out(Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0)));
     add(&mut scene, "room", room, Material::matt(Vec3::splat(0.6)));
     let place = Affine3A::from_scale_rotation_translation(
         Vec3::splat(0.35),

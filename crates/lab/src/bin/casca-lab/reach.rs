@@ -54,6 +54,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         _ => (Effort::short(options.seed), ""),
     };
     let page = Page {
+        feature: "experiments",
         command: &format!("reach{size}"),
         out: &options.out,
         quick: options.quick,

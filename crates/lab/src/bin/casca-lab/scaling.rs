@@ -40,6 +40,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         _ => Reach::Short,
     };
     let page = Page {
+        feature: "experiments",
         command: if options.full { "scaling --full" } else { "scaling" },
         out: &options.out,
         quick: reach == Reach::Smoke,
