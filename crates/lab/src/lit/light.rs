@@ -61,8 +61,8 @@ impl Falloff {
 pub struct Light {
     /// Where it is.
     pub kind: LightKind,
-    /// Its strength by channel: the irradiance of a surface that faces a directional light; for the others the radiant intensity, which is that
-    /// irradiance at a metre by inverse squares.
+    /// Its strength by channel: the irradiance of a surface that faces a directional light; for the others the radiant intensity, which
+    /// is that irradiance at a metre by inverse squares.
     pub color: Vec3,
     /// How it decreases; not used by directional lights.
     pub falloff: Falloff,

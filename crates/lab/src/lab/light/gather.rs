@@ -33,6 +33,8 @@ const WIDEST: f32 = 1.0;
 const FIRST: f32 = 0.5;
 /// Steps are no shorter than this, in cells.
 const SHORTEST: f32 = 0.125;
+/// Cones end so many times the size of the grid away: beyond, those of a tangent of 1 would never leave it.
+const FARTHEST: f32 = 2.0;
 /// Cones end where less light than this passes.
 const DARK: f32 = 1e-3;
 /// The angle between one direction and the next, as a share of the circle, that spreads any number of them evenly.
@@ -138,8 +140,9 @@ impl<'a> LightVolume<'a> {
         let n = self.voxels.n as f32;
         loop {
             let p = apex + d * t;
-            // Also ends where numbers are not finite.
-            if !(p.min_element() >= 0.0 && p.max_element() <= n) {
+            // A wide cone has cells beside it where its axis has left the grid. Also ends where numbers are not finite.
+            let wide = tan * t;
+            if !(p.min_element() >= -wide && p.max_element() <= n + wide && t < FARTHEST * n) {
                 return light + self.sky * passes;
             }
             // The level whose cells are as wide as the cone's radius.

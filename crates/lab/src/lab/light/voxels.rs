@@ -54,6 +54,8 @@ pub struct Voxels {
 #[derive(Clone, Copy, Default)]
 struct Sums {
     weight: f32,
+    /// That of surfaces that emit.
+    emitting: f32,
     voxel: Voxel,
 }
 
@@ -72,8 +74,13 @@ impl Voxels {
         let mut soft = SoftGrid::new(&GridSpec { min, cell, dims: UVec3::splat(n) })?;
         for object in &scene.objects {
             let at = |p: &Vec3| object.transform.transform_point3(*p);
-            let positions = object.mesh.positions.iter().map(at).collect();
-            soft.insert(Arc::new(TriMesh::new(positions, object.mesh.triangles.clone())?), Layer::Fixed)?;
+            let positions: Vec<Vec3> = object.mesh.positions.iter().map(at).collect();
+            // The library fills closed meshes. One that faces inwards is a room: it must not be filled, so it is inserted as two open ones.
+            let whole = if object.mesh.is_closed() { 0 } else { 1.min(object.mesh.triangles.len()) };
+            let (first, rest) = object.mesh.triangles.split_at(whole);
+            for triangles in [first, rest].into_iter().filter(|t| !t.is_empty()) {
+                soft.insert(Arc::new(TriMesh::new(positions.clone(), triangles.to_vec())?), Layer::Fixed)?;
+            }
         }
         soft.rebuild();
         let n = n as i32;
@@ -114,10 +121,10 @@ impl Voxels {
             let mut all = *sum;
             if all.weight == 0.0 {
                 let around = (0..27).map(|k| cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-                around.filter_map(|c| self.place(c)).for_each(|p| all.add(&sums[p].voxel, sums[p].weight));
+                around.filter_map(|c| self.place(c)).for_each(|p| all.merge(&sums[p]));
             }
             self.places[i] = self.voxels.len() as u32;
-            self.voxels.push(all.mean());
+            self.voxels.push(all.mean(2.0 * self.cell * self.cell));
         }
     }
 
@@ -161,18 +168,20 @@ impl Voxels {
 
     /// Direct light of lights, with shadows by exact walks to their centres.
     pub fn direct(&self, lights: &[Light]) -> Sides {
-        self.sides(|v, from, normal| v.albedo * self.lit(lights, from, normal) / std::f32::consts::PI)
+        self.sides(|v, _, normal| v.albedo * self.lit(lights, v.point, normal) / std::f32::consts::PI)
     }
 
-    /// The irradiance of lights at a point.
-    pub fn lit(&self, lights: &[Light], from: Vec3, normal: Vec3) -> Vec3 {
+    /// The irradiance of lights at a point of a surface.
+    fn lit(&self, lights: &[Light], point: Vec3, normal: Vec3) -> Vec3 {
         let far = 2.0 * self.n as f32 * self.cell;
+        let from = point + normal * (OFF * self.cell);
         let mut sum = Vec3::ZERO;
-        for incident in lights.iter().filter_map(|l| l.incident(from)) {
+        for incident in lights.iter().filter_map(|l| l.incident(point)) {
             let cos = incident.direction.dot(normal);
             // The light may be in a lamp.
             let way = (incident.distance.min(far) - OFF * self.cell).max(0.0);
-            if cos > 0.0 && matches!(self.soft.first_hit(from, from + incident.direction * way), Ok(None)) {
+            let to = point + incident.direction * way;
+            if cos > 0.0 && matches!(self.soft.first_hit(from, to), Ok(None)) {
                 sum += incident.irradiance * cos;
             }
         }
@@ -181,23 +190,40 @@ impl Voxels {
 }
 
 impl Sums {
+    /// Adds a point, with a weight of twice its share of the area.
     fn add(&mut self, v: &Voxel, weight: f32) {
-        let side = if self.voxel.normal.dot(v.normal) < 0.0 { -weight } else { weight };
-        self.weight += weight;
-        self.voxel.albedo += v.albedo * weight;
-        self.voxel.emission += v.emission * weight;
-        self.voxel.point += v.point * weight;
-        self.voxel.normal += v.normal * side;
+        let emitting = if v.emission.max_element() > 0.0 { weight } else { 0.0 };
+        let Voxel { albedo, emission, normal, point } = *v;
+        let voxel = Voxel {
+            albedo: albedo * weight,
+            emission: emission * weight,
+            normal: normal * weight,
+            point: point * weight,
+        };
+        self.merge(&Self { weight, emitting, voxel });
     }
 
-    fn mean(&self) -> Voxel {
-        let over = if self.weight > 0.0 { 1.0 / self.weight } else { 0.0 };
+    /// Adds other sums. Normals are turned to the side of those that were added before.
+    fn merge(&mut self, other: &Self) {
+        let side = if self.voxel.normal.dot(other.voxel.normal) < 0.0 { -1.0 } else { 1.0 };
+        self.weight += other.weight;
+        self.emitting += other.emitting;
+        self.voxel.albedo += other.voxel.albedo;
+        self.voxel.emission += other.voxel.emission;
+        self.voxel.normal += other.voxel.normal * side;
+        self.voxel.point += other.voxel.point;
+    }
+
+    /// The means, where `full` is the weight of a surface that lies across a cell.
+    fn mean(&self, full: f32) -> Voxel {
+        let over = |weight: f32| if weight > 0.0 { 1.0 / weight } else { 0.0 };
         let Voxel { albedo, emission, normal, point } = self.voxel;
         Voxel {
-            albedo: albedo * over,
-            emission: emission * over,
+            albedo: albedo * over(self.weight),
+            // A surface behind a lamp takes nothing of its light; one beside it does.
+            emission: emission * over(self.emitting.max(full.min(self.weight))),
             normal: normal.normalize_or(Vec3::Y),
-            point: point * over,
+            point: point * over(self.weight),
         }
     }
 }

@@ -60,8 +60,8 @@ impl PathTracer {
         sum
     }
 
-    /// A chosen point of a light: the way there, its unit direction, and the irradiance that it stands for on a surface that faces it. `None` if
-    /// it is behind the surface or gives no light.
+    /// A chosen point of a light: the way there, its unit direction, and the irradiance that it stands for on a surface that faces it.
+    /// `None` if it is behind the surface or gives no light.
     ///
     /// Directions are chosen evenly in the cone under which the light is seen; one that is as wide as the whole light has a mean cosine of
     /// (1 + cos) / 2 to its axis.
@@ -106,8 +106,8 @@ impl PathTracer {
         (scatter.normal().dot(direction) > 0.0).then_some(value * weighed)
     }
 
-    /// The weight of the emission of a surface that a scattered ray, found with some density from some point, has hit; the rest of it is found by
-    /// [`Self::next_event`].
+    /// The weight of the emission of a surface that a scattered ray, found with some density from some point, has hit; the rest of it is
+    /// found by [`Self::next_event`].
     pub(super) fn share(&self, at: &Surface, direction: DVec3, from: Option<(f64, DVec3)>) -> f64 {
         let Some((density, origin)) = from else { return 1.0 };
         let across = at.normal.dot(direction).abs();

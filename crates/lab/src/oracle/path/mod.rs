@@ -1,8 +1,9 @@
 //! A path tracer: the light that reaches a camera in a [`LitScene`], by exact rays in f64 and seeded chance.
 //!
 //! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive triangles, and multiple importance
-//! sampling by the balance heuristic for the latter (Veach & Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct
-//! light and each bounce can be looked at on their own. All rays go through the centres of pixels. Results do not depend on the number of threads.
+//! sampling by the balance heuristic for the latter (Veach & Guibas 1995). Light is sorted by how often it was scattered on its way, so
+//! that direct light and each bounce can be looked at on their own. All rays go through the centres of pixels. Results do not depend on
+//! the number of threads.
 
 mod emitters;
 mod scatter;
@@ -38,8 +39,8 @@ const MOST_ORDERS: u32 = 256;
 /// A quantity that is asked for at the surface that a pixel shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
-    /// The radiance that was scattered so many times on its way to the camera: 0 for emitters that are looked at, 1 for direct light, 2 for the
-    /// first indirect bounce, 3 for the second. At most 256.
+    /// The radiance that was scattered so many times on its way to the camera: 0 for emitters that are looked at, 1 for direct light, 2
+    /// for the first indirect bounce, 3 for the second. At most 256.
     Radiance(RangeInclusive<u32>),
     /// The cosine-weighted share of directions above the surface in which nothing is hit within so many metres.
     Ambient(f32),
@@ -134,8 +135,8 @@ impl PathTracer {
         (self.hit(frustum.eye() + start, step), step)
     }
 
-    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less noise. Costs pixels times samples times the
-    /// orders of scattering.
+    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less noise. Costs pixels times samples
+    /// times the orders of scattering.
     ///
     /// # Errors
     /// [`ImageError::Size`].
