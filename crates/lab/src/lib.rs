@@ -4,6 +4,7 @@
 //! - [`world`]: what a test scene is: objects, their motion, a camera path.
 //! - [`scenes`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
+//! - [`lit`]: scenes with materials and lights.
 //! - [`export`]: scenes written as such files.
 //! - [`oracle`]: exact visibility, which shares no code with the library.
 //! - `attack` (a feature): random operations on small scenes, against a model of the truth.
@@ -25,6 +26,7 @@ pub mod export;
 pub mod import;
 #[cfg(feature = "experiments")]
 pub mod lab;
+pub mod lit;
 pub mod measure;
 pub mod oracle;
 #[cfg(feature = "pictures")]

@@ -24,9 +24,11 @@ impl<'a> Meshes<'a> {
         Self { buffers, components, positions: HashMap::new() }
     }
 
-    /// Joins the triangles of a mesh, with the vertices that they use; `None` if it has none.
-    pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<Mesh>, Trouble> {
+    /// Joins the triangles of a mesh, with the vertices that they use, and says which material each has: its index in the file plus one,
+    /// 0 for the default; `None` if there are no triangles.
+    pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
+        let mut materials = Vec::new();
         // By accessor and index there.
         let mut known: HashMap<(usize, u32), u32> = HashMap::new();
         for primitive in mesh.primitives() {
@@ -81,8 +83,10 @@ impl<'a> Meshes<'a> {
                 Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
                 _ => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
             }?;
+            let material = primitive.material().index().map_or(0, |i| i as u32 + 1);
+            materials.resize(joined.triangles.len(), material);
         }
-        Ok((!joined.triangles.is_empty()).then_some(joined))
+        Ok((!joined.triangles.is_empty()).then_some((joined, materials)))
     }
 
     fn points(&mut self, accessor: &gltf::Accessor, mesh: usize) -> Result<Rc<Vec<Vec3>>, Trouble> {

@@ -6,7 +6,7 @@
 //!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default.
 //! - **Meshes**: the triangles, strips and fans of a mesh are joined, points and lines are
 //!   left out. Positions are floats, or integers as by `KHR_mesh_quantization`.
-//!   Materials are not looked at: all triangles are opaque, and seen from both sides, so
+//!   Only [`load_lit`] looks at materials: all triangles are opaque, and seen from both sides, so
 //!   that a node that mirrors its mesh keeps the order of corners.
 //! - **Motion**: a node that an animation moves, itself or by a parent, is dynamic. All
 //!   animations play together from time 0; of those for one property of a node the first
@@ -28,6 +28,7 @@
 mod accessors;
 mod buffers;
 mod instances;
+mod looks;
 mod meshes;
 mod nodes;
 mod path;
@@ -41,9 +42,12 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
+use crate::lit::LitScene;
 use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
 use accessors::{Buffers, Components};
 use buffers::buffers_of;
+pub use looks::read_lit;
+
 use instances::{INSTANCING, instances_of};
 use meshes::Meshes;
 use nodes::{check_rigid, nodes_of, role_of};
@@ -54,6 +58,9 @@ use tracks::animate;
 const OWN_FRAMES: usize = 150;
 /// Frames after the first of a path that the file gives.
 const MOST_FRAMES: f64 = 99_999.0;
+/// By triangle: a material, as [`Meshes::mesh`] numbers them.
+type Looks = Arc<[u32]>;
+
 /// Cells along the longest axis of the grid that is asked for.
 const CELLS: f32 = 128.0;
 const QUANTIZATION: &str = "KHR_mesh_quantization";
@@ -170,6 +177,21 @@ pub enum Trouble {
 /// # Errors
 /// Says what is wrong with a file that cannot be taken whole.
 pub fn load(path: &Path) -> Result<World, ImportError> {
+    open(path, read)
+}
+
+/// Loads a scene with its materials and lights from such a file; see [`read_lit`].
+///
+/// # Errors
+/// As [`load`].
+pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
+    open(path, read_lit)
+}
+
+fn open<T>(
+    path: &Path,
+    read: impl FnOnce(&str, &[u8], Option<&Path>) -> Result<T, Trouble>,
+) -> Result<T, ImportError> {
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     std::fs::read(path)
         .map_err(Trouble::from)
@@ -182,12 +204,17 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
+    let (document, buffers) = parse(bytes, folder)?;
+    world(name, &document, &buffers).map(|(world, _)| world)
+}
+
+fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<(gltf::Document, Buffers), Trouble> {
     check_header(bytes)?;
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
     check_extensions(&document)?;
     check_rules(&document)?;
     let buffers = Buffers::new(buffers_of(&document, blob, folder)?);
-    world(name, &document, &buffers)
+    Ok((document, buffers))
 }
 
 /// Refuses a .glb that claims to be shorter than its header; the parser takes this for granted.
@@ -251,15 +278,18 @@ fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
     if errors.is_empty() { Ok(()) } else { Err(gltf::Error::Validation(errors)) }
 }
 
-fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<World, Trouble> {
+/// The scene, and the materials of each object.
+fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<(World, Vec<Looks>), Trouble> {
     let mut nodes = nodes_of(document)?;
     let clip = animate(document, buffers, &mut nodes)?;
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
     let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
 
-    let mut meshes: HashMap<usize, Option<Arc<Mesh>>> = HashMap::new();
+    type Known = Option<(Arc<Mesh>, Looks)>;
+    let mut meshes: HashMap<usize, Known> = HashMap::new();
     let mut objects = Vec::new();
+    let mut materials = Vec::new();
     let mut moving = Vec::new();
     for (place, item) in nodes.0.iter().enumerate() {
         let Some(node) = document.nodes().nth(item.index) else { continue };
@@ -269,12 +299,12 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<Wor
         let mesh = match meshes.get(&mesh.index()) {
             Some(known) => known.clone(),
             None => {
-                let read = reader.mesh(&mesh)?.map(Arc::new);
+                let read = reader.mesh(&mesh)?.map(|(mesh, looks)| (Arc::new(mesh), looks.into()));
                 meshes.insert(mesh.index(), read.clone());
                 read
             }
         };
-        let Some(mesh) = mesh else { continue };
+        let Some((mesh, looks)) = mesh else { continue };
         let name = node.name().unwrap_or("");
         let (transform, dynamic) = (nodes.global(place, 0.0), nodes.moves(place));
         let mut add = |name: String, instance: Affine3A| {
@@ -286,6 +316,7 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<Wor
                     mesh: mesh.clone(),
                 });
             }
+            materials.push(looks.clone());
             objects.push(Object {
                 name,
                 shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
@@ -324,11 +355,12 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<Wor
     if !(min.is_finite() && max.is_finite() && cell.is_finite()) {
         return Err(Trouble::NotFinite("the size of the scene".to_owned()));
     }
-    Ok(World {
+    let world = World {
         name: name.to_owned(),
         objects,
         grid: GridHint { min, max, cell },
         frames,
         animation: Box::new(animation),
-    })
+    };
+    Ok((world, materials))
 }

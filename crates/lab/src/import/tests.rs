@@ -2,6 +2,7 @@ use glam::{Quat, Vec3};
 
 use super::*;
 use crate::drive::{Driver, grid_for, view_of};
+use crate::lit::Material;
 
 /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
 fn small_file() -> Vec<u8> {
@@ -174,7 +175,8 @@ fn flip(file: &[u8], times: usize) {
             let at = next(broken.len());
             broken[at] ^= 1 << next(8);
         }
-        let _ = read("flipped", &broken, None);
+        // Reads all that `read` does, and more.
+        let _ = read_lit("flipped", &broken, None);
     }
 }
 
@@ -973,4 +975,35 @@ fn flipped_bits_never_panic() {
             assert!(read("cut", &file[..length], None).is_err(), "cut at {length}");
         }
     }
+}
+
+/// Two primitives, a white one and a shiny red one that emits, and a lamp that hangs at (0, 2, 0) and points down.
+const LIT: &str = r#""extensionsUsed":["KHR_lights_punctual","KHR_materials_emissive_strength"],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","color":[1,0.5,0],"intensity":4,
+        "spot":{"innerConeAngle":0.2,"outerConeAngle":0.5}}]}},
+    "nodes":[{"mesh":0},{"translation":[0,2,0],"rotation":[-0.70710678,0,0,0.70710678],
+        "extensions":{"KHR_lights_punctual":{"light":0}}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"material":0}]}],
+    "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5,"roughnessFactor":0.25},
+        "emissiveFactor":[1,1,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":3}}}]"#;
+
+#[test]
+fn materials_and_lights_are_read() {
+    let file = triangle().glb(LIT);
+    let scene = read_lit("lit", &file, None).unwrap();
+    let triangles = scene.triangles();
+    assert_eq!(triangles.iter().map(|t| t.material).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(scene.materials[0], Material::matt(Vec3::ONE));
+    let red = scene.materials[1];
+    assert_eq!((red.emission, red.gloss), (Vec3::new(3.0, 3.0, 0.0), 0.75));
+    assert!((red.specular - Vec3::new(0.52, 0.02, 0.02)).length() < 1e-6, "{red:?}");
+    assert!((red.albedo - Vec3::new(0.48, 0.0, 0.0)).length() < 1e-6, "{red:?}");
+    let below = scene.lights[0].incident(Vec3::ZERO).unwrap();
+    assert!((below.irradiance - Vec3::new(1.0, 0.5, 0.0)).length() < 1e-6, "{below:?}");
+    assert_eq!(scene.lights[0].incident(Vec3::new(3.0, 0.0, 0.0)), None);
+    assert_eq!(scene.sky, Vec3::ZERO);
+    flip(&file, 5_000);
+    // Without lights there is a sun.
+    let plain = read_lit("plain", &triangle().glb(ONE), None).unwrap();
+    assert!(plain.lights.len() == 1 && plain.sky != Vec3::ZERO && plain.triangles().len() == 1);
 }

@@ -10,6 +10,8 @@ pub mod buffer;
 pub mod coherence;
 mod contender;
 mod front;
+#[cfg(feature = "light")]
+pub mod light;
 pub mod lines;
 mod machine;
 pub mod points;

@@ -11,6 +11,7 @@ mod frame;
 mod lines;
 pub mod palette;
 mod raster;
+mod sheet;
 mod svg;
 mod top_view;
 mod tradeoff;
@@ -22,6 +23,7 @@ pub use chart::{FrameCounts, chart};
 pub use cloud::{CloudPanel, CloudView, Fate, cloud};
 pub use frame::{FramePicture, buffers, frame};
 pub use lines::{Axis, Line, lines};
+pub use sheet::{Tile, sheet};
 pub use top_view::{TopView, top_view};
 pub use tradeoff::{TradeoffPoint, tradeoff};
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::{LabError, lines};
+use casca_lab::lab::LabError;
+use casca_lab::lab::lines::{self, HEAD};
 use clap::Parser;
 
 use crate::page::Page;
@@ -31,9 +32,16 @@ pub struct Options {
 
 /// Measures, prints the tables and writes the page.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let command = if options.quick { "lines --quick" } else { "lines" };
-    let page =
-        Page { command, out: &options.out, quick: options.quick, seed: options.seed, quiet: options.quiet };
+    let page = Page {
+        head: HEAD,
+        files: Vec::new(),
+        feature: "experiments",
+        command: if options.quick { "lines --quick" } else { "lines" },
+        out: &options.out,
+        quick: options.quick,
+        seed: options.seed,
+        quiet: options.quiet,
+    };
     page.make("lines", |lab| Ok((lines::lines(lab)?, ())))?;
     Ok(Outcome::Well)
 }

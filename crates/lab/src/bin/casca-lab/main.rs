@@ -2,13 +2,16 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`.
+//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`,
+//! and `light` with `--features light`.
 
 #[cfg(feature = "experiments")]
 mod buffer;
 #[cfg(feature = "experiments")]
 mod coherence;
 mod level;
+#[cfg(feature = "light")]
+mod light;
 #[cfg(feature = "experiments")]
 mod lines;
 #[cfg(feature = "experiments")]
@@ -47,7 +50,8 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  sight      Times questions about boxes and points\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\n"
+     answer them\n  sight      Times questions about boxes and points\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\
+     Built with --features light, which needs a C++ compiler, there is also:\n  light      Compares light gathered from voxels with a path tracer\n\n"
 };
 
 #[derive(Debug, Parser)]
@@ -76,6 +80,8 @@ enum Command {
     Coherence(coherence::Options),
     #[cfg(feature = "experiments")]
     Sight(sight::Options),
+    #[cfg(feature = "light")]
+    Light(light::Options),
     #[cfg(feature = "experiments")]
     Lines(lines::Options),
     #[cfg(feature = "experiments")]
@@ -110,6 +116,8 @@ impl Command {
             Self::Coherence(options) => coherence::run(options),
             #[cfg(feature = "experiments")]
             Self::Sight(options) => sight::run(options),
+            #[cfg(feature = "light")]
+            Self::Light(options) => light::run(options),
             #[cfg(feature = "experiments")]
             Self::Lines(options) => lines::run(options),
             #[cfg(feature = "experiments")]
@@ -137,7 +145,7 @@ mod tests {
     #[test]
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
-        for name in [
+        let mut names = vec![
             "walk",
             "tradeoff",
             "buffer",
@@ -150,7 +158,11 @@ mod tests {
             "report",
             "prepare",
             "level",
-        ] {
+        ];
+        if cfg!(feature = "light") {
+            names.push("light");
+        }
+        for name in names {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

@@ -15,6 +15,8 @@ pub struct Page<'a> {
     pub files: Vec<PathBuf>,
     /// The command and its options, without those that say where results go.
     pub command: &'a str,
+    /// The feature that the program is built with for it.
+    pub feature: &'a str,
     /// The folder of the page.
     pub out: &'a Path,
     /// Whether it is a smoke run.
@@ -56,7 +58,8 @@ impl Page<'_> {
             }
         }
         let path = self.out.join(file);
-        let command = format!("cargo run --release -p casca-lab --features experiments -- {}", self.command);
+        let command =
+            format!("cargo run --release -p casca-lab --features {} -- {}", self.feature, self.command);
         write(&path, self.head, &lab, &[section], &command, &format!("Seed {}.", self.seed))?;
         say(path.display());
         Ok(value)

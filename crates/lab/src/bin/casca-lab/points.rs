@@ -56,6 +56,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let page = Page {
         head: HEAD,
         files,
+        feature: "experiments",
         command: if options.full { "points --full" } else { "points" },
         out: &options.out,
         quick: options.quick,

@@ -56,6 +56,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let page = Page {
         head: HEAD,
         files: Vec::new(),
+        feature: "experiments",
         command: &format!("reach{size}"),
         out: &options.out,
         quick: options.quick,

@@ -42,6 +42,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let page = Page {
         head: HEAD,
         files: Vec::new(),
+        feature: "experiments",
         command: if options.full { "scaling --full" } else { "scaling" },
         out: &options.out,
         quick: reach == Reach::Smoke,

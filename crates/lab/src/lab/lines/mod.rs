@@ -12,6 +12,11 @@ use casca_lines::generate::Family;
 use super::{Lab, LabError, Section};
 use case::{Case, Effort};
 
+/// The title and introduction of the page.
+pub const HEAD: &str = "# Ambient occlusion of lines\n\n\
+    How near the occlusion that `casca-lines` estimates from a grid of bits comes to that of rays at capsules around the lines, and in which \
+    time. The source is Benevides, PUC-Rio 2015. Occlusion is from 0 to 1; errors are those of visible pixels.\n";
+
 /// All comparisons, as a section.
 ///
 /// # Errors

@@ -1,0 +1,78 @@
+//! Materials and lights of glTF files.
+
+use std::path::Path;
+
+use glam::{Affine3A, Vec3};
+use gltf::khr_lights_punctual::Kind;
+
+use super::nodes::nodes_of;
+use super::{Trouble, parse, world};
+use crate::lit::{Falloff, Light, LightKind, LitScene, Material};
+
+/// Share of light that surfaces other than metals reflect head-on.
+const DIELECTRIC: f32 = 0.04;
+
+/// Reads a scene with its materials and lights from the bytes of a glTF file, as [`read`](super::read) does. What moves stands where it
+/// is at frame 0.
+///
+/// - The colour of a material is its base colour without textures. Its diffuse part is what metals leave of it; its specular part is
+///   0.04, and its colour for metals; its gloss is one minus its roughness.
+/// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as radiometric. A file without lights and
+///   without emission gets a sun and a sky.
+///
+/// # Errors
+/// As [`load`](super::load).
+pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
+    let (document, buffers) = parse(bytes, folder)?;
+    let (world, materials) = world(name, &document, &buffers)?;
+    let mut scene = LitScene::of_world(&world, 0, 0);
+    scene.materials = vec![Material::matt(Vec3::ONE)];
+    scene.materials.extend(document.materials().map(|m| material_of(&m)));
+    for (object, materials) in scene.objects.iter_mut().zip(materials) {
+        object.materials = materials;
+    }
+    let lights = lights_of(&document)?;
+    let emits = scene.objects.iter().flat_map(|o| o.materials.iter());
+    if !lights.is_empty() || emits.into_iter().any(|&m| scene.materials[m as usize].emits()) {
+        scene.lights = lights;
+        scene.sky = Vec3::ZERO;
+    }
+    Ok(scene)
+}
+
+fn material_of(material: &gltf::Material) -> Material {
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let share = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+    let color = Vec3::new(share(r), share(g), share(b));
+    let metal = share(pbr.metallic_factor());
+    let specular = Vec3::splat(DIELECTRIC * (1.0 - metal)) + color * metal;
+    // A matt surface has no highlight that voxels could show.
+    let gloss = 1.0 - share(pbr.roughness_factor());
+    let specular = if gloss > 0.0 { specular } else { Vec3::ZERO };
+    let strength = material.emissive_strength().unwrap_or(1.0);
+    let emission = Vec3::from_array(material.emissive_factor()) * strength;
+    let emission = if emission.is_finite() { emission.max(Vec3::ZERO) } else { Vec3::ZERO };
+    Material { albedo: (color * (1.0 - metal)).min(Vec3::ONE - specular), specular, gloss, emission }
+}
+
+/// The lights of the nodes that are shown, at rest.
+fn lights_of(document: &gltf::Document) -> Result<Vec<Light>, Trouble> {
+    let nodes = nodes_of(document)?;
+    let mut lights = Vec::new();
+    for (place, node) in nodes.0.iter().enumerate() {
+        let Some(light) = document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
+        let place: Affine3A = nodes.global(place, 0.0);
+        let (position, direction) = (place.translation.into(), place.transform_vector3(Vec3::NEG_Z));
+        let kind = match light.kind() {
+            Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },
+            Kind::Point => LightKind::Point { position, radius: 0.0 },
+            Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
+                LightKind::Spot { position, direction, radius: 0.0, inner, outer }
+            }
+        };
+        let color = Vec3::from_array(light.color()) * light.intensity();
+        lights.push(Light { kind, color, falloff: Falloff::INVERSE_SQUARE });
+    }
+    Ok(lights)
+}

@@ -1,0 +1,229 @@
+//! The voxels of a lit scene: occupied cells of the library's soft grid, with the mean colour, emission and normal of the surface in each.
+
+use std::sync::Arc;
+
+use casca::soft::{Layer, SoftGrid};
+use casca::{GridSpec, TriMesh};
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::lab::LabError;
+use crate::lit::{Light, LitScene, LitTriangle, Material};
+
+/// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would lie on the sides of cells and fill two.
+const MARGIN: f32 = 2.5;
+/// Triangles are taken as points, so many to the edge of a cell.
+const POINTS: f32 = 3.0;
+/// Rays start so many cells off a surface: there no cell belongs to it if it is flat.
+pub(super) const OFF: f32 = 1.8;
+/// No voxel.
+const NONE: u32 = u32::MAX;
+
+/// The surface in a cell.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Voxel {
+    /// Mean share of light that is reflected.
+    pub albedo: Vec3,
+    /// Mean radiance that is emitted.
+    pub emission: Vec3,
+    /// Mean normal of the one side; the surface has another side.
+    pub normal: Vec3,
+    /// Mean point, in world units.
+    pub point: Vec3,
+}
+
+/// Light of the two sides of each voxel: that which the normal points to, and the other.
+pub type Sides = Vec<[Vec3; 2]>;
+
+/// The voxels of a scene.
+pub struct Voxels {
+    /// Which cells are occupied.
+    pub soft: SoftGrid,
+    /// Cells along an axis.
+    pub n: i32,
+    /// Edge length of a cell.
+    pub cell: f32,
+    /// Least corner of the grid.
+    pub min: Vec3,
+    /// The surfaces, in the order of their cells.
+    pub voxels: Vec<Voxel>,
+    places: Vec<u32>,
+}
+
+/// Sums over the points in a cell.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    weight: f32,
+    /// That of surfaces that emit.
+    emitting: f32,
+    voxel: Voxel,
+}
+
+impl Voxels {
+    /// Voxels of a cube of `n` cells along each axis, 8 to 256.
+    ///
+    /// # Errors
+    /// If `n` is out of range, or the library refuses a mesh.
+    pub fn new(scene: &LitScene, n: u32) -> Result<Self, LabError> {
+        if !(8..=256).contains(&n) {
+            return Err(format!("{n} cells along an axis: there must be 8 to 256").into());
+        }
+        let (lo, hi) = scene.bounds();
+        let cell = (hi - lo).max_element().max(1e-3) / (n as f32 - 2.0 * MARGIN);
+        let min = (lo + hi) / 2.0 - cell * n as f32 / 2.0;
+        let mut soft = SoftGrid::new(&GridSpec { min, cell, dims: UVec3::splat(n) })?;
+        for object in &scene.objects {
+            let at = |p: &Vec3| object.transform.transform_point3(*p);
+            let positions: Vec<Vec3> = object.mesh.positions.iter().map(at).collect();
+            // The library fills closed meshes. One that faces inwards is a room: it must not be filled, so it is inserted as two open ones.
+            let whole = if object.mesh.is_closed() { 0 } else { 1.min(object.mesh.triangles.len()) };
+            let (first, rest) = object.mesh.triangles.split_at(whole);
+            for triangles in [first, rest].into_iter().filter(|t| !t.is_empty()) {
+                soft.insert(Arc::new(TriMesh::new(positions.clone(), triangles.to_vec())?), Layer::Fixed)?;
+            }
+        }
+        soft.rebuild();
+        let n = n as i32;
+        let mut made =
+            Self { soft, n, cell, min, voxels: Vec::new(), places: vec![NONE; (n * n * n) as usize] };
+        made.fill(&scene.triangles(), &scene.materials);
+        Ok(made)
+    }
+
+    /// A point in units of cells.
+    pub fn to_cells(&self, point: Vec3) -> Vec3 {
+        (point - self.min) / self.cell
+    }
+
+    fn place(&self, c: IVec3) -> Option<usize> {
+        let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(IVec3::splat(self.n)).all();
+        inside.then(|| ((c.z * self.n + c.y) * self.n + c.x) as usize)
+    }
+
+    /// The number of the voxel in a cell.
+    pub fn at(&self, cell: IVec3) -> Option<usize> {
+        self.place(cell).map(|i| self.places[i]).filter(|&v| v != NONE).map(|v| v as usize)
+    }
+
+    /// Gives every occupied cell a voxel. Sums are made in the order of triangles.
+    fn fill(&mut self, triangles: &[LitTriangle], materials: &[Material]) {
+        let mut sums = vec![Sums::default(); self.places.len()];
+        for t in triangles {
+            self.deposit(t, &materials[t.material as usize], &mut sums);
+        }
+        for (i, sum) in sums.iter().enumerate() {
+            let n = self.n as usize;
+            let cell = IVec3::new((i % n) as i32, (i / n % n) as i32, (i / n / n) as i32);
+            if !self.soft.is_occupied(Layer::Fixed, cell) {
+                continue;
+            }
+            // A cell that the surface only touches takes after its neighbours.
+            let mut all = *sum;
+            if all.weight == 0.0 {
+                let around = (0..27).map(|k| cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+                around.filter_map(|c| self.place(c)).for_each(|p| all.merge(&sums[p]));
+            }
+            self.places[i] = self.voxels.len() as u32;
+            self.voxels.push(all.mean(2.0 * self.cell * self.cell));
+        }
+    }
+
+    /// Adds a triangle as points with equal shares of its area.
+    fn deposit(&self, t: &LitTriangle, material: &Material, sums: &mut [Sums]) {
+        let [a, b, c] = t.corners;
+        let (ab, ac, cross) = (b - a, c - a, t.cross());
+        let longest = ab.length().max(ac.length()).max((c - b).length());
+        let m = ((longest / self.cell * POINTS).ceil().max(1.0) as u32).min(8 * self.n as u32);
+        let weight = cross.length() / (m * m) as f32;
+        for i in 0..m {
+            // The triangle is cut into m² similar ones; every second one is turned.
+            for j in 0..2 * (m - i) - 1 {
+                let third = (1 + j % 2) as f32 / 3.0;
+                let (u, v) = ((i as f32 + third) / m as f32, ((j / 2) as f32 + third) / m as f32);
+                let point = a + ab * u + ac * v;
+                if let Some(place) = self.place(self.to_cells(point).floor().as_ivec3()) {
+                    let (albedo, emission) = (material.albedo, material.emission);
+                    let normal = cross.normalize_or_zero();
+                    sums[place].add(&Voxel { albedo, emission, normal, point }, weight);
+                }
+            }
+        }
+    }
+
+    /// The side of a voxel that a ray of some direction meets: 0 if it runs against the normal.
+    pub fn side(&self, voxel: usize, direction: Vec3) -> usize {
+        usize::from(self.voxels[voxel].normal.dot(direction) > 0.0)
+    }
+
+    /// What a function says of each side of each voxel: a point off it, and its normal.
+    pub fn sides(&self, of: impl Fn(&Voxel, Vec3, Vec3) -> Vec3 + Sync) -> Sides {
+        let both = |v: &Voxel| [v.normal, -v.normal].map(|n| of(v, v.point + n * (OFF * self.cell), n));
+        self.voxels.par_iter().map(both).collect()
+    }
+
+    /// What surfaces emit.
+    pub fn emission(&self) -> Sides {
+        self.sides(|v, _, _| v.emission)
+    }
+
+    /// Direct light of lights, with shadows by exact walks to their centres.
+    pub fn direct(&self, lights: &[Light]) -> Sides {
+        self.sides(|v, _, normal| v.albedo * self.lit(lights, v.point, normal) / std::f32::consts::PI)
+    }
+
+    /// The irradiance of lights at a point of a surface.
+    fn lit(&self, lights: &[Light], point: Vec3, normal: Vec3) -> Vec3 {
+        let far = 2.0 * self.n as f32 * self.cell;
+        let from = point + normal * (OFF * self.cell);
+        let mut sum = Vec3::ZERO;
+        for incident in lights.iter().filter_map(|l| l.incident(point)) {
+            let cos = incident.direction.dot(normal);
+            // The light may be in a lamp.
+            let way = (incident.distance.min(far) - OFF * self.cell).max(0.0);
+            let to = point + incident.direction * way;
+            if cos > 0.0 && matches!(self.soft.first_hit(from, to), Ok(None)) {
+                sum += incident.irradiance * cos;
+            }
+        }
+        sum
+    }
+}
+
+impl Sums {
+    /// Adds a point, with a weight of twice its share of the area.
+    fn add(&mut self, v: &Voxel, weight: f32) {
+        let emitting = if v.emission.max_element() > 0.0 { weight } else { 0.0 };
+        let Voxel { albedo, emission, normal, point } = *v;
+        let voxel = Voxel {
+            albedo: albedo * weight,
+            emission: emission * weight,
+            normal: normal * weight,
+            point: point * weight,
+        };
+        self.merge(&Self { weight, emitting, voxel });
+    }
+
+    /// Adds other sums. Normals are turned to the side of those that were added before.
+    fn merge(&mut self, other: &Self) {
+        let side = if self.voxel.normal.dot(other.voxel.normal) < 0.0 { -1.0 } else { 1.0 };
+        self.weight += other.weight;
+        self.emitting += other.emitting;
+        self.voxel.albedo += other.voxel.albedo;
+        self.voxel.emission += other.voxel.emission;
+        self.voxel.normal += other.voxel.normal * side;
+        self.voxel.point += other.voxel.point;
+    }
+
+    /// The means, where `full` is the weight of a surface that lies across a cell.
+    fn mean(&self, full: f32) -> Voxel {
+        let over = |weight: f32| if weight > 0.0 { 1.0 / weight } else { 0.0 };
+        let Voxel { albedo, emission, normal, point } = self.voxel;
+        Voxel {
+            albedo: albedo * over(self.weight),
+            // A surface behind a lamp takes nothing of its light; one beside it does.
+            emission: emission * over(self.emitting.max(full.min(self.weight))),
+            normal: normal.normalize_or(Vec3::Y),
+            point: point * over(self.weight),
+        }
+    }
+}

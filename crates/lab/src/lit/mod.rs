@@ -1,0 +1,142 @@
+//! Lit scenes: triangles with materials, lights and a camera.
+//!
+//! - [`Kind`]: generated scenes, such as the Cornell box and a white furnace.
+//! - [`LitScene::of_world`]: a test scene of the laboratory in seeded colours.
+//! - [`load`](crate::import::load_lit): a glTF file with its materials and lights.
+//!
+//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one material, and looks the same from both
+//! sides. Textures are not read: a material has its base colour everywhere.
+
+mod image;
+mod light;
+mod scenes;
+mod world;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+
+use crate::world::{Camera, Mesh};
+
+pub use image::{HdrImage, ImageError};
+pub use light::{Falloff, Incident, Light, LightKind};
+pub use scenes::Kind;
+
+/// How a surface reflects and emits light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Share of light that is reflected diffusely (Lambert), 0 to 1 by channel.
+    pub albedo: Vec3,
+    /// Share of light that is reflected around the mirror direction when looked at head-on, 0 to 1 by channel; 0 for matt surfaces.
+    /// The sum of `albedo` and `specular` is at most 1.
+    pub specular: Vec3,
+    /// How sharp reflections are, from 0 (matt) to 1 (a mirror).
+    pub gloss: f32,
+    /// Radiance that the surface emits to both sides, 0 or more.
+    pub emission: Vec3,
+}
+
+impl Material {
+    /// A matt surface that emits nothing.
+    pub const fn matt(albedo: Vec3) -> Self {
+        Self { albedo, specular: Vec3::ZERO, gloss: 0.0, emission: Vec3::ZERO }
+    }
+
+    /// A black surface that emits.
+    pub const fn emitter(emission: Vec3) -> Self {
+        Self { albedo: Vec3::ZERO, specular: Vec3::ZERO, gloss: 0.0, emission }
+    }
+
+    /// Whether it emits light.
+    pub fn emits(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+}
+
+/// An object: a mesh with a material for each triangle.
+#[derive(Debug, Clone)]
+pub struct LitObject {
+    /// A name for messages; may be empty.
+    pub name: String,
+    /// The mesh in object space.
+    pub mesh: Arc<Mesh>,
+    /// By triangle of the mesh: an index into [`LitScene::materials`].
+    pub materials: Arc<[u32]>,
+    /// Object space to world space.
+    pub transform: Affine3A,
+    /// Whether it may move.
+    pub moves: bool,
+}
+
+/// A triangle in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LitTriangle {
+    /// Its corners, counter-clockwise seen from the front.
+    pub corners: [Vec3; 3],
+    /// Index into [`LitScene::materials`].
+    pub material: u32,
+    /// Index into [`LitScene::objects`].
+    pub object: u32,
+}
+
+impl LitTriangle {
+    /// Twice the area times the unit normal of the front.
+    pub fn cross(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+}
+
+/// A scene with materials and lights.
+#[derive(Debug, Clone)]
+pub struct LitScene {
+    /// A name for files and captions.
+    pub name: String,
+    /// All objects.
+    pub objects: Vec<LitObject>,
+    /// All materials.
+    pub materials: Vec<Material>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<Light>,
+    /// Radiance that comes from all directions where nothing is hit.
+    pub sky: Vec3,
+    /// Where pictures are taken from; its matrices are for pictures [`ASPECT`] times as wide as high.
+    pub camera: Camera,
+}
+
+/// Width over height of the pictures that the camera of a [`LitScene`] is for.
+pub const ASPECT: f32 = 4.0 / 3.0;
+
+impl LitScene {
+    /// All triangles in world space, object by object. Those that have a corner that is not finite, or a material that does not exist, are
+    /// left out. O(triangles).
+    pub fn triangles(&self) -> Vec<LitTriangle> {
+        let mut triangles = Vec::new();
+        for (object, o) in self.objects.iter().enumerate() {
+            for (corners, &material) in o.mesh.triangles.iter().zip(o.materials.iter()) {
+                let Some(corners) = corners_of(&o.mesh, corners) else { continue };
+                let corners = corners.map(|p| o.transform.transform_point3(p));
+                if corners.iter().all(|p| p.is_finite()) && (material as usize) < self.materials.len() {
+                    triangles.push(LitTriangle { corners, material, object: object as u32 });
+                }
+            }
+        }
+        triangles
+    }
+
+    /// The least and the greatest corner of all triangles; both 0 if there are none.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let all = self.triangles();
+        let (min, max) = all.iter().flat_map(|t| t.corners).fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
+        if min.x <= max.x { (min, max) } else { (Vec3::ZERO, Vec3::ZERO) }
+    }
+}
+
+fn corners_of(mesh: &Mesh, triangle: &[u32; 3]) -> Option<[Vec3; 3]> {
+    let at = |v: u32| mesh.positions.get(v as usize).copied();
+    Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
+}
