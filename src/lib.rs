@@ -54,6 +54,7 @@
 //! - `serde`: options, shapes and descriptions of objects are read and written with [serde](https://serde.rs), see below.
 //! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the preparation of meshes by
 //!   several threads.
+//! - `soft`: the module `soft`, which estimates how much of something can be seen, for levels of detail, priorities and light.
 //!
 //! # Storing
 //!
@@ -121,6 +122,8 @@ mod random;
 mod reference;
 mod scene;
 mod shape;
+#[cfg(feature = "soft")]
+pub mod soft;
 mod view;
 mod walk;
 

@@ -29,10 +29,19 @@ pub struct DrawItem {
     /// The ball is the bounds themselves if they are a sphere, else the ball around their box. For an object that goes
     /// unreported it is the ball around its volume; without a volume the size is 2 pi (for parallel rays, infinity).
     pub size: f32,
+    /// The share of the object that can be seen, 0 to 1: an estimate, which may err both ways. 1 unless
+    /// `SoftGrid::estimate` of the feature `soft` set it.
+    pub fraction: f32,
 }
 
 impl DrawItem {
-    /// The level of detail by size: how many of the `thresholds` the size is below. With thresholds in
+    /// The size of what can be seen of the object: [`DrawItem::size`] times the root of [`DrawItem::fraction`], since areas grow with the
+    /// square of the size. By default the size itself. The greatest first is an order for streaming.
+    pub fn seen_size(&self) -> f32 {
+        self.size * self.fraction.sqrt()
+    }
+
+    /// The level of detail by [`DrawItem::seen_size`]: how many of the `thresholds` it is below. With thresholds in
     /// descending order, 0 is the finest level and `thresholds.len()` the coarsest. NaN counts for nothing.
     ///
     /// A threshold of `n` pixels is `n * field_of_view / height` in radians, where `height` is the height of the
@@ -60,7 +69,7 @@ impl DrawItem {
     /// # }
     /// ```
     pub fn level(&self, thresholds: &[f32]) -> usize {
-        thresholds.iter().filter(|&&t| self.size < t).count()
+        thresholds.iter().filter(|&&t| self.seen_size() < t).count()
     }
 }
 
@@ -132,7 +141,7 @@ impl Pvs {
         for &id in &self.visible {
             let Ok(object) = scene.find(id) else { continue };
             let (distance, size) = measure(object, view);
-            let item = DrawItem { id, distance: distance as f32, size: size as f32 };
+            let item = DrawItem { id, distance: distance as f32, size: size as f32, fraction: 1.0 };
             let known = !object.is_unlocated() && object.unreported_volume().is_none();
             if !(known && item.size < options.min_size) {
                 out.push(item);

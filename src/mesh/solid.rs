@@ -12,6 +12,8 @@
 
 use std::sync::Arc;
 
+#[cfg(feature = "soft")]
+use glam::DAffine3;
 use glam::{DVec3, Vec3};
 
 use crate::error::Error;
@@ -38,6 +40,21 @@ impl TriMesh {
     fn greatest_margin(&self) -> f64 {
         let (min, max) = self.bounds();
         margin(&[min, max, max])
+    }
+
+    /// Calls `out` with the cells that the mesh under a transform touches, and with those inside of it if it is closed:
+    /// where lines along x through their rows crossed an odd number of triangles.
+    #[cfg(feature = "soft")]
+    pub(crate) fn filled(&self, transform: &DAffine3, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+        let corners = || self.all_corners().map(|t| t.map(|p| transform.transform_point3(p)));
+        let least = corners().flatten().fold(DVec3::INFINITY, DVec3::min);
+        let greatest = corners().flatten().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let Some(cells) = SurfaceCells::new(corners(), grid, (least, greatest)) else { return };
+        cells.runs.iter().for_each(|&run| out(run));
+        if self.closed {
+            let crossed = cells.crossings(corners(), grid, |t, point| crossing(t, 0, point));
+            cells.inside(grid, &crossed, |count, _| count % 2 == 1, out);
+        }
     }
 
     /// Whether triangles may meet a box.

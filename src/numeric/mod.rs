@@ -9,6 +9,8 @@ pub(crate) mod occlusion;
 pub(crate) mod query;
 pub(crate) mod scene;
 pub(crate) mod shape;
+#[cfg(feature = "soft")]
+pub(crate) mod soft;
 pub(crate) mod view;
 
 /// The lesser of two numbers; the second one if they are not ordered. Quicker than `min` of floats, which treats NaN in

@@ -7,6 +7,7 @@
 //! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one material, and looks
 //! the same from both sides. Textures are replaced by their mean colour, because what is compared is light, not detail.
 
+mod image;
 mod light;
 mod scenes;
 mod world;
@@ -20,6 +21,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::world::{Camera, Mesh};
 
+pub use image::{HdrImage, ImageError};
 pub use light::{Falloff, Incident, Light, LightKind};
 pub use scenes::Kind;
 

@@ -6,11 +6,13 @@
 //!   finds what is seen between the centres of pixels.
 //! - [`Oracle`] uses both to judge a set of potentially visible objects.
 //! - [`BallOracle`] does so for all eyes in a ball.
+//! - [`path`] tells how much light reaches a camera.
 
 mod ball;
 mod frustum;
 mod geometry;
 mod item_buffer;
+pub mod path;
 mod rays;
 mod rims;
 mod sample;

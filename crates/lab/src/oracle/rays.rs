@@ -45,19 +45,19 @@ pub struct ProbeReport {
 
 /// A primitive and whose it is.
 #[derive(Debug, Clone, Copy)]
-struct Part {
-    shape: Primitive,
-    object: u32,
-    triangle: u32,
+pub(super) struct Part {
+    pub(super) shape: Primitive,
+    pub(super) object: u32,
+    pub(super) triangle: u32,
 }
 
 /// A bounding volume hierarchy over the primitives of some objects.
-struct Tree {
+pub(super) struct Tree {
     /// In the order of the leaves.
-    parts: Vec<Part>,
+    pub(super) parts: Vec<Part>,
     bvh: Bvh2,
     /// The greatest coordinate.
-    scale: f64,
+    pub(super) scale: f64,
     refits: u32,
 }
 
@@ -105,6 +105,11 @@ impl Tree {
                 }
             }
         }
+        Self::of(parts, params)
+    }
+
+    /// A tree over sound parts.
+    pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
         let scale = scale_of(&parts);
         let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
         let bvh = if boxes.is_empty() {
@@ -146,7 +151,8 @@ impl Tree {
     /// later than `origin`, where the tree begins.
     fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
         let length = step.length();
-        if length.is_nan() || length <= 0.0 || self.parts.is_empty() {
+        let sound = length > 0.0 && length.is_finite() && origin.is_finite();
+        if !sound || self.parts.is_empty() {
             return None;
         }
         let direction = step / length;
@@ -166,11 +172,18 @@ impl Tree {
             way -= enter;
         }
         let way = way * (1.0 + 1e-5) + 1e-5 * reach;
-        Some(Ray::new(start.as_vec3a(), direction.as_vec3a(), 0.0, way as f32))
+        let start = start.as_vec3a();
+        start.is_finite().then(|| Ray::new(start, direction.as_vec3a(), 0.0, way as f32))
     }
 
     /// The first part found that `hides` says hides.
-    fn any(&self, origin: DVec3, step: DVec3, end: f64, hides: impl Fn(&Part) -> bool) -> Option<u32> {
+    pub(super) fn any(
+        &self,
+        origin: DVec3,
+        step: DVec3,
+        end: f64,
+        hides: impl Fn(&Part) -> bool,
+    ) -> Option<u32> {
         let ray = self.ray(origin, step, end)?;
         let mut found = None;
         self.bvh.ray_traverse_miss(ray, |_, i| {
@@ -185,7 +198,7 @@ impl Tree {
     }
 
     /// The first hit along the ray; `best` is the first so far.
-    fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
+    pub(super) fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
         let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
         let length = step.length();
         let shift = (origin - ray.origin.as_dvec3()).length();

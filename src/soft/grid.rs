@@ -1,0 +1,253 @@
+//! The grid of soft visibility: shapes as cells in two layers, and the pyramid above them.
+//!
+//! A layer counts the shapes in each cell, so that a shape that goes leaves the cells of the others as they were, and the order
+//! of insertions does not matter.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DAffine3, IVec3};
+
+use crate::error::Error;
+use crate::grid::bricks::BRICK;
+use crate::grid::{Grid, GridSpec};
+use crate::heap::in_tree;
+use crate::id::ObjectId;
+use crate::matrix::bits::{ALL, BitMatrix, Mask, either};
+use crate::matrix::counts::Counts;
+use crate::object::{Motion, Occluder};
+use crate::scene::Scene;
+use crate::shape::pieces::touched;
+use crate::soft::pyramid::Pyramid;
+
+/// The most cells of a grid: 1024^3. A solid that fills them has 2 million bricks, each of which is visited.
+const MAX_CELLS: u64 = 1 << 30;
+
+/// Numbers shapes across all grids, so that an id of another grid is found out.
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+/// The layer of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// Shapes that seldom change.
+    Fixed,
+    /// Shapes that move.
+    Moving,
+}
+
+/// Names a shape of a [`SoftGrid`]. No two shapes of a process have the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SoftId(u64);
+
+#[derive(Clone)]
+struct Bits {
+    cells: BitMatrix,
+    counts: Counts,
+}
+
+/// The cells of one shape.
+#[derive(Clone)]
+struct Held {
+    layer: Layer,
+    partial: Vec<(IVec3, Mask)>,
+    full: Vec<IVec3>,
+}
+
+impl Held {
+    /// The cells that a shape touches, and those inside of it. Costs those on its surface, and the full bricks.
+    fn new(shape: &Occluder, layer: Layer, grid: &Grid) -> Self {
+        let mut held = Self { layer, partial: Vec::new(), full: Vec::new() };
+        let (mesh, transform) = match shape {
+            Occluder::Mesh(mesh) => (mesh, DAffine3::IDENTITY),
+            Occluder::Instance(instance) => (instance.mesh(), instance.placement().affine),
+            solid => {
+                touched(solid, grid, &mut |piece| piece.bricks(|brick, mask| held.push(brick, mask)));
+                return held;
+            }
+        };
+        let mut cells = BitMatrix::new(grid.dims());
+        mesh.filled(&transform, grid, &mut |run| cells.set_run(run.x0, run.x1, run.y, run.z));
+        cells.masks().for_each(|(brick, mask)| held.push(brick, mask));
+        held
+    }
+
+    fn push(&mut self, brick: IVec3, mask: &Mask) {
+        if *mask == ALL { self.full.push(brick) } else { self.partial.push((brick, *mask)) }
+    }
+
+    fn bricks(&self) -> impl Iterator<Item = (IVec3, &Mask)> {
+        self.partial.iter().map(|(brick, mask)| (*brick, mask)).chain(self.full.iter().map(|&b| (b, &ALL)))
+    }
+
+    fn bytes(&self) -> usize {
+        self.partial.capacity() * size_of::<(IVec3, Mask)>() + self.full.capacity() * size_of::<IVec3>()
+    }
+}
+
+/// The cells that shapes occupy, and how much they hide. See the [module](crate::soft).
+///
+/// Shapes count as the cells that they touch, those of closed meshes and solids with the cells inside. Changes take effect
+/// with [`SoftGrid::rebuild`], which makes only those bricks of 8x8x8 cells anew that they touch.
+#[derive(Clone)]
+pub struct SoftGrid {
+    grid: Grid,
+    layers: [Bits; 2],
+    shapes: BTreeMap<SoftId, Held>,
+    /// The objects of a scene: what was inserted for them.
+    followed: BTreeMap<ObjectId, (SoftId, Occluder)>,
+    /// Bricks that changed since the last rebuild.
+    stale: BitMatrix,
+    pyramid: Pyramid,
+}
+
+impl SoftGrid {
+    /// An empty grid.
+    ///
+    /// # Errors
+    /// As [`Grid::new`]; also [`Error::SoftGridCells`] for more than 2^30 cells.
+    pub fn new(spec: &GridSpec) -> Result<Self, Error> {
+        let grid = Grid::new(spec)?;
+        if grid.cells() > MAX_CELLS {
+            return Err(Error::SoftGridCells { cells: grid.cells(), max: MAX_CELLS });
+        }
+        let dims = grid.dims();
+        let layer = || Bits { cells: BitMatrix::new(dims), counts: Counts::new(dims) };
+        Ok(Self {
+            grid,
+            layers: [layer(), layer()],
+            shapes: BTreeMap::new(),
+            followed: BTreeMap::new(),
+            stale: BitMatrix::new((dims + (BRICK - 1)) >> 3i32),
+            pyramid: Pyramid::new(dims),
+        })
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The occupied cells of both layers, as of the last [`SoftGrid::rebuild`], and the levels above.
+    pub fn pyramid(&self) -> &Pyramid {
+        &self.pyramid
+    }
+
+    /// Whether shapes of a layer touch or contain a cell. At once, not as of the last [`SoftGrid::rebuild`].
+    pub fn is_occupied(&self, layer: Layer, cell: IVec3) -> bool {
+        self.layers[layer as usize].cells.get(cell)
+    }
+
+    /// Adds a shape: a solid, a mesh, or an instance of a mesh. The part outside of the grid is left out.
+    ///
+    /// Costs the triangles and the cells on the surface, and the bricks inside.
+    ///
+    /// # Errors
+    /// Refuses shapes that are not finite, inverted or negative, as [`Scene::insert`] does.
+    pub fn insert(&mut self, shape: impl Into<Occluder>, layer: Layer) -> Result<SoftId, Error> {
+        let shape = shape.into();
+        shape.kind().check("the shape")?;
+        let held = Held::new(&shape, layer, &self.grid);
+        let id = SoftId(NEXT.fetch_add(1, Ordering::Relaxed));
+        self.add(id, held);
+        Ok(id)
+    }
+
+    /// Replaces a shape.
+    ///
+    /// # Errors
+    /// As [`SoftGrid::insert`], and [`Error::UnknownShape`]. The grid is then as before.
+    pub fn update(&mut self, id: SoftId, shape: impl Into<Occluder>) -> Result<(), Error> {
+        let shape = shape.into();
+        shape.kind().check("the shape")?;
+        let layer = self.shapes.get(&id).ok_or(Error::UnknownShape(id.0))?.layer;
+        let held = Held::new(&shape, layer, &self.grid);
+        self.remove(id)?;
+        self.add(id, held);
+        Ok(())
+    }
+
+    /// Removes a shape.
+    ///
+    /// # Errors
+    /// [`Error::UnknownShape`] if it was removed before, or belongs to another grid.
+    pub fn remove(&mut self, id: SoftId) -> Result<(), Error> {
+        let held = self.shapes.remove(&id).ok_or(Error::UnknownShape(id.0))?;
+        let Bits { cells, counts } = &mut self.layers[held.layer as usize];
+        for (brick, mask) in held.bricks() {
+            counts.take(cells, brick, mask);
+            self.stale.set(brick);
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, id: SoftId, held: Held) {
+        let Bits { cells, counts } = &mut self.layers[held.layer as usize];
+        for (brick, mask) in held.bricks() {
+            counts.add(cells, brick, mask);
+            self.stale.set(brick);
+        }
+        self.shapes.insert(id, held);
+    }
+
+    /// Takes over the occluders of a scene, and [rebuilds](SoftGrid::rebuild): inserts new ones, replaces those that changed and removes those that are
+    /// gone since the last call. Static objects go to [`Layer::Fixed`]. Shapes that were inserted by hand stay.
+    ///
+    /// Costs the objects of the scene, and the cells of those that changed.
+    ///
+    /// # Errors
+    /// None that the scene would not have given; the objects before it are then taken over.
+    pub fn follow(&mut self, scene: &Scene) -> Result<usize, Error> {
+        let gone = |id: &ObjectId| !scene.occluder(*id).is_ok_and(|occluder| occluder.is_some());
+        for id in self.followed.keys().copied().filter(gone).collect::<Vec<_>>() {
+            if let Some((held, _)) = self.followed.remove(&id) {
+                self.remove(held)?;
+            }
+        }
+        for (id, object) in scene.iter() {
+            let Some(occluder) = object.occluder() else { continue };
+            let held = match self.followed.get(&id) {
+                Some((_, old)) if old.same(occluder) => continue,
+                Some(&(held, _)) => {
+                    self.update(held, occluder.clone())?;
+                    held
+                }
+                None if object.motion() == Motion::Static => self.insert(occluder.clone(), Layer::Fixed)?,
+                None => self.insert(occluder.clone(), Layer::Moving)?,
+            };
+            self.followed.insert(id, (held, occluder.clone()));
+        }
+        Ok(self.rebuild())
+    }
+
+    /// Brings all answers up to date with the shapes. Returns the number of bricks of 8x8x8 cells that changed.
+    ///
+    /// Costs those bricks and the cells of the pyramid above them.
+    pub fn rebuild(&mut self) -> usize {
+        let mut changed: Vec<IVec3> = Vec::new();
+        for brick in self.stale.iter() {
+            let mask = either(self.layers[0].cells.brick(brick), self.layers[1].cells.brick(brick));
+            if self.pyramid.set_base(brick, &mask) {
+                changed.push(brick);
+            }
+        }
+        self.stale.clear();
+        let count = changed.len();
+        self.pyramid.rebuild(changed);
+        count
+    }
+
+    /// Bytes on the heap, without meshes, which others share.
+    pub fn memory_bytes(&self) -> usize {
+        let layers = self.layers.iter().map(|l| l.cells.bytes() + l.counts.bytes()).sum::<usize>();
+        let shapes = in_tree::<(SoftId, Held)>(self.shapes.len());
+        let followed = in_tree::<(ObjectId, (SoftId, Occluder))>(self.followed.len());
+        let held = self.shapes.values().map(Held::bytes).sum::<usize>();
+        layers + shapes + followed + held + self.stale.bytes() + self.pyramid.memory_bytes()
+    }
+}
+
+impl std::fmt::Debug for SoftGrid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "SoftGrid({} shapes, {:?})", self.shapes.len(), self.pyramid)
+    }
+}
