@@ -19,7 +19,7 @@ pub enum LightError {
     #[error("the scene has {0} triangles; {MOST_TRIANGLES} can be added up")]
     TooManyTriangles(usize),
     /// A number of cells that no grid has.
-    #[error("a grid of {0} cells along its longest axis: from {} to {} are possible", RESOLUTIONS.start(), RESOLUTIONS.end())]
+    #[error("a grid of {0} cells along its longest axis: from {low} to {high} are possible", low = RESOLUTIONS.start(), high = RESOLUTIONS.end())]
     Resolution(u32),
     /// A setting out of its range.
     #[error("{name} is {value}; from {low} to {high} is possible")]

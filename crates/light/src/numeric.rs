@@ -40,6 +40,9 @@ const NEAR_FADE: f32 = 99.0;
 /// The tangent of half the angle of the narrowest reflection: one degree, below which it costs only time (digest 2.4).
 pub const NARROWEST: f32 = 0.0175;
 
+/// The tangent of half the angle of the widest reflection, sqrt(5) / 2: that of an exponent of 2.
+pub const WIDEST_REFLECTION: f32 = 1.12;
+
 /// Constants that shaders begin with.
 pub fn constants() -> String {
     let floats = [
@@ -63,6 +66,10 @@ pub fn constants() -> String {
     ];
     let floats = floats.map(|(name, value)| format!("const {name}: f32 = {value:?};\n"));
     let layers = Layer::EVERY.map(|layer| (layer.constant(), layer as u32));
-    let numbers = numbers.into_iter().chain(layers).map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
+    let numbers = numbers
+        .map(|(name, n)| (name.to_owned(), n))
+        .into_iter()
+        .chain(layers)
+        .map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
     floats.into_iter().chain(numbers).collect()
 }

@@ -195,11 +195,7 @@ impl Picture {
         Ok(())
     }
 
-    fn resource<'a>(
-        &'a self,
-        binding: u32,
-        others: &dyn Fn(u32) -> BindingResource<'a>,
-    ) -> BindingResource<'a> {
+    fn resource<'a>(&'a self, binding: u32, others: Others<'a, '_>) -> BindingResource<'a> {
         match binding {
             50 => self.eye.as_entire_binding(),
             51 => BindingResource::TextureView(&self.frame.items),
@@ -209,12 +205,12 @@ impl Picture {
     }
 
     /// Draws the number of the triangle in each pixel, from 1; 0 where there is none.
-    pub fn draw_items(
-        &self,
+    pub fn draw_items<'a>(
+        &'a self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         triangles: usize,
-        others: Others<'_, '_>,
+        others: Others<'a, '_>,
     ) {
         let group = bind(gpu, &self.items.get_bind_group_layout(0), &[20, 50], &|b| self.resource(b, others));
         let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -241,7 +237,7 @@ impl Picture {
     }
 
     /// Gathers the light of each pixel.
-    pub fn gather(&self, gpu: &Gpu, encoder: &mut CommandEncoder, others: Others<'_, '_>) {
+    pub fn gather<'a>(&'a self, gpu: &Gpu, encoder: &mut CommandEncoder, others: Others<'a, '_>) {
         let (x, y) = self.frame.size;
         self.gather.run(gpu, encoder, (x.div_ceil(8), y.div_ceil(8)), &|b| self.resource(b, others));
     }

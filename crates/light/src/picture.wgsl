@@ -27,8 +27,6 @@ fn item_corner(@builtin(vertex_index) index: u32) -> Corner {
 @fragment
 fn item(corner: Corner) -> @location(0) u32 { return corner.triangle; }
 
-struct Lobes { diffuse: vec3f, specular: vec3f }
-
 // Light of all lights, with soft shadows by cones to them.
 fn lamps(at: vec3f, normal: vec3f, view: vec3f, material: Material) -> vec3f {
   var sum = vec3f(0.0);
@@ -47,11 +45,14 @@ fn lamps(at: vec3f, normal: vec3f, view: vec3f, material: Material) -> vec3f {
   return sum;
 }
 
-// Blinn-Phong, of as much light as falls in.
+// The exponent of Phong's lobe.
+fn exponent(material: Material) -> f32 { return exp2(11.0 * material.gloss + 1.0); }
+
+// Phong's lobe around the mirror direction, of as much light as falls in.
 fn highlight(to_light: vec3f, normal: vec3f, view: vec3f, material: Material) -> vec3f {
-  let power = exp2(11.0 * material.gloss + 1.0);
-  let cosine = max(dot(normal, normalize(to_light + view)), 0.0);
-  return material.specular * ((power + 8.0) / (8.0 * PI) * pow(cosine, power));
+  let power = exponent(material);
+  let cosine = max(dot(reflect(-to_light, normal), view), 0.0);
+  return material.specular * ((power + 2.0) / (2.0 * PI) * pow(cosine, power));
 }
 
 fn voxel_at(ray: vec3f) -> vec4f {
@@ -103,7 +104,9 @@ fn light_of(at: vec3f, normal: vec3f, ray: vec3f, material: Material) -> vec3f {
     light += material.albedo * found.radiance;
   }
   if (any(material.specular > vec3f(0.0))) {
-    let slope = max(tan(0.5 * PI * clamp(1.0 - sin(0.5 * PI * pow(material.gloss, 3.0)), 0.0, 0.5)), volume.specular_floor);
+    // The cone has the solid angle of the lobe: 1 - cos = 1 / (exponent + 1).
+    let power = exponent(material);
+    let slope = max(sqrt(2.0 * power + 1.0) / power, volume.specular_floor);
     let found = cone(start, reflect(ray, normal), slope, volume.reach);
     light += material.specular * (found.radiance + found.open * volume.sky);
   }
@@ -115,13 +118,14 @@ fn screen_corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f 
   return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-// Colours as a screen shows them: exposed, cut off at 1, with a gamma of 2.2.
+// Colours as a screen shows them: exposed, cut off at 1, by the curve of sRGB (IEC 61966-2-1).
 @fragment
 fn screen_colour(@builtin(position) position: vec4f) -> @location(0) vec4f {
   let number = u32(position.x) + eye.width * u32(position.y);
   var light = light_in[number].rgb;
   if (eye.layer == PICTURE || eye.layer == DIRECT || eye.layer == INDIRECT || eye.layer == VOXELS) {
-    light = pow(clamp(light * eye.exposure, vec3f(0.0), vec3f(1.0)), vec3f(1.0 / 2.2));
+    light = clamp(light * eye.exposure, vec3f(0.0), vec3f(1.0));
+    light = select(1.055 * pow(light, vec3f(1.0 / 2.4)) - 0.055, 12.92 * light, light < vec3f(0.0031308));
   }
   return vec4f(light, 1.0);
 }

@@ -21,7 +21,7 @@ use crate::data::{Geometry, Triangle, lights_of, materials_of};
 use crate::error::LightError;
 use crate::kernel::filled;
 use crate::layers::Layers;
-use crate::numeric::NARROWEST;
+use crate::numeric::{NARROWEST, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
 use crate::reach::{Mask, Reach, bricks_read};
 use crate::shading::{List, Shading};
@@ -33,7 +33,7 @@ use crate::volume::Volume;
 pub struct Settings {
     /// Cells along the longest axis: 16 to 512.
     pub resolution: u32,
-    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 2.5. The thesis' step factor, in diameters, is half
+    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis' step factor, in diameters, is half
     /// of it. Light leaks through thin walls above 1.
     pub step: f32,
     /// How far cones gather, as a share of the grid's longest edge: 0.01 to 2.
@@ -62,7 +62,7 @@ impl Default for Settings {
 impl Settings {
     fn check(&self) -> Result<(), LightError> {
         for (name, value, low, high) in [
-            ("the step", self.step, 0.1, 2.5),
+            ("the step", self.step, 0.1, 5.0),
             ("the reach", self.reach, 0.01, 2.0),
             ("the aperture", self.aperture, 0.001, 1.0),
         ] {
@@ -272,7 +272,7 @@ impl Renderer {
         for &brick in self.layers.bricks() {
             seen[brick as usize] = sees(self.volume.brick_box(brick));
         }
-        let slope = self.settings.cones.cones().iter().map(|c| c.slope).fold(1.0, f32::max);
+        let slope = self.settings.cones.cones().iter().map(|c| c.slope).fold(WIDEST_REFLECTION, f32::max);
         let away = bricks_read(self.settings.reach_cells(&self.volume), slope);
         Reach::around(&self.volume, seen, away, self.settings.bounce)
     }

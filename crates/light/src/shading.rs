@@ -125,7 +125,7 @@ impl Shading {
             shade: Kernel::new(gpu, &module, "shade", &[&voxels[..], &[5, 40]].concat()),
             bounce: Kernel::new(gpu, &module, "bounce", &[&voxels[..], &cones, &[41]].concat()),
             inject: [
-                Kernel::new(gpu, &module, "inject_direct", &[0, 1, 2, 6, 40, 42]),
+                Kernel::new(gpu, &module, "inject_direct", &[0, 1, 2, 6, 40, 41, 42]),
                 Kernel::new(gpu, &module, "inject_all", &[0, 1, 2, 6, 40, 41, 42]),
             ],
             reduce: Kernel::new(gpu, &module, "reduce", &[0, 6, 43, 44, 45]),

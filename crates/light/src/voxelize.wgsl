@@ -11,7 +11,7 @@ fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
   if (any(min(a, min(b, c)) > half) || any(max(a, max(b, c)) < -half)) { return false; }
   let normal = cross(b - a, c - a);
   if (abs(dot(normal, a)) > dot(abs(normal), half)) { return false; }
-  let edges = array(b - a, c - b, a - c);
+  var edges = array(b - a, c - b, a - c);
   for (var i = 0; i < 3; i++) {
     for (var j = 0; j < 3; j++) {
       var unit = vec3f(0.0);
