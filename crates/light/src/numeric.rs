@@ -14,10 +14,12 @@ pub const TOUCH: f32 = 1.0 / 2048.0;
 /// half a sum behind its plane: 0.5 + 1 from the surface, and no less from a centre, as the exact walk needs no filter.
 pub const PUSH_OFF: f32 = 1.5;
 
-/// Albedo and emission are summed as integers of 10 bits, so that [`MOST_TRIANGLES`] of them fit into 32 bits.
+/// Albedo is summed as integers of 10 bits, so that [`MOST_TRIANGLES`] of them fit into 32 bits.
 pub const UNIT: f32 = 1023.0;
 /// The same for normals, which have a sign.
 pub const UNIT_NORMAL: f32 = 511.0;
+/// Of the emission of a cell the greatest counts, as a share of the brightest in the scene: as many steps as single precision tells with room.
+const UNIT_EMISSION: f32 = 1_048_575.0;
 /// Triangles of a scene: 2^22 sums of 10 bits fit into 32.
 pub const MOST_TRIANGLES: usize = 1 << 22;
 
@@ -49,6 +51,7 @@ pub fn constants() -> String {
         ("TOUCH", TOUCH),
         ("PUSH_OFF", PUSH_OFF),
         ("UNIT", UNIT),
+        ("UNIT_EMISSION", UNIT_EMISSION),
         ("UNIT_NORMAL", UNIT_NORMAL),
         ("CANCELLED", CANCELLED),
         ("LARGEST_HALF", LARGEST_HALF),

@@ -107,10 +107,12 @@ fn incident(light: Light, at: vec3f) -> Incident {
   return Incident(direction, distance, irradiance, light.radius / distance);
 }
 
-// What a cone meets at a point, premultiplied: faces by the signs of its direction, weighted by the squares of its components.
+// What a cone meets in the length of a texel, premultiplied. The opacity along an axis is the area of faces across that axis in a texel; a
+// direction meets of each the share that its component has. So a thin wall hides all, however slanted the cone is: the way through a texel
+// is as much longer. (The thesis' weights, squares of the components, let half of the light through at 60 degrees.)
 fn meet(at: vec3f, direction: vec3f, level: f32) -> vec4f {
   let place = at / vec3f(volume.dims);
-  let weight = direction * direction;
+  let weight = abs(direction);
   let mip = max(level - 1.0, 0.0);
   var met = vec4f(0.0);
   if (level > 0.0) {
@@ -134,13 +136,13 @@ fn cone(start: vec3f, direction: vec3f, slope: f32, far: f32) -> Gathered {
   var found = Gathered(vec3f(0.0), 1.0, 0.0);
   var way = 0.0;
   for (var i = 0u; i < MOST_STEPS && found.open > 0.0; i++) {
-    // A texel is half as wide as the cone.
-    let texel = max(slope * way, 1.0);
+    // A texel is half as wide as the cone, or as wide as there are.
+    let texel = clamp(slope * way, 1.0, exp2(f32(LEVELS)));
     let step = volume.step * texel;
     let at = way + 0.5 * step;
     let place = start + direction * at;
     if (at >= far || any(place < vec3f(0.0)) || any(place > vec3f(volume.dims))) { break; }
-    let met = meet(place, direction, min(log2(texel), f32(LEVELS)));
+    let met = meet(place, direction, log2(texel));
     let share = met.a * volume.step;
     if (share > 0.0) {
       let hidden = min(found.open, share);

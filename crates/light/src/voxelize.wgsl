@@ -1,7 +1,9 @@
-// Triangles become voxels: sums and counts by integer atomics, whose order does not matter (thesis 2.1; digest S1, with its defects avoided).
+// Triangles become voxels: sums, counts and maxima by integer atomics, whose order does not matter (thesis 2.1; digest S1, with its defects
+// avoided).
 
 @group(0) @binding(22) var<storage, read> pairs: array<vec2u>;
-// By cell: six sums of albedo and emission, three of normals and a count.
+// By cell: three sums of albedo, the greatest emission by channel, three sums of normals and a count. A lamp that shares a cell with the
+// ceiling shines as bright as elsewhere.
 @group(0) @binding(23) var<storage, read_write> colours: array<atomic<u32>>;
 @group(0) @binding(24) var<storage, read_write> normals: array<atomic<u32>>;
 
@@ -27,12 +29,12 @@ fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
 
 fn add(cell: u32, material: Material, normal: vec3f) {
   let albedo = vec3u(round(clamp(material.albedo, vec3f(0.0), vec3f(1.0)) * UNIT));
-  let emission = vec3u(round(clamp(material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT));
+  let emission = vec3u(round(clamp(material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
   // Negative numbers are added as what they are modulo 2^32.
   let direction = bitcast<vec3u>(vec3i(round(normal * UNIT_NORMAL)));
   for (var i = 0u; i < 3u; i++) {
     atomicAdd(&colours[cell * 6u + i], albedo[i]);
-    atomicAdd(&colours[cell * 6u + 3u + i], emission[i]);
+    atomicMax(&colours[cell * 6u + 3u + i], emission[i]);
     atomicAdd(&normals[cell * 4u + i], direction[i]);
   }
   atomicAdd(&normals[cell * 4u + 3u], 1u);
@@ -87,14 +89,14 @@ fn merge(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: v
     if (slot * 512u < arrayLength(&fixed_normals) / 4u) {
       let cell = slot * 512u + local;
       albedo += vec3u(fixed_colours[cell * 6u], fixed_colours[cell * 6u + 1u], fixed_colours[cell * 6u + 2u]);
-      emission += vec3u(fixed_colours[cell * 6u + 3u], fixed_colours[cell * 6u + 4u], fixed_colours[cell * 6u + 5u]);
+      emission = vec3u(fixed_colours[cell * 6u + 3u], fixed_colours[cell * 6u + 4u], fixed_colours[cell * 6u + 5u]);
       normal += vec3u(fixed_normals[cell * 4u], fixed_normals[cell * 4u + 1u], fixed_normals[cell * 4u + 2u]);
       count += fixed_normals[cell * 4u + 3u];
     }
     if (moving != 0u) {
       let cell = (moving - 1u) * 512u + local;
       albedo += vec3u(moving_colours[cell * 6u], moving_colours[cell * 6u + 1u], moving_colours[cell * 6u + 2u]);
-      emission += vec3u(moving_colours[cell * 6u + 3u], moving_colours[cell * 6u + 4u], moving_colours[cell * 6u + 5u]);
+      emission = max(emission, vec3u(moving_colours[cell * 6u + 3u], moving_colours[cell * 6u + 4u], moving_colours[cell * 6u + 5u]));
       normal += vec3u(moving_normals[cell * 4u], moving_normals[cell * 4u + 1u], moving_normals[cell * 4u + 2u]);
       count += moving_normals[cell * 4u + 3u];
     }
@@ -110,7 +112,7 @@ fn surface(albedo: vec3u, emission: vec3u, normal: vec3i, count: u32) -> vec4u {
   if (count == 0u) { return vec4u(0u); }
   let scale = 1.0 / (f32(count) * UNIT);
   let a = vec3f(albedo) * scale;
-  let e = min(vec3f(emission) * scale * volume.brightest, vec3f(LARGEST_HALF));
+  let e = min(vec3f(emission) / UNIT_EMISSION * volume.brightest, vec3f(LARGEST_HALF));
   let mean = vec3f(normal) / (f32(count) * UNIT_NORMAL);
   let size = length(mean);
   var n = vec4f(0.0);

@@ -6,6 +6,7 @@ mod common;
 use std::f32::consts::PI;
 
 use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
+use casca_light::cones::ConeCount;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
@@ -14,8 +15,12 @@ use casca_stage::gpu::Gpu;
 use common::{ball, draw, gpu, light, texels, wall_scene};
 use glam::{Affine3A, Vec3};
 
-/// Light gathered from voxels is stored in half floats, and walls that a cone meets at a slant let a few percent pass.
-const FURNACE: f32 = 0.05;
+/// Walls are opaque but for how their pieces between two mips add up: of a wide cone, up to this share passes them on the mean of pixels,
+const FURNACE: f32 = 0.1;
+/// and up to this in single ones.
+const FURNACE_PIXEL: f32 = 0.35;
+/// Numbers from 0 to 1 in half floats, after five steps.
+const HALF: f32 = 1e-3;
 
 fn settings(resolution: u32) -> Settings {
     Settings { resolution, ..Settings::default() }
@@ -31,17 +36,18 @@ fn updated(gpu: &Gpu, scene: &LitScene, settings: Settings) -> Renderer {
 fn in_a_furnace_every_surface_gathers_what_the_walls_emit() {
     let Some(gpu) = gpu() else { return };
     let mut scene = Kind::Furnace.build();
-    // A white ball, so that there is something that gathers besides the walls.
-    scene.materials.push(Material::matt(Vec3::ONE));
+    // A ball that emits as much, for its voxels are among those that it gathers from.
+    scene.materials.push(Material { emission: Vec3::ONE, ..Material::matt(Vec3::ONE) });
     scene.objects.push(ball(scene.materials.len() as u32 - 1, Vec3::new(2.0, 1.5, 1.2), 0.5));
-    for step in [0.25, 1.0] {
-        let mut renderer = updated(&gpu, &scene, Settings { step, ..settings(48) });
+    for (step, cones) in [(0.25, ConeCount::Six), (1.0, ConeCount::Six), (1.0, ConeCount::Sixteen)] {
+        let mut renderer = updated(&gpu, &scene, Settings { step, cones, bounce: false, ..settings(48) });
         let gathered = draw(&gpu, &mut renderer, &scene, Layer::Indirect);
         let on_ball: Vec<f32> = gathered.iter().filter(|p| p[0] > 0.0).map(|p| p[0]).collect();
         assert!(on_ball.len() > 100, "{}", on_ball.len());
         let (least, most) = on_ball.iter().fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(*v), b.max(*v)));
-        // The ball is white and emits nothing: it reflects once what the walls emit, and again what it reflects.
-        assert!(least > 1.0 - FURNACE && most < 1.0 + FURNACE, "step {step}: {least} to {most}");
+        let mean = on_ball.iter().sum::<f32>() / on_ball.len() as f32;
+        println!("step {step}, {cones:?}: {least} to {most}, mean {mean}");
+        assert!(mean > 1.0 - FURNACE && least > 1.0 - FURNACE_PIXEL && most < 1.0 + HALF);
     }
 }
 
@@ -55,17 +61,17 @@ fn walls_stay_opaque_along_their_normals_in_all_mips_and_become_thin_across() {
         assert!(base.iter().any(|t| t[3] == 1.0));
         for (direction, texture) in mips.iter().enumerate() {
             for level in 0..5 {
-                let most = texels(&gpu, texture, level).iter().map(|t| t[3]).fold(0.0, f32::max);
-                if direction / 2 == axis {
-                    assert_eq!(most, 1.0, "axis {axis}, direction {direction}, level {level}");
-                } else {
-                    // The wall fills one or two cells of 2^(level + 1).
-                    let share = 2.0 / 2.0_f32.powi(level as i32 + 1);
-                    assert!(
-                        most <= share.min(1.0) + 1e-3 && most >= 0.5 * share.min(1.0) - 1e-3,
-                        "{direction} {level} {most}"
-                    );
-                }
+                let mut full: Vec<f32> =
+                    texels(&gpu, texture, level).iter().map(|t| t[3]).filter(|a| *a > 0.0).collect();
+                full.sort_unstable_by(f32::total_cmp);
+                // Most texels that hold anything hold a piece of the wall, one of 2^(level + 1) cells thick. Looked at along the
+                // wall, half of the columns of a texel hold its halves, one behind the other.
+                let across = (0..level).fold(0.5_f32, |a, _| 0.5 * (1.0 - (1.0 - a) * (1.0 - a)));
+                let expected = if direction / 2 == axis { 1.0 } else { across };
+                let most = full[full.len() / 2];
+                let off = (most - expected).abs();
+                assert!(off < HALF, "axis {axis}, direction {direction}, level {level}: {most}");
+                assert!(direction / 2 != axis || off == 0.0);
             }
         }
     }
