@@ -42,10 +42,10 @@ impl ConeCount {
     /// The cones.
     pub fn cones(self) -> Vec<Cone> {
         let mut cones = Vec::new();
-        let mut inner = 0.0;
+        let mut inner = 0.0_f32;
         for &(outer, count) in self.rings() {
             // Half of the ring's light comes from nearer to the normal.
-            let tilt: f32 = if count == 1 { 0.0 } else { (0.5 * (inner + outer) as f32).sqrt().asin() };
+            let tilt: f32 = if count == 1 { 0.0 } else { (0.5 * (inner + outer)).sqrt().asin() };
             let solid_angle = TAU * ((1.0_f32 - inner).sqrt() - (1.0 - outer).max(0.0).sqrt()) / count as f32;
             let half = (1.0 - solid_angle / TAU).acos().min(FRAC_PI_2);
             for i in 0..count {

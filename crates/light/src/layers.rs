@@ -94,6 +94,9 @@ pub struct Layers {
     merge: Kernel,
 }
 
+/// A brick, and the words of its cells.
+pub type BrickSurfaces = (u32, Vec<[u32; 4]>);
+
 /// What the kernels need from elsewhere, by binding.
 pub type Others<'a, 'b> = &'b dyn Fn(u32) -> BindingResource<'a>;
 
@@ -232,7 +235,7 @@ impl Layers {
     ///
     /// # Errors
     /// The device is lost.
-    pub fn read_surfaces(&self, gpu: &Gpu) -> Result<Vec<(u32, Vec<[u32; 4]>)>, LightError> {
+    pub fn read_surfaces(&self, gpu: &Gpu) -> Result<Vec<BrickSurfaces>, LightError> {
         let bytes = gpu.read_buffer(&self.surfaces)?;
         let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let cells = words.chunks_exact(BRICK_CELLS as usize);

@@ -16,6 +16,7 @@ use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
 use casca_stage::gpu::Gpu;
 use clap::Parser;
+use glam::Vec3;
 
 use crate::scene::Start;
 
@@ -61,11 +62,14 @@ struct Options {
     #[arg(long, default_value_t = 1.0)]
     exposure: f32,
     /// Adds a sun that shines along x,y,z, with an irradiance of 10
-    #[arg(long, value_delimiter = ',', num_args = 3)]
-    sun: Vec<f32>,
-    /// Looks from x,y,z to x,y,z
-    #[arg(long, value_delimiter = ',', num_args = 6)]
-    look: Vec<f32>,
+    #[arg(long, value_parser = parse_point)]
+    sun: Option<Vec3>,
+    /// Looks from x,y,z
+    #[arg(long, value_parser = parse_point, requires = "to")]
+    from: Option<Vec3>,
+    /// Looks to x,y,z
+    #[arg(long, value_parser = parse_point, requires = "from")]
+    to: Option<Vec3>,
     /// Draws pictures without a window
     #[arg(long)]
     headless: bool,
@@ -99,6 +103,13 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected a size such as 1024x768, from {} to {}", SIDES.start(), SIDES.end()))
 }
 
+fn parse_point(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> =
+        text.split(',').filter_map(|n| n.parse().ok()).filter(|n: &f32| n.is_finite()).collect();
+    let point = <[f32; 3]>::try_from(numbers).map(Vec3::from_array);
+    point.map_err(|_| "expected three numbers such as 0.2,-1,0".to_owned())
+}
+
 impl Options {
     fn settings(&self) -> Settings {
         Settings {
@@ -125,7 +136,7 @@ impl Options {
 
     fn start(&self) -> Result<Start, Box<dyn Error>> {
         let mut start = Start::open(&self.scene, self.balls)?;
-        start.change(&self.sun, &self.look);
+        start.change(self.sun, self.from.zip(self.to));
         Ok(start)
     }
 }
@@ -174,16 +185,13 @@ mod tests {
             (vec!["--headless", "no/such.glb"], "no/such.glb"),
             (vec!["--headless", broken_name], broken_name),
             (vec!["--headless", "house"], "cornell-point"),
-            (vec!["--layers", "all,colour"], "--layers"),
             (vec!["--headless", "--layers", "colour"], "occlusion"),
             (vec!["--size", "0x720"], "from 1 to 8192"),
             (vec!["--size", "NaNx1"], "from 1 to 8192"),
             (vec!["--balls", "70000"], "--balls"),
-            (vec!["--look", "1,2"], "--look"),
+            (vec!["--sun", "1,2"], "three numbers"),
+            (vec!["--from", "1,2,3"], "--to"),
         ] {
-            if word == "--layers" {
-                continue;
-            }
             let said = said(&words);
             assert!(said.contains(word), "{words:?}: {said}");
         }

@@ -53,16 +53,13 @@ impl Start {
     }
 
     /// Adds a sun and places the camera, if vectors for them are given.
-    pub fn change(&mut self, sun: &[f32], look: &[f32]) {
-        if let Ok(direction) = <[f32; 3]>::try_from(sun) {
-            let kind = LightKind::Directional { direction: Vec3::from_array(direction), half_angle: 0.0 };
+    pub fn change(&mut self, sun: Option<Vec3>, look: Option<(Vec3, Vec3)>) {
+        if let Some(direction) = sun {
+            let kind = LightKind::Directional { direction, half_angle: 0.0 };
             self.scene.lights.push(Light { kind, color: SUN, falloff: Falloff::INVERSE_SQUARE });
         }
-        if let Some((eye, target)) =
-            look.split_first_chunk::<3>().zip(look.last_chunk::<3>()).map(|(a, b)| (a.0, b))
-        {
-            self.scene.camera =
-                self.looking(Vec3::from_array(*eye), Vec3::from_array(*target), casca_lab::lit::ASPECT);
+        if let Some((eye, target)) = look {
+            self.scene.camera = self.looking(eye, target, casca_lab::lit::ASPECT);
         }
     }
 

@@ -100,7 +100,7 @@ impl Volume {
         let (low, high) = (a.min(b).min(c) - TOUCH, a.max(b).max(c) + TOUCH);
         let inside = high.cmpge(Vec3::ZERO).all() && low.cmplt(self.dims.as_vec3()).all();
         // Comparisons fail for what is not finite.
-        if !inside || !(low.min_element() > -FARTHEST && high.max_element() < FARTHEST) {
+        if !(inside && low.min_element() > -FARTHEST && high.max_element() < FARTHEST) {
             return;
         }
         let edge = BRICK as f32;
