@@ -60,10 +60,17 @@ fn compare(
     let orders = Quantity::Radiance(0..=if options.no_bounce { 2 } else { 3 });
     let camera = start.camera((w, h));
     let truth = PathTracer::new(&start.scene).render(&camera, size, &orders, options.truth, 1)?;
-    let path = options.out.join(format!("{}-truth.png", start.scene.name));
-    let pixels: Vec<u8> =
-        truth.image.srgb(options.exposure).chunks(3).flat_map(|p| [p[0], p[1], p[2], 255]).collect();
-    write_png(&path, (w, h), &pixels)?;
+    let path = options.out.join(format!("{}-beside-truth.png", start.scene.name));
+    let [ours, theirs] = [&found, &truth.image].map(|image| image.srgb(options.exposure));
+    let rows = ours.chunks(3 * size.0).zip(theirs.chunks(3 * size.0)).flat_map(|(a, b)| [a, b]);
+    let pixels: Vec<u8> = rows
+        .flatten()
+        .copied()
+        .collect::<Vec<u8>>()
+        .chunks(3)
+        .flat_map(|p| [p[0], p[1], p[2], 255])
+        .collect();
+    write_png(&path, (2 * w, h), &pixels)?;
     let mean = |image: &HdrImage| image.pixels().iter().sum::<Vec3>() / image.pixels().len().max(1) as f32;
     say(format_args!(
         "{}: RMSE {:.4}; mean {:.4}, by the path tracer {:.4}",

@@ -107,21 +107,24 @@ fn incident(light: Light, at: vec3f) -> Incident {
   return Incident(direction, distance, irradiance, light.radius / distance);
 }
 
-// What a cone meets in the length of a texel, premultiplied. The opacity along an axis is the area of faces across that axis in a texel; a
-// direction meets of each the share that its component has. So a thin wall hides all, however slanted the cone is: the way through a texel
-// is as much longer. (The thesis' weights, squares of the components, let half of the light through at 60 degrees.)
+// What a cone meets in the length of a texel, premultiplied. Opacities along the axes are the coverage by faces across each; along a direction d it
+// is the root of the sum of (coverage d)^2. That is exact for a thin wall, through which a slanted cone has a longer way, and for a ball. (The
+// thesis' weights, squares of the components, let half of the light through a wall at 60 degrees.)
 fn meet(at: vec3f, direction: vec3f, level: f32) -> vec4f {
   let place = at / vec3f(volume.dims);
-  let weight = abs(direction);
   let mip = max(level - 1.0, 0.0);
   var met = vec4f(0.0);
   if (level > 0.0) {
-    if (direction.x > 0.0) { met += weight.x * textureSampleLevel(along_x, smooth_sampler, place, mip); }
-    else { met += weight.x * textureSampleLevel(against_x, smooth_sampler, place, mip); }
-    if (direction.y > 0.0) { met += weight.y * textureSampleLevel(along_y, smooth_sampler, place, mip); }
-    else { met += weight.y * textureSampleLevel(against_y, smooth_sampler, place, mip); }
-    if (direction.z > 0.0) { met += weight.z * textureSampleLevel(along_z, smooth_sampler, place, mip); }
-    else { met += weight.z * textureSampleLevel(against_z, smooth_sampler, place, mip); }
+    var x: vec4f; var y: vec4f; var z: vec4f;
+    if (direction.x > 0.0) { x = textureSampleLevel(along_x, smooth_sampler, place, mip); }
+    else { x = textureSampleLevel(against_x, smooth_sampler, place, mip); }
+    if (direction.y > 0.0) { y = textureSampleLevel(along_y, smooth_sampler, place, mip); }
+    else { y = textureSampleLevel(against_y, smooth_sampler, place, mip); }
+    if (direction.z > 0.0) { z = textureSampleLevel(along_z, smooth_sampler, place, mip); }
+    else { z = textureSampleLevel(against_z, smooth_sampler, place, mip); }
+    let weight = direction * direction * vec3f(x.a, y.a, z.a);
+    let opacity = sqrt(dot(weight, vec3f(x.a, y.a, z.a)));
+    met = vec4f((weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb) / max(opacity, TINY), opacity);
   }
   if (level < 1.0) { met = mix(textureSampleLevel(base, smooth_sampler, place, 0.0), met, level); }
   return met;

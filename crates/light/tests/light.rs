@@ -15,10 +15,11 @@ use casca_stage::gpu::Gpu;
 use common::{ball, draw, gpu, light, texels, wall_scene};
 use glam::{Affine3A, Vec3};
 
-/// Walls are opaque but for how their pieces between two mips add up: of a wide cone, up to this share passes them on the mean of pixels,
-const FURNACE: f32 = 0.1;
-/// and up to this in single ones.
-const FURNACE_PIXEL: f32 = 0.35;
+/// Wide cones take a wall in pieces between two mips, which do not always add up to a whole: so much light is lost at most, on the mean of
+/// pixels,
+const FURNACE: f32 = 0.25;
+/// and in single ones.
+const FURNACE_PIXEL: f32 = 0.5;
 /// Numbers from 0 to 1 in half floats, after five steps.
 const HALF: f32 = 1e-3;
 
