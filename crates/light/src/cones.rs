@@ -1,0 +1,83 @@
+//! The cones that cover a hemisphere, in rings around the normal.
+//!
+//! The hemisphere is cut into sectors without gaps or overlaps (the thesis' six cones cover 59 % of it). A cone goes to
+//! the middle of a sector, with the same solid angle; its weight is the integral of the cosine over the sector, divided by π. The
+//! weights add up to 1.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// Cones at most.
+pub const MOST_CONES: usize = 16;
+
+/// How many cones gather diffuse light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ConeCount {
+    /// One along the normal and five around it.
+    #[default]
+    Six,
+    /// One, five and ten.
+    Sixteen,
+}
+
+/// A cone around a normal along z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Unit vector.
+    pub direction: [f32; 3],
+    /// Tangent of half its angle.
+    pub slope: f32,
+    /// Its share of diffuse light.
+    pub share: f32,
+}
+
+impl ConeCount {
+    /// Where rings end, as squares of sines, and the cones of each.
+    fn rings(self) -> &'static [(f32, u32)] {
+        match self {
+            Self::Six => &[(0.25, 1), (1.0, 5)],
+            Self::Sixteen => &[(0.08, 1), (0.42, 5), (1.0, 10)],
+        }
+    }
+
+    /// The cones.
+    pub fn cones(self) -> Vec<Cone> {
+        let mut cones = Vec::new();
+        let mut inner = 0.0_f32;
+        for &(outer, count) in self.rings() {
+            // Half of the ring's light comes from nearer to the normal.
+            let tilt: f32 = if count == 1 { 0.0 } else { (0.5 * (inner + outer)).sqrt().asin() };
+            let solid_angle = TAU * ((1.0_f32 - inner).sqrt() - (1.0 - outer).max(0.0).sqrt()) / count as f32;
+            let half = (1.0 - solid_angle / TAU).acos().min(FRAC_PI_2);
+            for i in 0..count {
+                let (sin, cos) = (i as f32 * TAU / count as f32).sin_cos();
+                let direction = [tilt.sin() * cos, tilt.sin() * sin, tilt.cos()];
+                cones.push(Cone { direction, slope: half.tan(), share: (outer - inner) / count as f32 });
+            }
+            inner = outer;
+        }
+        cones
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn cones_fill_the_hemisphere_and_weigh_as_its_light() {
+        for count in [ConeCount::Six, ConeCount::Sixteen] {
+            let cones = count.cones();
+            assert!(cones.len() <= MOST_CONES);
+            let sum: f32 = cones.iter().map(|c| c.share).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+            let solid = |c: &Cone| TAU * (1.0 - c.slope.atan().cos());
+            let solid: f32 = cones.iter().map(solid).sum();
+            assert!((solid - TAU).abs() < 1e-4, "{solid}");
+            // The mean of the directions, weighted, is that of light by the cosine law: two thirds of the normal. The rule of
+            // one direction for a sector is a few percent off.
+            let mean: Vec3 = cones.iter().map(|c| Vec3::from_array(c.direction) * c.share).sum();
+            assert!(mean.abs_diff_eq(Vec3::Z * 2.0 / 3.0, 0.05), "{mean}");
+        }
+    }
+}

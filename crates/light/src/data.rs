@@ -1,0 +1,218 @@
+//! Triangles, materials and lights as the shaders take them: lengths in cells from the corner of the grid.
+
+use bytemuck::{Pod, Zeroable};
+use casca_lab::lit::{self, LightKind, LitObject, LitScene};
+use glam::{Affine3A, Vec3};
+
+use crate::error::LightError;
+use crate::numeric::{FARTHEST, MOST_TRIANGLES};
+use crate::volume::Volume;
+
+/// A triangle in cells.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Triangle {
+    a: [f32; 3],
+    material: u32,
+    b: [f32; 3],
+    pad_b: u32,
+    c: [f32; 3],
+    pad_c: u32,
+}
+
+impl Triangle {
+    /// Its corners, in cells.
+    pub fn corners(&self) -> [Vec3; 3] {
+        [self.a, self.b, self.c].map(Vec3::from_array)
+    }
+}
+
+/// A material.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Material {
+    albedo: [f32; 3],
+    gloss: f32,
+    specular: [f32; 3],
+    pad: f32,
+    emission: [f32; 3],
+    pad_e: f32,
+}
+
+/// A finite number from 0 on.
+fn sound(v: Vec3, most: f32) -> [f32; 3] {
+    v.to_array().map(|c| if c.is_finite() { c.clamp(0.0, most) } else { 0.0 })
+}
+
+impl Material {
+    fn new(m: &lit::Material) -> Self {
+        let gloss = if m.gloss.is_finite() { m.gloss.clamp(0.0, 1.0) } else { 0.0 };
+        let (albedo, specular) = (sound(m.albedo, 1.0), sound(m.specular, 1.0));
+        Self { albedo, gloss, specular, pad: 0.0, emission: sound(m.emission, f32::MAX), pad_e: 0.0 }
+    }
+}
+
+/// Kinds of lights, by number.
+#[derive(Debug, Clone, Copy)]
+pub enum LightKindNumber {
+    /// See [`LightKind::Directional`].
+    Directional,
+    /// See [`LightKind::Point`].
+    Point,
+    /// See [`LightKind::Spot`].
+    Spot,
+}
+
+/// A light.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Light {
+    position: [f32; 3],
+    kind: u32,
+    color: [f32; 3],
+    radius: f32,
+    axis: [f32; 3],
+    inner: f32,
+    falloff: [f32; 3],
+    outer: f32,
+}
+
+impl Light {
+    /// A light that shines on nothing if its values are not sound.
+    fn new(light: &lit::Light, volume: &Volume) -> Self {
+        let f = light.falloff;
+        let mut new = Self {
+            color: sound(light.color, f32::MAX),
+            falloff: [f.constant, f.linear, f.quadratic],
+            ..Self::zeroed()
+        };
+        let axis = match light.kind {
+            LightKind::Directional { direction, half_angle } => {
+                new.kind = LightKindNumber::Directional as u32;
+                // A sun wider than that would be a sky.
+                new.radius = half_angle.clamp(0.0, 1.5).tan();
+                new.position = (-direction).normalize_or_zero().to_array();
+                direction
+            }
+            LightKind::Point { position, radius } => {
+                new.kind = LightKindNumber::Point as u32;
+                (new.position, new.radius) =
+                    (volume.cells_from(position).to_array(), radius.max(0.0) / volume.cell);
+                Vec3::Y
+            }
+            LightKind::Spot { position, direction, radius, inner, outer } => {
+                new.kind = LightKindNumber::Spot as u32;
+                (new.position, new.radius) =
+                    (volume.cells_from(position).to_array(), radius.max(0.0) / volume.cell);
+                (new.inner, new.outer) = (inner.cos(), outer.cos().min(inner.cos() - f32::EPSILON));
+                direction
+            }
+        };
+        new.axis = axis.normalize_or_zero().to_array();
+        let numbers: &[f32] = &[new.position, new.axis, new.falloff].concat();
+        let is_sound = numbers.iter().chain(&[new.radius, new.inner, new.outer]).all(|v| v.is_finite());
+        if is_sound && axis.try_normalize().is_some() {
+            new
+        } else {
+            Self { color: [0.0; 3], falloff: [1.0, 0.0, 0.0], ..Self::zeroed() }
+        }
+    }
+}
+
+/// Lights in the units of a grid. There is at least one, so that there is something to bind: it may be black.
+pub fn lights_of(lights: &[lit::Light], volume: &Volume) -> Vec<Light> {
+    let black = lit::Light::point(Vec3::ZERO, Vec3::ZERO);
+    let lights = if lights.is_empty() { std::slice::from_ref(&black) } else { lights };
+    lights.iter().map(|light| Light::new(light, volume)).collect()
+}
+
+/// The triangles of a scene: those of objects that stay, then those of objects that move.
+#[derive(Debug, Clone)]
+pub struct Geometry {
+    /// All triangles.
+    pub triangles: Vec<Triangle>,
+    /// How many of them stay where they are.
+    pub fixed: usize,
+    /// The objects that may move: their number in the scene, and the first of their triangles.
+    moving: Vec<(usize, usize)>,
+    objects: Vec<LitObject>,
+    materials: u32,
+}
+
+impl Geometry {
+    /// The triangles of a scene in the cells of a grid.
+    ///
+    /// # Errors
+    /// There are none, or too many.
+    pub fn new(scene: &LitScene, volume: &Volume) -> Result<Self, LightError> {
+        let count = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
+        if count > MOST_TRIANGLES {
+            return Err(LightError::TooManyTriangles(count));
+        }
+        let mut new = Self {
+            triangles: Vec::with_capacity(count),
+            fixed: 0,
+            moving: Vec::new(),
+            objects: scene.objects.clone(),
+            materials: scene.materials.len() as u32,
+        };
+        let put = |new: &mut Self, i: usize| {
+            let object = &scene.objects[i];
+            new.triangles.extend(triangles_of(object, volume, new.materials));
+        };
+        (0..scene.objects.len()).filter(|&i| !scene.objects[i].moves).for_each(|i| put(&mut new, i));
+        new.fixed = new.triangles.len();
+        for i in (0..scene.objects.len()).filter(|&i| scene.objects[i].moves) {
+            new.moving.push((i, new.triangles.len()));
+            put(&mut new, i);
+        }
+        if new.triangles.is_empty() { Err(LightError::NoTriangles) } else { Ok(new) }
+    }
+
+    /// Moves an object; returns the numbers of its triangles. Those that have corners that are not finite become empty.
+    ///
+    /// # Errors
+    /// There is no such object, or it does not move.
+    pub fn move_object(
+        &mut self,
+        object: usize,
+        transform: Affine3A,
+        volume: &Volume,
+    ) -> Result<std::ops::Range<usize>, LightError> {
+        let at =
+            self.moving.binary_search_by_key(&object, |m| m.0).map_err(|_| LightError::Object(object))?;
+        let start = self.moving[at].1;
+        self.objects[object].transform = transform;
+        let new = triangles_of(&self.objects[object], volume, self.materials);
+        let end = start + new.len();
+        self.triangles[start..end].copy_from_slice(&new);
+        Ok(start..end)
+    }
+}
+
+/// The triangles of an object in cells. Those that are not sound are a point outside of the grid, so that the others keep their numbers.
+fn triangles_of(object: &LitObject, volume: &Volume, materials: u32) -> Vec<Triangle> {
+    let mesh = &object.mesh;
+    let corner = |v: u32| {
+        let at = mesh.positions.get(v as usize).copied()?;
+        let at = volume.cells_from(object.transform.transform_point3(at));
+        (at.abs().max_element() < FARTHEST).then_some(at)
+    };
+    let triangle = |(i, t): (usize, &[u32; 3])| {
+        let material = object.materials.get(i).copied().filter(|&m| m < materials)?;
+        let [a, b, c] = [corner(t[0])?, corner(t[1])?, corner(t[2])?].map(|p| p.to_array());
+        Some(Triangle { a, material, b, pad_b: 0, c, pad_c: 0 })
+    };
+    let nowhere = [-FARTHEST; 3];
+    let empty = Triangle { a: nowhere, material: 0, b: nowhere, pad_b: 0, c: nowhere, pad_c: 0 };
+    mesh.triangles.iter().enumerate().map(|t| triangle(t).unwrap_or(empty)).collect()
+}
+
+/// Materials, and the greatest emission among them (at least a tiny number). There is at least one.
+pub fn materials_of(scene: &LitScene) -> (Vec<Material>, f32) {
+    let grey = lit::Material::matt(Vec3::splat(0.5));
+    let materials = if scene.materials.is_empty() { std::slice::from_ref(&grey) } else { &scene.materials };
+    let materials: Vec<Material> = materials.iter().map(Material::new).collect();
+    let brightest = materials.iter().flat_map(|m| m.emission).fold(f32::MIN_POSITIVE, f32::max);
+    (materials, brightest)
+}

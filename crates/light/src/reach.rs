@@ -1,0 +1,95 @@
+//! Which bricks a picture can read: the culler's part.
+//!
+//! - *Seen* bricks have voxels, and a point of their box may be seen from the camera (`casca::Sight`, which never says no in doubt).
+//!   All surfaces in the picture lie in them.
+//! - *Gathered* bricks are within the reach of a cone that starts in a seen one: these may be read by the cones of the picture.
+//!   "Within" counts everything that moves a reading away from its cone: where cones start, and the filter of the widest texel.
+//! - *Lit* bricks are within the reach of a cone that starts in a gathered one: those are read by the second bounce into
+//!   gathered bricks.
+//!
+//! Light is brought up to date in these only. What is left out stays marked until a later picture can read it. So the pixels are
+//! the same, bit by bit, as with all bricks up to date. Opacity is always up to date everywhere: shadows come from
+//! anywhere.
+
+use glam::UVec3;
+
+use crate::numeric::PUSH_OFF;
+use crate::volume::{BRICK, LEVELS, Volume};
+
+/// A mask of bricks by number.
+pub type Mask = Vec<bool>;
+
+/// The bricks that count for a picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reach {
+    /// May be read by a cone of the picture.
+    pub gathered: Mask,
+    /// May be read by the second bounce into a gathered brick.
+    pub lit: Mask,
+}
+
+/// How far from its start's brick a cone reads, in bricks: `reach` in cells, `slope` of the widest cone.
+pub fn bricks_read(reach: f32, slope: f32) -> u32 {
+    let widest = (slope * reach).clamp(1.0, (1 << LEVELS) as f32);
+    // Two levels are mixed; of the coarser one, a texel counts up to one and a half edges away.
+    let filter = 1.5 * (widest.ceil() as u32).next_power_of_two().min(1 << LEVELS) as f32;
+    // Pixels lie in their brick but for rounding: a cell more.
+    let cells = reach + PUSH_OFF * 3.0_f32.sqrt() + filter + 1.0;
+    (cells / BRICK as f32).ceil().min(1e6) as u32
+}
+
+impl Reach {
+    /// Every brick.
+    pub fn all(volume: &Volume) -> Self {
+        let all = vec![true; volume.brick_count()];
+        Self { gathered: all.clone(), lit: all }
+    }
+
+    /// The bricks around seen ones, where cones read up to so many bricks away.
+    pub fn around(volume: &Volume, seen: Mask, away: u32, bounces: bool) -> Self {
+        let gathered = grown(seen, volume.bricks(), away);
+        let lit = if bounces { grown(gathered.clone(), volume.bricks(), away) } else { gathered.clone() };
+        Self { gathered, lit }
+    }
+}
+
+/// All bricks that are at most `away` from one of the mask along each axis. O(bricks).
+fn grown(mut mask: Mask, bricks: UVec3, away: u32) -> Mask {
+    let strides = [1, bricks.x, bricks.x * bricks.y];
+    for axis in 0..3 {
+        let (length, stride) = (bricks[axis] as usize, strides[axis] as usize);
+        for first in (0..mask.len()).filter(|i| i / stride % length == 0) {
+            let line: Vec<bool> = (0..length).map(|i| mask[first + i * stride]).collect();
+            // How far the nearest one is, from both sides.
+            let (mut before, mut after) = (usize::MAX, usize::MAX);
+            for i in 0..length {
+                before = if line[i] { 0 } else { before.saturating_add(1) };
+                mask[first + i * stride] |= before <= away as usize;
+                let j = length - 1 - i;
+                after = if line[j] { 0 } else { after.saturating_add(1) };
+                mask[first + j * stride] |= after <= away as usize;
+            }
+        }
+    }
+    mask
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masks_grow_by_a_box() {
+        let bricks = UVec3::new(7, 5, 6);
+        let volume = Volume { origin: glam::Vec3::ZERO, cell: 1.0, dims: bricks * BRICK };
+        for away in [0, 1, 2, 9] {
+            let at = UVec3::new(1, 4, 2);
+            let mut mask = vec![false; volume.brick_count()];
+            mask[volume.number(at) as usize] = true;
+            for (i, is_near) in grown(mask, bricks, away).into_iter().enumerate() {
+                let far = volume.brick(i as u32).as_ivec3() - at.as_ivec3();
+                assert_eq!(is_near, far.abs().max_element() <= away as i32, "{i} {away}");
+            }
+        }
+    }
+}

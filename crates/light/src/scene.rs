@@ -1,0 +1,97 @@
+//! The scene that the program shows: a file or a generated one, with balls that move.
+
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+
+use casca_lab::import::load_lit;
+use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitObject, LitScene, Material};
+use casca_lab::world::{Camera, Mesh};
+use glam::{Affine3A, Quat, Vec3};
+
+/// Degrees of the view from bottom to top, where the program places the camera.
+const FOV_Y: f32 = 60.0;
+/// Radius of a ball, as a share of the scene's shortest side.
+const BALL: f32 = 0.04;
+/// Irradiance of the sun that is added.
+const SUN: Vec3 = Vec3::new(10.5, 10.0, 9.0);
+
+/// A scene and the balls in it.
+pub struct Start {
+    /// The scene.
+    pub scene: LitScene,
+    /// Its least and greatest corner, without balls.
+    pub bounds: (Vec3, Vec3),
+    balls: usize,
+}
+
+impl Start {
+    /// Loads or makes a scene and adds balls.
+    ///
+    /// # Errors
+    /// The file cannot be taken, or no scene has that name.
+    pub fn open(name: &str, balls: u16) -> Result<Self, Box<dyn Error>> {
+        let ending = Path::new(name).extension().unwrap_or_default();
+        let is_file = ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf");
+        let scene = if is_file { load_lit(Path::new(name))? } else { name.parse::<Kind>()?.build() };
+        let (bounds, balls) = (scene.bounds(), usize::from(balls));
+        let mut start = Self { scene, balls, bounds };
+        let mesh = Arc::new(Mesh::ball(2));
+        for i in 0..balls {
+            let hue = [0, 1, 2].map(|c| 0.25 + 0.5 * f32::from(u8::from((i + c) % 3 == 0)));
+            start.scene.materials.push(Material::matt(Vec3::from_array(hue)));
+            let material = start.scene.materials.len() as u32 - 1;
+            start.scene.objects.push(LitObject {
+                name: format!("ball {i}"),
+                materials: vec![material; mesh.triangles.len()].into(),
+                mesh: mesh.clone(),
+                transform: start.ball(i, 0.0),
+                moves: true,
+            });
+        }
+        Ok(start)
+    }
+
+    /// Adds a sun and places the camera, if vectors for them are given.
+    pub fn change(&mut self, sun: Option<Vec3>, look: Option<(Vec3, Vec3)>) {
+        if let Some(direction) = sun {
+            let kind = LightKind::Directional { direction, half_angle: 0.0 };
+            self.scene.lights.push(Light { kind, color: SUN, falloff: Falloff::INVERSE_SQUARE });
+        }
+        if let Some((eye, target)) = look {
+            self.scene.camera = self.looking(eye, target, casca_lab::lit::ASPECT);
+        }
+    }
+
+    /// A camera for pictures that are so many times as wide as high.
+    pub fn looking(&self, eye: Vec3, target: Vec3, aspect: f32) -> Camera {
+        let far = 4.0 * (self.bounds.1 - self.bounds.0).length().max(1e-3);
+        Camera::look_at(eye, target, FOV_Y, aspect, far * 1e-4, far)
+    }
+
+    /// The scene's camera, for pictures of another shape.
+    pub fn camera(&self, (width, height): (u32, u32)) -> Camera {
+        let mut camera = self.scene.camera;
+        camera.projection.x_axis.x = camera.projection.y_axis.y * height as f32 / width as f32;
+        camera
+    }
+
+    /// Numbers of the balls among the objects, and where each is at a time in seconds.
+    pub fn balls_at(&self, seconds: f32) -> impl Iterator<Item = (usize, Affine3A)> + '_ {
+        let first = self.scene.objects.len() - self.balls;
+        (0..self.balls).map(move |i| (first + i, self.ball(i, seconds)))
+    }
+
+    /// Balls go up and down on a spiral around the middle of the scene.
+    fn ball(&self, i: usize, seconds: f32) -> Affine3A {
+        let (min, max) = self.bounds;
+        let size = max - min;
+        let share = (i as f32 + 0.5) / self.balls.max(1) as f32;
+        // Turns by the golden angle spread them evenly.
+        let angle = i as f32 * 2.4 + 0.5 * seconds;
+        let height = 0.3 + 0.2 * (seconds + i as f32).sin();
+        let place = Vec3::new(0.5 + 0.4 * share * angle.cos(), height, 0.5 + 0.4 * share * angle.sin());
+        let radius = Vec3::splat(BALL * size.min_element().max(1e-3));
+        Affine3A::from_scale_rotation_translation(radius, Quat::IDENTITY, min + size * place)
+    }
+}

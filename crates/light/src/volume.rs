@@ -1,0 +1,124 @@
+//! The grid of voxels: cubic cells, as many along each axis as the scene needs, in bricks of 8x8x8 (thesis 2.1; a cube
+//! of N³ cells, as in the thesis, would be three quarters empty for a hall such as Sponza).
+
+use std::ops::RangeInclusive;
+
+use casca::{Grid, GridSpec};
+use glam::{UVec3, Vec3};
+
+use crate::data::Triangle;
+use crate::error::LightError;
+use crate::numeric::{FARTHEST, LEAST_CELL, TOUCH};
+
+/// Cells along the longest axis.
+pub const RESOLUTIONS: RangeInclusive<u32> = 16..=512;
+/// Edge of a brick in cells.
+pub const BRICK: u32 = 8;
+/// Cells of a brick.
+pub const BRICK_CELLS: u32 = BRICK * BRICK * BRICK;
+/// Directional mips: the coarsest has texels of 32 cells. Wider cones read those.
+pub const LEVELS: u32 = 5;
+/// Axes have multiples of this many cells, so that every texel of every mip is whole.
+const TEXEL: u32 = 1 << LEVELS;
+/// Cells between the scene and the border of the grid: surfaces at the border need all of their cells.
+const BORDER: u32 = 1;
+
+/// The grid of voxels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Volume {
+    /// Least corner in metres.
+    pub origin: Vec3,
+    /// Edge of a cell in metres.
+    pub cell: f32,
+    /// Cells along each axis, with those that fill the coarsest texels: multiples of 32.
+    pub dims: UVec3,
+}
+
+impl Volume {
+    /// The grid over a box in metres, with `resolution` cells along the longest axis.
+    ///
+    /// # Errors
+    /// Refuses resolutions outside of [`RESOLUTIONS`], and boxes over which [`Grid::new`] makes no grid.
+    pub fn new((min, max): (Vec3, Vec3), resolution: u32) -> Result<Self, LightError> {
+        if !RESOLUTIONS.contains(&resolution) {
+            return Err(LightError::Resolution(resolution));
+        }
+        let size = (max - min).max(Vec3::ZERO);
+        let inner = (resolution - 2 * BORDER) as f32;
+        // A scene without extent gets cells nevertheless.
+        let rounding = min.abs().max(max.abs()).max_element() * LEAST_CELL;
+        let cell = (size.max_element() / inner).max(rounding).max(f32::MIN_POSITIVE);
+        let needed = (size / cell).ceil().as_uvec3().min(UVec3::splat(resolution - 2 * BORDER)) + 2 * BORDER;
+        let dims = UVec3::from_array(needed.to_array().map(|n| n.next_multiple_of(TEXEL)));
+        let origin = min - cell * BORDER as f32;
+        Grid::new(&GridSpec { min: origin, cell, dims })?;
+        Ok(Self { origin, cell, dims })
+    }
+
+    /// The same grid for the library.
+    pub fn spec(&self) -> GridSpec {
+        GridSpec { min: self.origin, cell: self.cell, dims: self.dims }
+    }
+
+    /// Bricks along each axis.
+    pub fn bricks(&self) -> UVec3 {
+        self.dims / BRICK
+    }
+
+    /// Number of bricks.
+    pub fn brick_count(&self) -> usize {
+        self.bricks().element_product() as usize
+    }
+
+    /// Number of a brick.
+    pub fn number(&self, brick: UVec3) -> u32 {
+        let n = self.bricks();
+        brick.x + n.x * (brick.y + n.y * brick.z)
+    }
+
+    /// The brick of a number.
+    pub fn brick(&self, number: u32) -> UVec3 {
+        let n = self.bricks();
+        UVec3::new(number % n.x, number / n.x % n.y, number / (n.x * n.y))
+    }
+
+    /// The corners of a brick in metres.
+    pub fn brick_box(&self, number: u32) -> (Vec3, Vec3) {
+        let low = self.brick(number).as_vec3() * BRICK as f32;
+        (self.origin + low * self.cell, self.origin + (low + BRICK as f32) * self.cell)
+    }
+
+    /// A point in metres, in cells from the grid's corner.
+    pub fn cells_from(&self, point: Vec3) -> Vec3 {
+        (point - self.origin) / self.cell
+    }
+
+    /// The bricks that a triangle (in cells) may touch, by their numbers: those of its box that its plane reaches. None if a corner is not
+    /// finite or far from the grid. Costs the bricks of its box.
+    pub fn bricks_of(&self, triangle: &Triangle, visit: &mut dyn FnMut(u32)) {
+        let [a, b, c] = triangle.corners();
+        let (low, high) = (a.min(b).min(c) - TOUCH, a.max(b).max(c) + TOUCH);
+        let inside = high.cmpge(Vec3::ZERO).all() && low.cmplt(self.dims.as_vec3()).all();
+        // Comparisons fail for what is not finite.
+        if !(inside && low.min_element() > -FARTHEST && high.max_element() < FARTHEST) {
+            return;
+        }
+        let edge = BRICK as f32;
+        let first = (low / edge).max(Vec3::ZERO).as_uvec3();
+        let last = (high / edge).as_uvec3().min(self.bricks() - 1);
+        let normal = (b - a).cross(c - a);
+        let room = normal.abs().element_sum() * (0.5 * edge + 1.0);
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    let brick = UVec3::new(x, y, z);
+                    let centre = (brick.as_vec3() + 0.5) * edge;
+                    // The room of a cell around the brick covers all rounding.
+                    if normal.dot(a - centre).abs() <= room {
+                        visit(self.number(brick));
+                    }
+                }
+            }
+        }
+    }
+}

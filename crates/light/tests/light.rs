@@ -1,0 +1,211 @@
+//! Light against closed forms, brute force, and itself done another way. Needs any adapter; a software one will do.
+//! (`missing_docs` holds for tests, too.)
+
+mod common;
+
+use std::f32::consts::PI;
+
+use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
+use casca_light::cones::ConeCount;
+use casca_light::culling::{Culling, may_see};
+use casca_light::picture::Layer;
+use casca_light::renderer::{Renderer, Settings};
+use casca_light::timing::Clock;
+use casca_stage::gpu::Gpu;
+use common::{ball, draw, gpu, light, texels, wall_scene};
+use glam::{Affine3A, Vec3};
+
+/// Wide cones take a wall in pieces between two mips, which do not always add up to a whole: so much light is lost at most, on the mean of
+/// pixels,
+const FURNACE: f32 = 0.25;
+/// and in single ones.
+const FURNACE_PIXEL: f32 = 0.5;
+/// Numbers from 0 to 1 in half floats, after five steps.
+const HALF: f32 = 1e-3;
+
+fn settings(resolution: u32) -> Settings {
+    Settings { resolution, ..Settings::default() }
+}
+
+fn updated(gpu: &Gpu, scene: &LitScene, settings: Settings) -> Renderer {
+    let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
+    renderer.update(gpu, None, &mut Clock::off()).unwrap();
+    renderer
+}
+
+#[test]
+fn in_a_furnace_every_surface_gathers_what_the_walls_emit() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::Furnace.build();
+    // A ball that emits as much, for its voxels are among those that it gathers from.
+    scene.materials.push(Material { emission: Vec3::ONE, ..Material::matt(Vec3::ONE) });
+    scene.objects.push(ball(scene.materials.len() as u32 - 1, Vec3::new(2.0, 1.5, 1.2), 0.5));
+    for (step, cones) in [(0.25, ConeCount::Six), (1.0, ConeCount::Six), (1.0, ConeCount::Sixteen)] {
+        let mut renderer = updated(&gpu, &scene, Settings { step, cones, bounce: false, ..settings(48) });
+        let gathered = draw(&gpu, &mut renderer, &scene, Layer::Indirect);
+        let on_ball: Vec<f32> = gathered.iter().filter(|p| p[0] > 0.0).map(|p| p[0]).collect();
+        assert!(on_ball.len() > 100, "{}", on_ball.len());
+        let (least, most) = on_ball.iter().fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(*v), b.max(*v)));
+        let mean = on_ball.iter().sum::<f32>() / on_ball.len() as f32;
+        println!("step {step}, {cones:?}: {least} to {most}, mean {mean}");
+        assert!(mean > 1.0 - FURNACE && least > 1.0 - FURNACE_PIXEL && most < 1.0 + HALF);
+    }
+}
+
+#[test]
+fn walls_stay_opaque_along_their_normals_in_all_mips_and_become_thin_across() {
+    let Some(gpu) = gpu() else { return };
+    for axis in 0..3 {
+        let renderer = updated(&gpu, &wall_scene(axis), settings(64));
+        let (base, mips) = renderer.shading().textures();
+        let base = texels(&gpu, base, 0);
+        assert!(base.iter().any(|t| t[3] == 1.0));
+        for (direction, texture) in mips.iter().enumerate() {
+            for level in 0..5 {
+                let mut full: Vec<f32> =
+                    texels(&gpu, texture, level).iter().map(|t| t[3]).filter(|a| *a > 0.0).collect();
+                full.sort_unstable_by(f32::total_cmp);
+                // Most texels that hold anything hold a piece of the wall, one of 2^(level + 1) cells thick. Looked at along the
+                // wall, half of the columns of a texel hold its halves, one behind the other.
+                let across = (0..level).fold(0.5_f32, |a, _| 0.5 * (1.0 - (1.0 - a) * (1.0 - a)));
+                let expected = if direction / 2 == axis { 1.0 } else { across };
+                let most = full[full.len() / 2];
+                let off = (most - expected).abs();
+                assert!(off < HALF, "axis {axis}, direction {direction}, level {level}: {most}");
+                assert!(direction / 2 != axis || off == 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn direct_light_in_voxels_is_that_of_the_formulas() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = wall_scene(1);
+    scene.materials[0] = Material::matt(Vec3::new(0.8, 0.4, 0.2));
+    let falloff = Falloff { constant: 0.5, linear: 0.25, quadratic: 2.0 };
+    let lamp = Vec3::new(0.1, 1.4, -0.2);
+    let sun = LightKind::Directional { direction: Vec3::new(0.6, -0.8, 0.0), half_angle: 0.0 };
+    let spot =
+        |position, direction| LightKind::Spot { position, direction, radius: 0.0, inner: 0.3, outer: 0.6 };
+    let lights = [
+        Light { kind: sun, color: Vec3::splat(3.0), falloff },
+        Light { kind: LightKind::Point { position: lamp, radius: 0.0 }, color: Vec3::splat(5.0), falloff },
+        Light { kind: spot(lamp, Vec3::NEG_Y), color: Vec3::splat(7.0), falloff },
+    ];
+    for lights in [&lights[..1], &lights[1..2], &lights[2..], &lights[..]] {
+        scene.lights = lights.to_vec();
+        let mut renderer = updated(&gpu, &scene, Settings { bounce: false, ..settings(64) });
+        let image = draw(&gpu, &mut renderer, &scene, Layer::Direct);
+        let voxels = draw(&gpu, &mut renderer, &scene, Layer::Voxels);
+        let cell = renderer.volume().cell;
+        let mut looked_at = 0;
+        for (at, (direct, voxel)) in common::wall_points(&scene).into_iter().zip(image.iter().zip(&voxels)) {
+            let Some(at) = at else { continue };
+            let expected: Vec3 = lights
+                .iter()
+                .filter_map(|l| l.incident(at))
+                .map(|i| i.irradiance * i.direction.y.max(0.0))
+                .sum();
+            let expected = expected * scene.materials[0].albedo / PI;
+            let direct = Vec3::from_slice(direct);
+            assert!(
+                direct.abs_diff_eq(expected, 1e-3 * expected.max_element() + 1e-5),
+                "{at}: {direct}, not {expected}"
+            );
+            // A voxel stands for all points of its cell, up to a cell away.
+            let near = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z]
+                .map(|d| light(lights, at + d * 1.5 * cell, &scene));
+            let (low, high) = near.iter().fold((expected, expected), |(a, b), v| (a.min(*v), b.max(*v)));
+            let voxel = Vec3::from_slice(voxel);
+            let room = 0.12 * high.max_element() + 1e-3;
+            assert!(
+                voxel.cmpge(low - room).all() && voxel.cmple(high + room).all(),
+                "{at}: {voxel}, {low} to {high}"
+            );
+            looked_at += 1;
+        }
+        assert!(looked_at > 200, "{looked_at}");
+    }
+}
+
+#[test]
+fn updates_on_need_and_of_several_changes_equal_an_update_of_everything() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::CornellPoint.build();
+    scene.objects.push(ball(0, Vec3::new(1.5, 2.5, 2.0), 0.4));
+    scene.objects.push(ball(1, Vec3::new(4.0, 4.5, 3.0), 0.4));
+    let last = scene.objects.len() - 1;
+    let mut renderer = updated(&gpu, &scene, settings(32));
+    let before = draw(&gpu, &mut renderer, &scene, Layer::Picture);
+    // A light and two objects change in one frame.
+    scene.lights[0].color *= 0.5;
+    for (object, to) in [(last - 1, Vec3::new(2.0, 3.0, 1.0)), (last, Vec3::new(1.0, 1.0, 4.0))] {
+        scene.objects[object].transform =
+            Affine3A::from_scale_rotation_translation(Vec3::splat(0.4), glam::Quat::IDENTITY, to);
+        renderer.move_object(&gpu, object, scene.objects[object].transform).unwrap();
+    }
+    renderer.set_lights(&gpu, &scene.lights).unwrap();
+    let done = renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    assert!(done.merged > 0 && done.merged < done.bricks / 2, "{done:?}");
+    let on_need = draw(&gpu, &mut renderer, &scene, Layer::Picture);
+    let everything = draw(&gpu, &mut updated(&gpu, &scene, settings(32)), &scene, Layer::Picture);
+    assert_ne!(before, on_need);
+    assert!(on_need == everything);
+    // Nothing changed: nothing is done.
+    let done = renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    assert_eq!((done.merged, done.shaded, done.bounced, done.written), (0, 0, 0, 0));
+    // A light alone changes no voxels.
+    renderer.set_lights(&gpu, &[]).unwrap();
+    let done = renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    assert_eq!((done.merged, done.shaded), (0, done.bricks));
+}
+
+#[test]
+fn culled_pictures_are_the_same_bit_by_bit_while_objects_move_and_the_camera_turns() {
+    let Some(gpu) = gpu() else { return };
+    let scene = common::long_hall();
+    let how = Settings { reach: 0.08, ..settings(192) };
+    let (mut all, mut culled) =
+        (Renderer::new(&gpu, &scene, how).unwrap(), Renderer::new(&gpu, &scene, how).unwrap());
+    let mut culling = Culling::new(&scene, all.volume()).unwrap();
+    let moving = scene.objects.len() - 1;
+    let (mut shaded, mut most) = (0, 0);
+    for frame in 0..4 {
+        let place = scene.objects[moving].transform.translation + glam::Vec3A::X * 0.7 * frame as f32;
+        // In the last frames only the camera turns: what it did not see is still to be done.
+        if frame < 2 {
+            let to = Affine3A { translation: place, ..scene.objects[moving].transform };
+            all.move_object(&gpu, moving, to).unwrap();
+            culled.move_object(&gpu, moving, to).unwrap();
+            culling.move_object(moving, to).unwrap();
+        }
+        let mut seen = scene.clone();
+        seen.camera = common::hall_camera(frame);
+        let sight = culling.look(&seen.camera).unwrap().unwrap();
+        let reach = culled.reach(&|b| may_see(&sight, b));
+        all.update(&gpu, None, &mut Clock::off()).unwrap();
+        let done = culled.update(&gpu, Some(&reach), &mut Clock::off()).unwrap();
+        (shaded, most) = (shaded + done.shaded, most + done.bricks);
+        let pictures = [&mut all, &mut culled].map(|r| draw(&gpu, r, &seen, Layer::Picture));
+        assert!(pictures[0] == pictures[1], "frame {frame}");
+        assert!(pictures[0].iter().any(|p| p[0] > 0.01));
+    }
+    assert!(shaded > 0 && shaded * 2 < most, "{shaded} of {most} bricks");
+}
+
+#[test]
+fn a_cornell_box_is_as_bright_as_by_the_path_tracer() {
+    let Some(gpu) = gpu() else { return };
+    for (kind, room) in [(Kind::CornellPoint, 0.15), (Kind::LightBox, 0.25)] {
+        let scene = kind.build();
+        let mut renderer = updated(&gpu, &scene, settings(64));
+        let image = draw(&gpu, &mut renderer, &scene, Layer::Picture);
+        let truth = common::truth(&scene, 32);
+        let mean = |image: &[Vec3]| image.iter().sum::<Vec3>() / image.len() as f32;
+        let image: Vec<Vec3> = image.iter().map(|p| Vec3::from_slice(p)).collect();
+        let (found, expected) = (mean(&image), mean(&truth));
+        let off = ((found - expected) / expected).abs().max_element();
+        assert!(off < room, "{}: {found}, not {expected}", scene.name);
+    }
+}

@@ -1,0 +1,133 @@
+//! Voxels against brute force: exact clipping in double precision, which shares no code with the test by separating axes.
+
+mod common;
+
+use casca_lab::lit::{Kind, LitScene};
+use casca_light::error::LightError;
+use casca_light::renderer::{Renderer, Settings};
+use casca_light::timing::Clock;
+use casca_stage::gpu::Gpu;
+use common::{ball, gpu, touched_by_clipping};
+use glam::{Affine3A, Vec3};
+
+type Surfaces = Vec<(u32, Vec<[u32; 4]>)>;
+
+fn settings(resolution: u32) -> Settings {
+    Settings { resolution, ..Settings::default() }
+}
+
+fn voxels(gpu: &Gpu, scene: &LitScene, resolution: u32) -> (Renderer, Surfaces) {
+    let mut renderer = Renderer::new(gpu, scene, settings(resolution)).unwrap();
+    renderer.update(gpu, None, &mut Clock::off()).unwrap();
+    let surfaces = renderer.layers().read_surfaces(gpu).unwrap();
+    (renderer, surfaces)
+}
+
+#[test]
+fn voxels_are_the_cells_that_triangles_touch() {
+    let Some(gpu) = gpu() else { return };
+    for (kind, resolution) in [(Kind::Cornell, 24), (Kind::LightBox, 40), (Kind::Emissive, 33)] {
+        let scene = kind.build();
+        let (renderer, surfaces) = voxels(&gpu, &scene, resolution);
+        let volume = renderer.volume();
+        // A cell is full as soon as triangles come within the margin of it.
+        let touched = |grow| touched_by_clipping(&scene, volume, grow);
+        let (least, most) = (touched(-1e-5), touched(2.0 / 2048.0));
+        let mut full = 0;
+        for brick in 0..volume.brick_count() as u32 {
+            let cells = surfaces.iter().find(|s| s.0 == brick).map(|s| &s.1);
+            for local in 0..512 {
+                let cell = volume.brick(brick) * 8 + glam::UVec3::new(local % 8, local / 8 % 8, local / 64);
+                // Every material has an albedo, an emission or a normal that is not 0.
+                let is_full = cells.is_some_and(|c| c[local as usize] != [0; 4]);
+                full += usize::from(is_full);
+                assert!(is_full || !least.contains(&cell), "{}: {cell} is missing", scene.name);
+                assert!(!is_full || most.contains(&cell), "{}: {cell} is too much", scene.name);
+            }
+        }
+        assert!(full > 500, "{full}");
+    }
+}
+
+#[test]
+fn the_order_of_triangles_does_not_matter() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::LightBox.build();
+    scene.objects.push(ball(0, Vec3::new(0.2, 0.1, 0.3), 0.7));
+    let (_, first) = voxels(&gpu, &scene, 24);
+    scene.objects.reverse();
+    for object in &mut scene.objects {
+        let mut mesh = (*object.mesh).clone();
+        // A permutation: 7919 is a prime that divides no number of triangles here.
+        let n = mesh.triangles.len();
+        assert!(!n.is_multiple_of(7919));
+        mesh.triangles = (0..n).map(|i| mesh.triangles[i * 7919 % n]).collect();
+        object.materials = (0..n).map(|i| object.materials[i * 7919 % n]).collect();
+        object.mesh = mesh.into();
+    }
+    assert!(first == voxels(&gpu, &scene, 24).1);
+}
+
+#[test]
+fn what_moved_in_and_out_again_leaves_no_trace() {
+    let Some(gpu) = gpu() else { return };
+    let still = Kind::Cornell.build();
+    let (_, fixed) = voxels(&gpu, &still, 40);
+    let mut scene = still.clone();
+    scene.objects.push(ball(1, Vec3::new(2.6, 1.7, 2.4), 0.5));
+    let object = scene.objects.len() - 1;
+    let (mut renderer, with_ball) = voxels(&gpu, &scene, 40);
+    assert!(fixed != with_ball);
+    let far = [Vec3::splat(1e4), Vec3::splat(f32::NAN), Vec3::splat(f32::MAX)];
+    for to in far.map(Affine3A::from_translation) {
+        renderer.move_object(&gpu, object, scene.objects[object].transform).unwrap();
+        renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+        assert!(renderer.layers().read_surfaces(&gpu).unwrap() == with_ball);
+        renderer.move_object(&gpu, object, to).unwrap();
+        renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+        assert!(renderer.layers().read_surfaces(&gpu).unwrap() == fixed);
+    }
+    // Objects that stay, and others, are refused.
+    for wrong in [0, object + 1, usize::MAX] {
+        let refused = renderer.move_object(&gpu, wrong, Affine3A::IDENTITY);
+        assert!(matches!(refused, Err(LightError::Object(n)) if n == wrong));
+    }
+}
+
+#[test]
+fn scenes_and_grids_that_cannot_be_had_are_named() {
+    let Some(gpu) = gpu() else { return };
+    let refused =
+        |scene: &LitScene, settings| Renderer::new(&gpu, scene, settings).err().map(|e| e.to_string());
+    let scene = Kind::Cornell.build();
+    for n in [0, 15, 513, u32::MAX] {
+        assert!(refused(&scene, settings(n)).unwrap().contains("from 16 to 512"), "{n}");
+    }
+    let bad = Settings { step: f32::NAN, ..settings(32) };
+    assert!(refused(&scene, bad).unwrap().contains("the step is NaN"));
+    let empty = LitScene { objects: Vec::new(), ..scene.clone() };
+    assert!(refused(&empty, settings(32)).unwrap().contains("no triangles"));
+    if gpu.device.limits().max_storage_buffer_binding_size <= 1 << 27 {
+        let said = refused(&scene, settings(512)).unwrap();
+        assert!(said.contains("but the adapter has 134217728") && said.contains("fewer cells"), "{said}");
+    }
+}
+
+#[test]
+fn scenes_of_any_size_and_place_are_taken_or_refused() {
+    let Some(gpu) = gpu() else { return };
+    for (scale, shift) in
+        [(1e-30, 0.0), (1e-3, 1e4), (1.0, 1e30), (1e30, 0.0), (3e38, 0.0), (0.0, 5.0), (0.0, 0.0)]
+    {
+        let mut scene = Kind::Cornell.build();
+        for object in &mut scene.objects {
+            object.transform =
+                Affine3A::from_translation(Vec3::splat(shift)) * Affine3A::from_scale(Vec3::splat(scale));
+        }
+        scene.lights.push(casca_lab::lit::Light::point(Vec3::NAN, Vec3::INFINITY));
+        let Ok(mut renderer) = Renderer::new(&gpu, &scene, settings(16)) else { continue };
+        renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+        let light = common::draw(&gpu, &mut renderer, &scene, casca_light::picture::Layer::Picture);
+        assert!(light.iter().flatten().all(|v| v.is_finite()), "scale {scale}, shift {shift}");
+    }
+}
