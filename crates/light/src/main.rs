@@ -97,10 +97,7 @@ struct Options {
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let side = |n: &str| n.parse().ok().filter(|n| SIDES.contains(n));
-    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-    sides
-        .ok_or_else(|| format!("expected a size such as 1024x768, from {} to {}", SIDES.start(), SIDES.end()))
+    casca_stage::canvas::parse_size(text, SIDES)
 }
 
 fn parse_point(text: &str) -> Result<Vec3, String> {

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::BufWriter;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};
@@ -100,6 +101,19 @@ impl PngError {
     }
 }
 
+/// The size of a picture on a command line, such as `1280x720`: width and height in pixels, each within `sides`.
+///
+/// # Errors
+/// Says what is expected.
+pub fn parse_size(text: &str, sides: RangeInclusive<u32>) -> Result<(u32, u32), String> {
+    let (width, height) = text.split_once('x').ok_or("expected a size such as 1280x720")?;
+    let pixels = |n: &str| {
+        let found = n.parse::<u32>().ok().filter(|n| sides.contains(n));
+        found.ok_or_else(|| format!("{n} is no number of pixels from {} to {}", sides.start(), sides.end()))
+    };
+    Ok((pixels(width)?, pixels(height)?))
+}
+
 /// A picture of four bytes a pixel at half its width and height: each pixel is the mean of four.
 pub fn halved(pixels: &[u8], (width, height): (u32, u32)) -> Vec<u8> {
     let (row, halves) = (width as usize * 4, (width as usize / 2, height as usize / 2));
@@ -134,6 +148,15 @@ pub fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_on_a_command_line_are_read_within_limits() {
+        let read = |text| parse_size(text, 16..=2000);
+        assert_eq!(read("640x480"), Ok((640, 480)));
+        for wrong in ["640", "640x", "15x640", "640x2001", "-640x480", "1e2x100", "640x480x2"] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn half_a_picture_has_the_mean_of_four_pixels() {

@@ -67,12 +67,7 @@ struct Options {
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let (width, height) = text.split_once('x').ok_or("expected a size such as 1280x720")?;
-    let pixels = |n: &str| {
-        let found = n.parse::<u32>().ok().filter(|n| SIDES.contains(n));
-        found.ok_or_else(|| format!("{n} is no number of pixels from {} to {}", SIDES.start(), SIDES.end()))
-    };
-    Ok((pixels(width)?, pixels(height)?))
+    casca_stage::canvas::parse_size(text, SIDES)
 }
 
 fn parse_layer(text: &str) -> Result<Layer, String> {

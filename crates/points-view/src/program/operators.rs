@@ -191,10 +191,5 @@ fn parse_angle(text: &str) -> Result<f32, String> {
 
 /// A size such as 1280x720.
 pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let (width, height) = text.split_once('x').ok_or("expected a size such as 1280x720")?;
-    let pixels = |n: &str| {
-        let found = n.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
-        found.ok_or_else(|| format!("{n} is no number of pixels from 1 to {MAX_SIDE}"))
-    };
-    Ok((pixels(width)?, pixels(height)?))
+    casca_stage::canvas::parse_size(text, 1..=MAX_SIDE)
 }
