@@ -52,7 +52,7 @@ pub const COLUMNS: [&str; 5] = ["truly visible", "found visible", "false visible
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bitvec::bits;
+    use bitvec::prelude::{Lsb0, bits};
 
     #[test]
     fn the_two_kinds_of_errors_are_counted_apart() {
