@@ -23,3 +23,7 @@ pub mod spacing;
 pub mod splat;
 
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

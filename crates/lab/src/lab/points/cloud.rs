@@ -286,7 +286,9 @@ mod tests {
             both.filter(|(p, truth)| p.y < -0.2 && **truth == seen).count()
         };
         assert_eq!(cloud.truth.count_zeros(), of_lower(false));
-        assert!(of_lower(false) > 2200 && of_lower(true) > 100, "{}", of_lower(true));
+        // The shadow of the upper square on the height of the lower one, by hand: from -1 to 0.76 and from -1 to 0.653.
+        let share = of_lower(true) as f64 / (of_lower(true) + of_lower(false)) as f64;
+        assert!((share - (1.0 - 1.76 * 1.653 / 4.0)).abs() < 0.015, "{share}");
     }
 
     #[test]
@@ -299,7 +301,7 @@ mod tests {
         let share = vertices.truth.count_ones() as f64 / vertices.points.len() as f64;
         assert!((0.36..0.46).contains(&share), "{share}");
         let cloud = Cloud::of_mesh("hare", mesh, 3000, 1, Cloud::hare(100).look).unwrap();
-        assert_eq!(cloud.points.len(), 3000);
+        assert!((2900..=3000).contains(&cloud.points.len()), "{}", cloud.points.len());
         // A convex body shows less than half of itself; one with hollows shows still less, and hides parts that face the eye.
         let seen = cloud.truth.count_ones();
         assert!((900..1400).contains(&seen), "{seen}");

@@ -28,7 +28,7 @@ impl Confusion {
         counts
     }
 
-    /// The thesis' single number, in percent: half of all errors over the truly visible points. NaN if there are none.
+    /// The thesis' single number, in percent: half of all errors over the truly visible points. Not finite if there are none.
     pub fn error(&self) -> f64 {
         self.percent(self.false_visible + self.false_hidden) / 2.0
     }
@@ -48,3 +48,20 @@ impl Confusion {
 
 /// The heads of [`Confusion::cells`].
 pub const COLUMNS: [&str; 5] = ["truly visible", "found visible", "false visible", "false hidden", "E, %"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bitvec::prelude::{Lsb0, bits};
+
+    #[test]
+    fn the_two_kinds_of_errors_are_counted_apart() {
+        let truth = bits![1, 1, 1, 1, 0, 0, 0];
+        let found = bits![1, 0, 0, 1, 1, 0, 0];
+        let counts = Confusion::of(truth, found);
+        assert_eq!(counts, Confusion { visible: 4, found: 3, false_visible: 1, false_hidden: 2 });
+        assert_eq!((counts.error(), counts.percent(counts.false_hidden)), (37.5, 50.0));
+        assert_eq!(counts.cells(), ["4", "3", "1", "2", "37.50"]);
+        assert!(Confusion::of(bits![0], bits![1]).error().is_infinite());
+    }
+}

@@ -245,7 +245,7 @@ mod tests {
     fn of_each_pixel_the_nearest_marked_point_stays() {
         let mut cloud = Cloud::sphere(4);
         let eye = cloud.look.eye;
-        cloud.points = vec![eye * 0.5, eye * 0.6, eye * 0.7, glam::Vec3::new(0.0, 0.5, 0.0)];
+        cloud.points = vec![eye * 0.1, eye * 0.2, eye * 0.3, glam::Vec3::new(0.0, 0.5, 0.0)];
         let camera = cloud.look.camera(SIZE).unwrap();
         let kept = |marked: [bool; 4]| {
             let marked: BitVec = marked.into_iter().collect();
