@@ -2,7 +2,7 @@
 //! between rooms (the folders and single files below `src`), no file is too long, and the drawing in
 //! ARCHITECTURE.md shows the imports as they are.
 //!
-//! `CASCA_GRAPH=write cargo test --test modules` draws it anew. Imports and files of other crates of the workspace are checked, too.
+//! `CASCA_GRAPH=write cargo test --test modules` draws it anew. Imports of `crates/plane` and files of other crates are checked, too.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
-/// The sources that are checked; the first one is drawn.
-const ROOTS: [&str; 7] = [
-    "src",
-    "crates/plane/src",
+/// The sources whose imports are checked; the first one is drawn.
+const ROOTS: [&str; 2] = ["src", "crates/plane/src"];
+
+/// More sources whose files are checked for their length.
+const MORE: [&str; 5] = [
     "crates/points/src",
     "crates/clouds/src",
     "crates/points-view/src",
@@ -281,7 +282,7 @@ fn a_cycle_is_found() {
 
 #[test]
 fn files_are_short() {
-    for path in ROOTS.into_iter().flat_map(|root| read(root).0.into_values()) {
+    for path in ROOTS.into_iter().chain(MORE).flat_map(|root| read(root).0.into_values()) {
         let text = fs::read_to_string(&path).unwrap();
         let lines = text.lines().count();
         let reason = text.lines().take(40).any(|l| l.starts_with("//! Long because"));
