@@ -2,7 +2,7 @@
 //! between rooms (the folders and single files below `src`), no file is too long, and the drawing in
 //! ARCHITECTURE.md shows the imports as they are.
 //!
-//! `CASCA_GRAPH=write cargo test --test modules` draws it anew. Imports of `crates/plane` and files of other crates are checked, too.
+//! `CASCA_GRAPH=write cargo test --test modules` draws it anew. Other crates are checked, too.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,17 +11,12 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
-/// The sources whose imports are checked; the first one is drawn.
-const ROOTS: [&str; 2] = ["src", "crates/plane/src"];
+/// The sources whose imports and files are checked; the first one is drawn.
+const ROOTS: [&str; 5] =
+    ["src", "crates/plane/src", "crates/points/src", "crates/clouds/src", "crates/points-view/src"];
 
 /// More sources whose files are checked for their length.
-const MORE: [&str; 5] = [
-    "crates/points/src",
-    "crates/clouds/src",
-    "crates/points-view/src",
-    "crates/light/src",
-    "crates/lines/src",
-];
+const MORE: [&str; 2] = ["crates/light/src", "crates/lines/src"];
 
 /// A longer file says at its head why: a line that starts with `//! Long because`.
 const LONGEST: usize = 450;
@@ -253,10 +248,14 @@ fn room(module: &Module) -> String {
 fn imports_form_no_cycle() {
     for root in ROOTS {
         let (_, files) = read(root);
-        assert!(files.len() > 40, "only {} files were found in {root}", files.len());
+        assert!(!files.is_empty(), "no file was found in {root}");
         let file = |module: &Module| if module.is_empty() { "lib".to_owned() } else { module.join("::") };
-        for graph in [graph(&files, file), graph(&files, room)] {
-            assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 30, "hardly an import was found");
+        let [by_file, by_room] = [graph(&files, file), graph(&files, room)];
+        assert!(
+            by_file.values().map(BTreeSet::len).sum::<usize>() > 5,
+            "hardly an import was found in {root}"
+        );
+        for graph in [by_file, by_room] {
             if let Some(way) = cycle(&graph) {
                 panic!("a cycle of imports in {root}: {}", way.join(" -> "));
             }

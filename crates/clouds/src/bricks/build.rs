@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use rayon::slice::ParallelSliceMut;
 
-use super::BrickError;
+use super::error::BrickError;
 use super::file::{BrickPoint, HEADER, Header, MOST, POINT};
 use super::order::{BITS, arrange, code};
 use crate::PointCloud;

@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 use casca::{Aabb, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
-use super::BrickError;
+use super::error::BrickError;
 use casca_points::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256 cells along its longest edge, and all.

@@ -6,8 +6,9 @@ use std::mem::size_of;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
+use super::error::BrickError;
 use super::file::BrickPoint;
-use super::{BrickError, Bricks, Want};
+use super::file::{Bricks, Want};
 use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 

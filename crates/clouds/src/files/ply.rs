@@ -8,7 +8,7 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 use crate::PointCloud;
 
 /// The longest line of an ASCII file, in bytes: enough for a list of 100,000 numbers.

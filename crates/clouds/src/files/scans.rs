@@ -7,7 +7,7 @@ use e57::{CartesianCoordinate, E57Reader};
 use glam::DVec3;
 use las::Reader;
 
-use super::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 use crate::numeric;
 
 /// Points that are decoded at once.

@@ -4,7 +4,7 @@ use std::io::{BufRead, Read};
 
 use glam::DVec3;
 
-use super::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 
 /// The longest line, in bytes: ten numbers.
 const LONGEST_LINE: u64 = 1 << 12;

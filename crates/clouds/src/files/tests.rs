@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::samples::cases;
+use glam::{DVec3, Vec3};
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 3\n\
     property list uchar int ring\nproperty double x\nproperty float nx\nproperty double y\nproperty float ny\nproperty double z\n\

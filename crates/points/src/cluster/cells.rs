@@ -1,6 +1,6 @@
 //! Points sorted by the cells of a regular grid or of an octree.
 
-use super::{ClusterError, Clustering};
+use super::options::{ClusterError, Clustering};
 use glam::DVec3;
 
 /// The largest number of cells along an axis: three such numbers fit into 63 bits. An octree of this size has 20 levels.

@@ -1,6 +1,6 @@
 //! The images of points under the kernels.
 
-use super::{HprError, Kernel};
+use super::kernel::{HprError, Kernel};
 use crate::numeric::{AT_EYE, LEAST_IMAGE, power_of_two_for};
 use glam::DVec3;
 

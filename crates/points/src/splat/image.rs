@@ -1,6 +1,6 @@
 //! Depth images, their filters, and the limits of depth that points are tested against.
 
-use super::{Bias, Filter};
+use super::options::{Bias, Filter};
 use rayon::prelude::*;
 
 /// The depth of the nearest square in each pixel.

@@ -4,7 +4,7 @@
 //! each square of `2^k` pixels. Any larger square, up to `2^(k+1)`, is the union of four of these, and since the minimum of depths
 //! does not mind overlaps, it is written there only. At the end each level is pushed down to the one below.
 
-use super::DepthImage;
+use super::image::DepthImage;
 use crate::numeric::{SUBPIXELS, to_subpixels};
 use rayon::prelude::*;
 use std::sync::OnceLock;

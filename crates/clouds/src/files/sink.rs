@@ -1,0 +1,128 @@
+//! The points of a file on their way into chunks, and the errors of files.
+
+use std::io::{self, BufRead, Seek};
+
+use glam::{DVec3, Vec3};
+
+use crate::{PointCloud, numeric};
+
+/// Why a file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The operating system says why.
+    #[error("{name}: {source}")]
+    Io {
+        /// The file.
+        name: String,
+        /// The reason.
+        source: io::Error,
+    },
+    /// What comes before the points does not follow the format.
+    #[error("{name}: broken {format} header: {cause}")]
+    Header {
+        /// The file.
+        name: String,
+        /// "PLY", "LAS", "E57" or "surfel".
+        format: &'static str,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A point that does not follow the format, or is missing.
+    #[error("{name}, {place}: {cause}")]
+    Point {
+        /// The file.
+        name: String,
+        /// The line, byte or number of the point.
+        place: String,
+        /// What is wrong.
+        cause: String,
+    },
+}
+
+/// A file, or bytes in memory.
+pub trait Source: BufRead + Seek + Send + Sync + 'static {}
+
+impl<T: BufRead + Seek + Send + Sync + 'static> Source for T {}
+
+/// The attributes that a file has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Attributes {
+    /// Points have colours.
+    pub colours: bool,
+    /// Points have normals.
+    pub normals: bool,
+    /// Points have radii.
+    pub radii: bool,
+}
+
+/// One point, with defaults for the attributes that it lacks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub position: DVec3,
+    pub colour: [u8; 3],
+    pub normal: Vec3,
+    pub radius: f32,
+}
+
+impl Sample {
+    pub const NONE: Self = Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0 };
+}
+
+/// Collects points and hands out full chunks.
+pub(super) struct Sink<'a, E> {
+    pub name: String,
+    pub most: usize,
+    pub chunk: PointCloud,
+    pub origin: Option<DVec3>,
+    pub skipped: u64,
+    pub each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
+}
+
+impl<E: From<FileError>> Sink<'_, E> {
+    pub fn push(&mut self, sample: Sample, has: Attributes) -> Result<(), E> {
+        let place = sample.position;
+        let position = (place - self.origin.unwrap_or_else(|| numeric::origin_near(place))).as_vec3();
+        if !position.is_finite() {
+            self.skipped += 1;
+            return Ok(());
+        }
+        self.origin.get_or_insert_with(|| numeric::origin_near(place));
+        self.chunk.positions.push(position);
+        if has.colours {
+            self.chunk.colours.push(sample.colour);
+        }
+        if has.normals {
+            let normal = sample.normal;
+            self.chunk.normals.push(if normal.is_normalized() { normal } else { normal.normalize_or_zero() });
+        }
+        if has.radii {
+            self.chunk.radii.push(sample.radius);
+        }
+        if self.chunk.len() >= self.most { self.flush() } else { Ok(()) }
+    }
+
+    pub fn flush(&mut self) -> Result<(), E> {
+        if self.chunk.is_empty() {
+            return Ok(());
+        }
+        self.chunk.origin = self.origin.unwrap_or_default();
+        (self.each)(std::mem::take(&mut self.chunk))
+    }
+
+    pub fn io(&self, source: io::Error) -> FileError {
+        FileError::Io { name: self.name.clone(), source }
+    }
+
+    pub fn header(&self, format: &'static str, cause: impl ToString) -> FileError {
+        FileError::Header { name: self.name.clone(), format, cause: cause.to_string() }
+    }
+
+    pub fn point(&self, place: String, cause: impl ToString) -> FileError {
+        FileError::Point { name: self.name.clone(), place, cause: cause.to_string() }
+    }
+}
+
+/// A colour of the unit range as a byte.
+pub(super) fn unit_to_byte(value: f64) -> u8 {
+    (value * 255.0).round() as u8
+}
