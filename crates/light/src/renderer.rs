@@ -170,7 +170,7 @@ impl Renderer {
             layers,
             shading,
             picture: Picture::new(gpu)?,
-            changes: Changes { fixed: true, moved: true },
+            changes: Changes { fixed: true, moved: false },
             shaded: no_brick.clone(),
             bounced: no_brick.clone(),
             written: no_brick,
@@ -328,32 +328,33 @@ impl Renderer {
 
     /// Voxelizes what changed; returns the bricks whose voxels are others now.
     fn update_voxels(&mut self, gpu: &Gpu, clock: &mut Clock) -> Result<Vec<u32>, LightError> {
-        let Changes { fixed, moved } =
-            std::mem::replace(&mut self.changes, Changes { fixed: false, moved: false });
-        let changed = match (fixed, moved) {
-            (false, false) => return Ok(Vec::new()),
-            (true, _) => {
-                clock.stage(gpu, "voxelize fixed", |e| {
-                    self.layers.voxelize(gpu, e, false, &|b| self.resource(b))
-                })?;
-                self.layers.bricks().to_vec()
+        let Changes { fixed, moved } = self.changes;
+        if !(fixed || moved) {
+            return Ok(Vec::new());
+        }
+        let mut changed = Vec::new();
+        if moved {
+            let capacity = self.layers.capacity();
+            changed = self.layers.move_triangles(gpu, &self.geometry.triangles, self.geometry.fixed)?;
+            if self.layers.capacity() != capacity {
+                self.shading.resize(gpu, self.layers.capacity())?;
             }
-            (false, true) => {
-                let capacity = self.layers.capacity();
-                let changed =
-                    self.layers.move_triangles(gpu, &self.geometry.triangles, self.geometry.fixed)?;
-                if self.layers.capacity() != capacity {
-                    self.shading.resize(gpu, self.layers.capacity())?;
-                }
-                changed
-            }
-        };
+        }
+        if fixed {
+            clock.stage(gpu, "voxelize fixed", |e| {
+                self.layers.voxelize(gpu, e, false, &|b| self.resource(b))
+            })?;
+            changed.extend_from_slice(self.layers.bricks());
+            changed.sort_unstable();
+            changed.dedup();
+        }
         clock.stage(gpu, "voxelize moving", |e| self.layers.voxelize(gpu, e, true, &|b| self.resource(b)))?;
         let full: Vec<u32> = changed.iter().copied().filter(|&b| self.layers.slot(b).is_some()).collect();
         let list = List::new(gpu, &full)?;
         clock.stage(gpu, "merge layers", |e| {
             self.layers.merge(gpu, e, &list.buffer, list.count, &|b| self.resource(b));
         })?;
+        self.changes = Changes { fixed: false, moved: false };
         Ok(changed)
     }
 

@@ -95,6 +95,21 @@ fn what_moved_in_and_out_again_leaves_no_trace() {
 }
 
 #[test]
+fn what_moves_before_the_first_update_is_where_it_went() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::Cornell.build();
+    scene.objects.push(ball(1, Vec3::new(2.6, 1.7, 2.4), 0.5));
+    let object = scene.objects.len() - 1;
+    let to = Affine3A::from_translation(Vec3::new(-1.5, 1.0, -1.0)) * scene.objects[object].transform;
+    let mut renderer = Renderer::new(&gpu, &scene, settings(40)).unwrap();
+    renderer.move_object(&gpu, object, to).unwrap();
+    renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    let moved = renderer.layers().read_surfaces(&gpu).unwrap();
+    scene.objects[object].transform = to;
+    assert!(moved == voxels(&gpu, &scene, 40).1);
+}
+
+#[test]
 fn scenes_and_grids_that_cannot_be_had_are_named() {
     let Some(gpu) = gpu() else { return };
     let refused =

@@ -81,7 +81,7 @@ impl Recipe {
     /// # Errors
     /// If there are more than [`MOST_VERTICES`]. A time that is not finite is taken as 0.
     pub fn make(&self) -> Result<LineSet, LineError> {
-        if u64::from(self.lines) * u64::from(self.vertices) > MOST_VERTICES as u64 {
+        if u64::from(self.lines) * u64::from(self.vertices.max(1)) > MOST_VERTICES as u64 {
             return Err(LineError::TooMany);
         }
         let time = if self.time.is_finite() { self.time } else { 0.0 };

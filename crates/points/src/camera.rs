@@ -1,6 +1,6 @@
 //! A pinhole camera with a picture of whole pixels.
 
-use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
+use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{Mat4, Vec3};
 
 /// The largest width or height of a picture. Positions in it are counted in 1/256 of a pixel by floats.
@@ -104,8 +104,7 @@ impl Camera {
         let right = forward.cross(upwards).try_normalize().ok_or(CameraError::NoDirection)?;
         let pixels_per_tangent = size.1 as f32 / (2.0 * (fov_y / 2.0).tan());
         let aspect = size.0 as f32 / size.1 as f32;
-        let view_projection =
-            perspective(fov_y, aspect, near, far) * look_at_mat4(eye, eye + forward, upwards);
+        let view_projection = perspective(fov_y, aspect, near, far) * look_to_mat4(eye, forward, upwards);
         let down = forward.cross(right) * pixels_per_tangent;
         let right = right * pixels_per_tangent;
         Ok(Self { eye, right, down, forward, pixels_per_tangent, size, near, far, view_projection })
@@ -183,6 +182,18 @@ mod tests {
         assert_eq!(camera.project(Vec3::new(2.0, 4.0, 6.0)), None, "behind the eye");
         assert_eq!(camera.project(Vec3::NAN), None);
         assert_eq!(camera.project(Vec3::new(1.0, 2.0, 3.0) * 0.9), None, "nearer than near");
+    }
+
+    #[test]
+    fn the_matrix_looks_where_the_projection_does_far_from_zero() {
+        let eye = Vec3::new(1e6, 1.75, 7e5);
+        let forward = Vec3::new(0.6, 0.0, -0.8);
+        let camera =
+            Camera::look_at(eye, eye + forward * 1024.0, Vec3::Y, 0.8, (640, 480), 1.0, 1e4).unwrap();
+        // The eye's own coordinates in a matrix of floats are off by a few units at such a distance, its direction is not.
+        let row = camera.view_projection().row(3).truncate();
+        let [_, _, along] = camera.axes();
+        assert!((row - along).length() < 1e-6, "{row} {along}");
     }
 
     #[test]

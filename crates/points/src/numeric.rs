@@ -12,10 +12,11 @@ const FINE: f64 = FINEST * (1_u64 << 53) as f64;
 /// 2^-160. Determinants of three coordinates are then multiples of 2^-480, which a double can hold: the exact predicates need it.
 const FINEST: f64 = 1.0 / ((1_u128 << 80) as f64 * (1_u128 << 80) as f64);
 
-/// The rounding error of `normal * p - offset`, for coordinates within ±1, in units of the product of the two edges' largest
+/// The rounding error of `normal * p - offset`, for coordinates within ±2, in units of the product of the two edges' largest
 /// coordinates. A component of the normal is off by 8 units of 2^-53 (two products of rounded differences, and their difference);
-/// the three products and their sum add 18; the offset has the same error again: 84 units, below these 128.
-pub(crate) const PLANE_ERROR: f64 = 64.0 * f64::EPSILON;
+/// the three products and their sum add 18; the offset has the same error again: 84 units for coordinates within ±1,
+/// twice as many within ±2, below these 256.
+pub(crate) const PLANE_ERROR: f64 = 128.0 * f64::EPSILON;
 
 /// Points nearer to the eye than this fraction of the largest distance count as at the eye: the squares of their coordinates are
 /// near the smallest that a double can hold, so they have no direction.
@@ -42,9 +43,9 @@ pub(crate) fn to_subpixels(pixels: f32) -> i32 {
     (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
 }
 
-/// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`.
+/// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`; those below 2^-1000 stay smaller.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {
-    let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
+    let exponent = largest.log2().floor().clamp(-1000.0, 1023.0);
     (-exponent).exp2()
 }
 
@@ -76,7 +77,7 @@ mod tests {
         for largest in [f64::MIN_POSITIVE, 1e-200, 0.3, 1.0, 7.0, 1e300, f64::MAX] {
             let scaled = largest * power_of_two_for(largest);
             assert!(scaled >= 0.5 || largest < 1e-290, "{largest} {scaled}");
-            assert!(scaled < 1e10, "{largest} {scaled}");
+            assert!(scaled < 2.0 || largest < 1e-290, "{largest} {scaled}");
         }
     }
 

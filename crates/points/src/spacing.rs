@@ -19,7 +19,7 @@ const NEIGHBOUR: u32 = 6;
 /// The part of points whose squares reach their sixth neighbour if all have the automatic radius.
 const PART: f64 = 0.95;
 
-/// Distances that are measured for the automatic radius: their 95th percentile is then off by 0.3 percent of their number.
+/// Distances that are measured for the automatic radius: their 95th percentile is then off by at most about 0.3 percentile ranks.
 const QUERIES: usize = 1 << 14;
 
 /// Points of which all neighbours can be found in less than a second.

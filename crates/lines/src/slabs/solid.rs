@@ -65,8 +65,8 @@ fn rectangle(view: &View, corners: [DVec3; 3]) -> Option<(Range<u32>, Range<u32>
     }
     // A pixel more on each side, for rounding.
     let range = |low: f64, high: f64, size: u32| {
-        let (from, to) = ((low - 1.0).max(0.0), (high + 2.0).min(f64::from(size)));
-        (from < to).then_some(from as u32..to as u32)
+        let (from, to) = ((low - 1.0).max(0.0) as u32, (high + 2.0).min(f64::from(size)) as u32);
+        (from < to).then_some(from..to)
     };
     let [width, height] = view.size();
     Some((range(low.x, high.x, width)?, range(low.y, high.y, height)?))

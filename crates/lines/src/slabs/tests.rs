@@ -205,16 +205,16 @@ fn slices_of_a_solid_are_those_whose_middles_lie_inside() {
     }
 }
 
+/// 16 x 16 pixels of the size 1 around the axis z.
+fn parallel_view() -> View {
+    let lens = Lens::Orthographic { half_height: 8.0 };
+    View::look_at([Vec3::Z * 8.0, Vec3::ZERO, Vec3::Y], lens, [1.0, 15.0], [16, 16]).unwrap()
+}
+
 #[test]
 fn rays_through_edges_and_vertices_leave_no_column_open() {
     // Vertices and edges of these cubes lie on the rays through pixel centres.
-    let view = View::look_at(
-        [Vec3::Z * 8.0, Vec3::ZERO, Vec3::Y],
-        Lens::Orthographic { half_height: 8.0 },
-        [1.0, 15.0],
-        [16, 16],
-    )
-    .unwrap();
+    let view = parallel_view();
     let corners: Vec<Vec3> =
         (0..8).map(|i| vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 4.0 - 2.5).collect();
     let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
@@ -231,4 +231,16 @@ fn rays_through_edges_and_vertices_leave_no_column_open() {
     let bad = SlabGrid::of_solid(&corners, &[[0, 1, 8]], &view, Slices::S128);
     assert_eq!(bad, Err(SolidError::NoVertex { triangle: 0, vertex: 8, vertices: 8 }));
     assert_eq!(SlabGrid::of_solid(&[Vec3::NAN], &[], &view, Slices::S128), Err(SolidError::NotFinite(0)));
+}
+
+#[test]
+fn solids_may_cross_the_borders_of_the_picture() {
+    let view = parallel_view();
+    for step in 0..200 {
+        for axis in [Vec3::X, Vec3::Y, -Vec3::X, -Vec3::Y] {
+            let corners = [[0.0, 0.0], [0.7, 0.0], [0.0, 0.7]]
+                .map(|[x, y]| vec3(x, y, 0.0) + axis * (step as f32 * 0.1));
+            assert!(SlabGrid::of_solid(&corners, &[[0, 1, 2]], &view, Slices::S128).is_ok());
+        }
+    }
 }

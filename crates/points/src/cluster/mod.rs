@@ -53,7 +53,8 @@ pub fn visible_clusters(
     let kernel_of_cells = match radius {
         Radius::AsGiven => kernel,
         Radius::Rescaled => {
-            rescaled(kernel, points.len() as f64 / centroids.len().max(1) as f64, &centroids, eye)
+            let share = points.len().max(1) as f64 / centroids.len().max(1) as f64;
+            rescaled(kernel, share, &centroids, eye)
         }
     };
     let visible_cells = visible_points(&centroids, eye, kernel_of_cells)?;

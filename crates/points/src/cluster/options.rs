@@ -22,7 +22,7 @@ pub enum Clustering {
 pub enum Radius {
     /// That of the points, as in the thesis: with few clusters it makes nearly all of them visible.
     AsGiven,
-    /// Divided by the number of points for each cluster, but at least the largest distance; gamma is multiplied. A point is
+    /// Divides the radius by the number of points per cluster, but not below the largest distance, and multiplies gamma by it. A point is
     /// hidden behind a gap of the angle `a` if it is more than about `R a^2 / 4` farther away, and for samples of a
     /// surface `a^2` grows with the number of points for each cluster.
     Rescaled,

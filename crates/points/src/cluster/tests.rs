@@ -71,6 +71,16 @@ fn a_rescaled_radius_still_holds_all_representatives() {
 }
 
 #[test]
+fn no_points_have_no_visible_points() {
+    let kernels = [KERNEL, Kernel::Absolute { radius: 2.0 }, Kernel::Exponential { gamma: -0.001 }];
+    for kernel in kernels {
+        let grid = Clustering::Grid { cells: [2; 3] };
+        let found = visible_clusters(&[], DVec3::ONE, kernel, grid, Radius::Rescaled, Passes::Two);
+        assert_eq!(found.map(|bits| bits.len()), Ok(0), "{kernel:?}");
+    }
+}
+
+#[test]
 fn errors_name_the_cause() {
     let ask = |points: &[DVec3], clustering| {
         visible_clusters(points, DVec3::ZERO, KERNEL, clustering, Radius::Rescaled, Passes::One).unwrap_err()

@@ -19,8 +19,9 @@ use glam::DVec3;
 /// is exact for the images, which themselves are rounded to doubles.
 ///
 /// Points at the eye are visible, and hide nothing; so are points nearer than 10^-150 of the largest distance. Points at
-/// the same place have the same bit. If points and eye are in one plane, this is hidden point removal in the plane; if they are on
-/// one line, the nearest point on each side is visible.
+/// the same place have the same bit. If the images and the eye are in one plane, this is hidden point removal in the plane; if they are on
+/// one line, the nearest point on each side is visible. For sure that is so along the axes of coordinates only: elsewhere images are
+/// rounded off the line, and a point right behind another may be visible, too.
 ///
 /// Costs the hull, `O(n log n)` on usual inputs, and about 150 bytes for each point.
 ///
