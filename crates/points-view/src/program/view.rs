@@ -21,8 +21,8 @@ const SPEED: f32 = 0.15;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
 ///
-/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space finds the visible points from here, Escape
-/// quits. Until then the last result stays, so you can fly around it and see what was hidden from the old viewpoint.
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Escape quits, Space finds the visible points from
+/// here. Until then the last result stays, so you can fly around it and see what was hidden from the old viewpoint.
 #[derive(Debug, Args)]
 pub struct View {
     #[command(flatten)]
