@@ -1,4 +1,4 @@
-// The splat operator, with the arithmetic of the processor's version: src/camera.rs, src/numeric.rs, src/splat/.
+// The splat operator, with the arithmetic of the processor's version: crates/points/src/camera.rs, numeric.rs and splat/.
 //
 // Depths are kept as the bits of infinity minus their own bits, which are in the order of floats: the minimum of depths is the maximum of
 // these, and a cleared buffer is infinitely far.

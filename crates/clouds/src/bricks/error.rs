@@ -15,7 +15,7 @@ pub enum BrickError {
         source: io::Error,
     },
     /// A file of something else, of another version, cut short or damaged.
-    #[error("{name} is no intact file of bricks: {cause}")]
+    #[error("{name} is not a valid brick file: {cause}")]
     Broken {
         /// The file.
         name: String,

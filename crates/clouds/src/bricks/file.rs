@@ -92,9 +92,14 @@ impl Header {
                 "it does not begin with CASCABRK; a build that was broken off leaves such a file".into()
             );
         }
-        let version = u32::from_le_bytes(array(bytes, 8));
-        if (version, u32::from_le_bytes(array(bytes, 12))) != (VERSION, LEVELS as u32) {
+        let [version, levels] = [8, 12].map(|at| u32::from_le_bytes(array(bytes, at)));
+        if version != VERSION {
             return Err(format!("its version is {version}, and only {VERSION} is known"));
+        }
+        if levels != LEVELS as u32 {
+            return Err(format!(
+                "its bricks have {levels} levels of detail, and version {VERSION} has {LEVELS}"
+            ));
         }
         let origin = DVec3::from([16, 24, 32].map(|at| f64::from_le_bytes(array(bytes, at))));
         let [points, bricks] = [40, 48].map(|at| u64::from_le_bytes(array(bytes, at)));
@@ -203,6 +208,11 @@ impl Bricks {
         Ok(Self { name, header, index, file: Mutex::new(file) })
     }
 
+    /// The name of the file.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The number of bricks.
     pub fn len(&self) -> usize {
         self.index.len()
@@ -240,7 +250,7 @@ impl Bricks {
     }
 
     /// The points that a picture needs of some bricks, in the given order, which should be from near to far as in a PVS: as many as lie
-    /// about `pixels` apart in the picture, at the place of the brick that is nearest to the eye. Numbers of no brick are left out.
+    /// about `pixels` apart in the picture, at the place of the brick that is nearest to the eye. Numbers that are not bricks are ignored.
     pub fn wants(&self, bricks: impl IntoIterator<Item = u32>, camera: &Camera, pixels: f32) -> Vec<Want> {
         let want = |number: u32| {
             let brick = self.index.get(number as usize)?;

@@ -12,7 +12,7 @@ use super::file::{Bricks, Want};
 use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 
-/// Loads the first points of wanted bricks, nearest first, and drops those least recently wanted. No call but [`Loader::settle`] waits for
+/// Loads the first points of wanted bricks, nearest first, and evicts the least recently wanted. No call but [`Loader::settle`] waits for
 /// the disk: what is loaded is there, what is not comes later.
 #[derive(Debug)]
 pub struct Loader {
@@ -31,8 +31,14 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    /// The wanted bricks that fit into the budget.
+    /// The wanted bricks that fit into the budget, each once.
     wants: Vec<Want>,
+    /// The bricks of `wants`.
+    wanted: BTreeSet<u32>,
+    /// The loaded bricks that are not wanted, the least recently wanted last. They are listed when room is first needed for `wants`.
+    unwanted: Option<Vec<u32>>,
+    /// Of the wants from here on, no more points are loaded than wanted.
+    trimmed: usize,
     /// The wants before it are loaded.
     next: usize,
     /// The number of lists of wants that came so far.
@@ -45,6 +51,8 @@ struct State {
     error: Option<BrickError>,
     idle: bool,
     closing: bool,
+    /// The thread has ended.
+    stopped: bool,
 }
 
 #[derive(Debug, Default)]
@@ -67,25 +75,36 @@ impl Loader {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Says what is wanted from now on, most important first. Those at the end that do not fit into the budget are not loaded.
+    /// Sets the wanted bricks, most important first. Those at the end that do not fit into the budget are not loaded. Of a brick that is
+    /// in the list more than once, the largest number of points counts, at its first place. The cost is `n log n` in the length of the
+    /// list.
     pub fn want(&self, wants: &[Want]) {
         let Shared { bricks, budget, .. } = &*self.shared;
         let mut state = self.shared.lock();
         state.time += 1;
         let time = state.time;
-        let mut sum = 0;
-        state.wants.clear();
+        let mut most = BTreeMap::new();
         for want in wants {
-            if let Some(loaded) = state.loaded.get_mut(&want.brick) {
+            let points = most.entry(want.brick).or_insert(0);
+            *points = bricks.available(*want).max(*points);
+        }
+        let mut sum = 0_usize;
+        state.wants.clear();
+        state.wanted.clear();
+        for &Want { brick, .. } in wants {
+            let Some(points) = most.remove(&brick) else { continue };
+            if let Some(loaded) = state.loaded.get_mut(&brick) {
                 loaded.time = time;
             }
-            let points = bricks.available(*want);
-            sum += points as usize;
+            sum = sum.saturating_add(points as usize);
             if sum <= *budget {
-                state.wants.push(Want { brick: want.brick, points });
+                state.wants.push(Want { brick, points });
+                state.wanted.insert(brick);
             }
         }
         state.next = 0;
+        state.unwanted = None;
+        state.trimmed = state.wants.len();
         state.idle = false;
         self.shared.changed.notify_all();
     }
@@ -96,7 +115,7 @@ impl Loader {
     }
 
     /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a picture. Radii are half
-    /// the sides of squares that close most gaps, as [`crate::splat`] takes them.
+    /// the sides of squares that close most gaps, as [`casca_points::splat`] takes them.
     pub fn gather(&self, wants: &[Want]) -> PointCloud {
         let bricks = &self.shared.bricks;
         let parts: Vec<_> = {
@@ -115,10 +134,10 @@ impl Loader {
         cloud
     }
 
-    /// Waits until all that is wanted and fits into the budget is loaded.
+    /// Waits until all wanted points that fit into the budget are loaded, or the thread has ended with an error.
     pub fn settle(&self) {
         let mut state = self.shared.lock();
-        while !state.idle {
+        while !state.idle && !state.stopped {
             state = self.shared.wait(state);
         }
     }
@@ -139,6 +158,21 @@ impl Drop for Loader {
     }
 }
 
+/// Says that the thread has ended, so that nobody waits for it, even if it panicked.
+struct Ending<'a>(&'a Shared);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        let mut state = self.0.lock();
+        state.stopped = true;
+        if thread::panicking() {
+            let source = io::Error::other("the thread that loads bricks panicked");
+            state.error.get_or_insert(BrickError::Io { name: self.0.bricks.name().into(), source });
+        }
+        self.0.changed.notify_all();
+    }
+}
+
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -149,6 +183,8 @@ impl Shared {
     }
 
     fn work(&self) {
+        // Declared before the guard of the mutex, and so dropped after it.
+        let _ending = Ending(self);
         let mut state = self.lock();
         while !state.closing {
             let Some((want, have)) = state.next() else {
@@ -200,27 +236,52 @@ impl State {
         if self.points <= limit {
             return;
         }
-        let wanted: BTreeSet<u32> = self.wants.iter().map(|w| w.brick).collect();
-        let mut others: Vec<(u64, u32)> = self
-            .loaded
-            .iter()
-            .filter(|(brick, _)| !wanted.contains(brick))
-            .map(|(&b, l)| (l.time, b))
-            .collect();
-        others.sort_unstable();
-        for (_, brick) in others {
-            if self.points <= limit {
-                return;
-            }
+        let mut unwanted = self.unwanted.take().unwrap_or_else(|| self.unwanted());
+        while self.points > limit {
+            let Some(brick) = unwanted.pop() else { break };
             self.points -= self.loaded.remove(&brick).map_or(0, |l| l.points.len());
         }
-        for want in self.wants.iter().rev() {
+        self.unwanted = Some(unwanted);
+        while self.points > limit && self.trimmed > 0 {
+            self.trimmed -= 1;
+            let want = self.wants[self.trimmed];
             let Some(loaded) = self.loaded.get_mut(&want.brick) else { continue };
             let points = want.points as usize;
-            if self.points > limit && loaded.points.len() > points {
+            if loaded.points.len() > points {
                 self.points -= loaded.points.len() - points;
                 loaded.points = Arc::new(loaded.points[..points].to_vec());
             }
         }
+    }
+
+    /// The loaded bricks that are not wanted, the least recently wanted last.
+    fn unwanted(&self) -> Vec<u32> {
+        let others = self.loaded.iter().filter(|(brick, _)| !self.wanted.contains(brick));
+        let mut others: Vec<(u64, u32)> = others.map(|(&brick, l)| (l.time, brick)).collect();
+        others.sort_unstable_by(|a, b| b.cmp(a));
+        others.into_iter().map(|(_, brick)| brick).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bricks::{BuildOptions, Builder};
+
+    #[test]
+    fn nobody_waits_for_a_thread_that_panicked() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none");
+        Builder::create(&path, BuildOptions::default()).unwrap().finish(|_, _| ()).unwrap();
+        let loader = Loader::new(Arc::new(Bricks::open(&path).unwrap()), 1 << 20).unwrap();
+        {
+            // A brick that is not in the file, past the check of `want`.
+            let mut state = loader.shared.lock();
+            state.wants = vec![Want { brick: 7, points: 5 }];
+            (state.next, state.idle) = (0, false);
+            loader.shared.changed.notify_all();
+        }
+        loader.settle();
+        assert!(loader.take_error().unwrap().to_string().contains("panicked"));
     }
 }

@@ -13,11 +13,15 @@
 //! let bricks = Arc::new(Bricks::open("town.bricks".as_ref())?);
 //! let mut scene = casca::Scene::new(&casca::GridSpec::fit(bricks.bounds(), bricks.len())?)?;
 //! bricks.insert_into(&mut scene)?;
-//! // Insert walls, floors and other occluders, too. Then, in every frame:
+//! // Insert walls, floors and other occluders, too, with user data that is no number of a brick.
+//! # let wall = casca::Aabb::new(glam::Vec3::ZERO, glam::Vec3::ONE);
+//! scene.insert(casca::ObjectDesc::fixed(wall).occluder(wall).user_data(u64::MAX))?;
 //! let loader = Loader::new(bricks.clone(), 512 << 20)?;
-//! let view = casca::View::perspective(camera.eye(), camera.view_projection())?;
 //! let mut query = casca::Query::new();
-//! let visible = query.run(&scene, &view).iter().filter_map(|id| Some(scene.user_data(id).ok()? as u32));
+//!
+//! // In every frame:
+//! let view = casca::View::perspective(camera.eye(), camera.view_projection())?;
+//! let visible = query.run(&scene, &view).iter().filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
 //! let wants = bricks.wants(visible, &camera, 1.0);
 //! loader.want(&wants);
 //! let points = loader.gather(&wants);

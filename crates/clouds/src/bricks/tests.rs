@@ -184,6 +184,34 @@ fn the_budget_holds_the_nearest_and_the_latest() {
 }
 
 #[test]
+fn of_a_brick_that_is_wanted_twice_the_larger_count_is_loaded() {
+    let (_folder, bricks, ..) = two_bricks(false);
+    let want = |brick, points| Want { brick, points };
+    let loader = Loader::new(bricks, 16 * 500).unwrap();
+    for (list, expected) in [
+        (&[want(1, 250), want(0, 200)][..], [200, 250]),
+        (&[want(1, 100), want(0, 300), want(0, 100)], [300, 100]),
+        (&[want(1, 400), want(1, 1), want(1, 400)], [0, 400]),
+        (&[want(0, 1), want(0, 400), want(1, 100)], [400, 100]),
+    ] {
+        loader.want(list);
+        loader.settle();
+        assert_eq!([0, 1].map(|brick| loader.gather(&[want(brick, 400)]).len()), expected);
+        assert_eq!(loader.loaded(), expected.iter().sum());
+    }
+}
+
+#[test]
+fn a_file_with_another_number_of_levels_says_so() {
+    let (_folder, path) = build(&cloud(50), 50, options(40));
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[12] = 11;
+    fs::write(&path, bytes).unwrap();
+    let said = Bricks::open(&path).unwrap_err().to_string();
+    assert!(said.contains("not a valid brick file") && said.contains("11 levels"), "{said}");
+}
+
+#[test]
 fn a_brick_that_cannot_be_read_is_an_error() {
     let (_folder, path) = build(&cloud(100), 100, options(1000));
     let bricks = Arc::new(Bricks::open(&path).unwrap());

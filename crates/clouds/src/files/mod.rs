@@ -21,6 +21,9 @@ pub use sink::{Attributes, FileError, Source};
 
 /// Reads a whole file. Points whose coordinates are not finite, as scanners write them for rays without an echo, are left out.
 ///
+/// Colours of LAS and LAZ files have 16 bits a channel; they are taken as 8 bits if no channel of the first 65,536 points that are not all
+/// black exceeds 255.
+///
 /// The origin is a multiple of 1,024 units in each coordinate, near the first point or the middle of the bounds in the header.
 ///
 /// # Errors

@@ -22,6 +22,8 @@ pub(super) fn read_las<E: From<FileError>>(mut source: impl Source, sink: &mut S
     let middle = low.midpoint(DVec3::new(bounds.max.x, bounds.max.y, bounds.max.z));
     sink.origin = middle.is_finite().then(|| numeric::origin_near(middle));
     let mut read = 0;
+    // The bits below a colour's byte, known from the first batch that is not black.
+    let mut shift = None;
     while read < count {
         let place = || format!("after point {read} of {count}");
         let batch =
@@ -30,8 +32,13 @@ pub(super) fn read_las<E: From<FileError>>(mut source: impl Source, sink: &mut S
             return Err(sink.point(place(), "the file ends here").into());
         }
         read += batch.len() as u64;
-        // 16 bits a channel, as the standard demands.
-        let mut colours = batch.rgb().map(|all| all.map(|(r, g, b)| [r, g, b].map(|c| (c >> 8) as u8)));
+        if shift.is_none() {
+            let channels = batch.rgb().into_iter().flatten().flat_map(|(r, g, b)| [r, g, b]);
+            shift = channels.max().filter(|&most| most > 0).map(|most| if most > 255 { 8 } else { 0 });
+        }
+        // The standard demands 16 bits a channel, but some programs write 8.
+        let byte = |c: u16| (c >> shift.unwrap_or(8)).min(255) as u8;
+        let mut colours = batch.rgb().map(|all| all.map(|(r, g, b)| [r, g, b].map(byte)));
         let has = Attributes { colours: colours.is_some(), ..Attributes::default() };
         for ((x, y), z) in batch.x().zip(batch.y()).zip(batch.z()) {
             let colour = colours.as_mut().and_then(Iterator::next).unwrap_or(Sample::NONE.colour);

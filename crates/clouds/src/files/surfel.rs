@@ -1,6 +1,6 @@
 //! The text format of Adams' Surfel Viewer: the number of surfels, then `x y z r g b nx ny nz radius` on a line for each.
 
-use std::io::{BufRead, Read};
+use std::io::{BufRead, ErrorKind, Read};
 
 use glam::DVec3;
 
@@ -9,13 +9,22 @@ use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 /// The longest line, in bytes: ten numbers.
 const LONGEST_LINE: u64 = 1 << 12;
 
+const NO_COUNT: &str = "it begins with no number of surfels, and is no PLY, LAS or E57 file";
+
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let all = Attributes { colours: true, normals: true, radii: true };
     let (mut count, mut read) = (None, 0);
     let mut text = String::new();
     for line in 1.. {
         text.clear();
-        let ended = (&mut source).take(LONGEST_LINE).read_line(&mut text).map_err(|e| sink.io(e))? == 0;
+        let bytes = match (&mut source).take(LONGEST_LINE).read_line(&mut text) {
+            // Not text: a file of another format.
+            Err(e) if count.is_none() && e.kind() == ErrorKind::InvalidData => {
+                return Err(sink.header("surfel", NO_COUNT).into());
+            }
+            bytes => bytes.map_err(|e| sink.io(e))?,
+        };
+        let ended = bytes == 0;
         let mut numbers = text.split_ascii_whitespace();
         match count {
             Some(count) if read == count => break,
@@ -25,8 +34,7 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
             }
             _ if numbers.clone().next().is_none() && !ended => {}
             None => {
-                let cause = "it begins with no number of surfels, and is no PLY, LAS or E57 file";
-                count = Some(text.trim().parse::<u64>().map_err(|_| sink.header("surfel", cause))?);
+                count = Some(text.trim().parse::<u64>().map_err(|_| sink.header("surfel", NO_COUNT))?);
             }
             Some(_) => {
                 let mut next = || numbers.next().and_then(|word| word.parse::<f64>().ok());

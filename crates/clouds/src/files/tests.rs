@@ -51,6 +51,11 @@ fn ply(cloud: &PointCloud) -> Vec<u8> {
 
 /// The helix with colours in 16 bits, written by the crate `las`.
 fn las(count: usize, compressed: bool) -> Vec<u8> {
+    las_with_colours(count, compressed, 257)
+}
+
+/// With the bytes of colours multiplied by `scale`.
+fn las_with_colours(count: usize, compressed: bool, scale: u16) -> Vec<u8> {
     let cloud = helix(count);
     let mut builder = las::Builder::from((1, 4));
     builder.point_format = las::point::Format::new(2).unwrap();
@@ -59,7 +64,7 @@ fn las(count: usize, compressed: bool) -> Vec<u8> {
     builder.transforms = las::Vector { x: transform(4_500_000.0), y: transform(0.0), z: transform(0.0) };
     let mut writer = las::Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
     for (p, c) in cloud.world_positions().zip(&cloud.colours) {
-        let [red, green, blue] = c.map(|c| u16::from(c) * 257);
+        let [red, green, blue] = c.map(|c| u16::from(c) * scale);
         let color = Some(las::Color { red, green, blue });
         writer.write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() }).unwrap();
     }
@@ -148,6 +153,16 @@ fn scans_are_read_to_their_resolution() {
 }
 
 #[test]
+fn colours_of_8_and_of_16_bits_are_the_same() {
+    for compressed in [false, true] {
+        for scale in [1, 256, 257] {
+            let (cloud, _) = parse(&las_with_colours(300, compressed, scale)).unwrap();
+            assert_eq!(cloud.colours, helix(300).colours, "times {scale}");
+        }
+    }
+}
+
+#[test]
 fn chunks_of_any_size_hold_the_same_points() {
     for bytes in [ply(&helix(50)), las(50, true), e57(50)] {
         let (whole, _) = parse(&bytes).unwrap();
@@ -168,6 +183,7 @@ fn chunks_of_any_size_hold_the_same_points() {
 fn errors_name_the_place_and_the_cause() {
     let expect = |bytes: &[u8], part: &str| assert!(cause(bytes).contains(part), "{} / {part}", cause(bytes));
     expect(b"", "no number of surfels");
+    expect(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no number of surfels");
     expect(&SURFELS.as_bytes()[..25], "test, line 4: the file ends after 1 of 2 surfels");
     expect(SURFELS.replace("3 2 1", "3 2 a").as_bytes(), "line 4: a surfel is ten numbers");
     expect(ASCII.replace("5000001", "five").as_bytes(), "line 22, vertex 1 of 3");

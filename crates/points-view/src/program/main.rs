@@ -8,6 +8,7 @@ mod view;
 mod visible;
 
 use std::error::Error;
+use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -45,8 +46,14 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        // Nobody reads the output any more, as after `| head`. Errors of files are texts that name them.
+        Err(error)
+            if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe) =>
+        {
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            eprintln!("error: {error}");
+            let _ = writeln!(io::stderr(), "error: {error}");
             ExitCode::from(3)
         }
     }
@@ -61,6 +68,15 @@ mod tests {
         for (words, expected) in [
             ("view --eye 1,2", "three numbers"),
             ("view --eye 1,2,NaN", "three numbers"),
+            ("view --eye 1,x,2,3", "three numbers"),
+            ("view --eye 1,2,3,4", "three numbers"),
+            ("view --radius -1", "from 0 up"),
+            ("view --radius NaN", "from 0 up"),
+            ("view --log10-radius inf", "a finite number"),
+            ("walk x --pixels -1", "from 0 up"),
+            ("walk x --speed inf", "from 0 up"),
+            ("walk x --side nan", "from 0 up"),
+            ("walk x --height nan", "a finite number"),
             ("view --size 0x720", "from 1 to 8192"),
             ("view --size 99999x99999", "from 1 to 8192"),
             ("view --fov 180", "from 1 to 170"),

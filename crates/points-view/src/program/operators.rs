@@ -59,10 +59,10 @@ pub struct Look {
     #[arg(long, default_value = "45", value_parser = parse_angle)]
     pub fov: f32,
     /// The radius of a point's square, in the unit of the file [default: from the distances between points]
-    #[arg(long)]
+    #[arg(long, value_parser = parse_length)]
     pub radius: Option<f32>,
     /// Hidden point removal: the logarithm of the sphere's radius over the largest distance [default: from the radius]
-    #[arg(long)]
+    #[arg(long, value_parser = parse_finite)]
     pub log10_radius: Option<f64>,
 }
 
@@ -100,6 +100,12 @@ impl Look {
         let positions = turned(&cloud.positions);
         let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
         let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        if low == high && self.eye.is_none() {
+            return Err(
+                "all points are at one place, so the cloud has no size to place the eye by: give --eye"
+                    .into(),
+            );
+        }
         let length = (high - low).length().max(f32::MIN_POSITIVE);
         let placed = |place: DVec3| turn * (place - cloud.origin).as_vec3();
         let house = self.file.is_none().then_some(HOUSE_VIEW);
@@ -177,11 +183,29 @@ impl Looked {
 }
 
 fn parse_place(text: &str) -> Result<DVec3, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
-    match numbers[..] {
-        [x, y, z] if [x, y, z].iter().all(|n| n.is_finite()) => Ok(DVec3::new(x, y, z)),
-        _ => Err("expected three numbers such as 1.5,2,-3".to_owned()),
-    }
+    let place = finite_numbers(text.split(',')).map(DVec3::from_array);
+    place.ok_or_else(|| "expected three numbers such as 1.5,2,-3".to_owned())
+}
+
+/// Exactly `N` finite numbers; `None` if there are more or fewer, or one of the words is none.
+pub fn finite_numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
+    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.is_finite());
+    // One more than needed tells that there are too many.
+    let numbers: Option<Vec<f64>> = words.take(N + 1).map(number).collect();
+    numbers?.try_into().ok()
+}
+
+/// A finite number.
+pub fn parse_finite(text: &str) -> Result<f64, String> {
+    finite_numbers(std::iter::once(text))
+        .map(|[number]| number)
+        .ok_or_else(|| "expected a finite number".to_owned())
+}
+
+/// A length or speed.
+pub fn parse_length(text: &str) -> Result<f32, String> {
+    let length = text.parse().ok().filter(|length: &f32| length.is_finite() && *length >= 0.0);
+    length.ok_or_else(|| "expected a number from 0 up".to_owned())
 }
 
 fn parse_angle(text: &str) -> Result<f32, String> {

@@ -21,8 +21,8 @@ const SPEED: f32 = 0.15;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
 ///
-/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space finds the visible points from here, Escape
-/// quits. In between the old points stay, so that you see from the side which parts the eye could not see.
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Escape quits, Space finds the visible points from
+/// here. Until then the last result stays, so you can fly around it and see what was hidden from the old viewpoint.
 #[derive(Debug, Args)]
 pub struct View {
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub struct View {
     /// Draws a picture without a window
     #[arg(long)]
     headless: bool,
-    /// The folder of the picture, `points-` and the name of the cloud [default: target/points]
+    /// Folder for the picture, which is called points-NAME.png [default: target/points]
     #[arg(long, requires = "headless")]
     out: Option<PathBuf>,
     /// Draws with a software adapter

@@ -1,5 +1,6 @@
 //! The command `bricks`.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use casca_clouds::bricks::{BrickError, Bricks, BuildOptions, Builder};
@@ -52,7 +53,12 @@ impl Cut {
         })?;
         bar.finish();
         let bricks = Bricks::open(&self.out)?;
-        println!("{} points in {} bricks; {skipped} without a place left out", bricks.points(), bricks.len());
+        let (points, count) = (bricks.points(), bricks.len());
+        let mut out = io::stdout().lock();
+        writeln!(
+            out,
+            "{points} points in {count} bricks; {skipped} points without valid coordinates skipped"
+        )?;
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! The command `generate`.
 
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{self, BufWriter};
 use std::path::PathBuf;
 
 use casca_clouds::files::{Attributes, PlyWriter};
@@ -25,8 +25,20 @@ pub struct Generate {
 
 impl Generate {
     pub fn run(self) -> Done {
+        let walls = self.out.with_extension("walls");
+        if walls == self.out {
+            return Err(format!(
+                "{}: the walls go to the file of this name: choose another",
+                walls.display()
+            )
+            .into());
+        }
         let mut town = Town::new(self.seed);
-        fs::write(self.out.with_extension("walls"), town.walls())?;
+        fs::write(&walls, town.walls()).map_err(|e| format!("cannot write {}: {e}", walls.display()))?;
+        self.scan(&mut town).map_err(|e| format!("cannot write {}: {e}", self.out.display()).into())
+    }
+
+    fn scan(&self, town: &mut Town) -> io::Result<()> {
         let has = Attributes { colours: true, ..Attributes::default() };
         let mut writer = PlyWriter::new(BufWriter::new(File::create(&self.out)?), self.points, has, false)?;
         let bar = progress(Some(self.points), "scanning");
@@ -38,6 +50,7 @@ impl Generate {
             bar.inc(count);
         }
         bar.finish();
-        Ok(writer.finish()?)
+        writer.finish()?;
+        Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! The command `walk`.
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
@@ -15,9 +16,11 @@ use clap::Args;
 use glam::{DVec3, Vec3, vec3};
 
 use super::Done;
+use crate::operators::{finite_numbers, parse_finite, parse_length};
 
 /// Walk through a file of bricks and print, for each frame, the bricks and points that it takes.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Walk {
     /// A file of bricks. Up is +y.
     bricks: PathBuf,
@@ -28,22 +31,21 @@ pub struct Walk {
     #[arg(long, default_value_t = 300)]
     frames: u32,
     /// Metres per second, around a square in the middle of the cloud.
-    #[arg(long, default_value_t = 10.0)]
+    #[arg(long, default_value_t = 10.0, value_parser = parse_length)]
     speed: f32,
     /// The side of the square, in metres.
-    #[arg(long, default_value_t = 100.0)]
+    #[arg(long, default_value_t = 100.0, value_parser = parse_length)]
     side: f32,
     /// The height of the eye above the lowest point, in metres.
-    #[arg(long, default_value_t = 1.7)]
-    height: f32,
+    #[arg(long, default_value_t = 1.7, value_parser = parse_finite)]
+    height: f64,
     /// The distance between points in the picture of 1280 x 720 pixels.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = parse_length)]
     pixels: f32,
     /// Megabytes of memory for loaded points.
     #[arg(long, default_value_t = 512)]
     memory: usize,
-    /// Checks every 20th frame against the truth, that a point is hidden if a wall crosses the line to it, and counts the errors of
-    /// refining.
+    /// Every 20th frame, casts a ray from the eye to each point against the walls and counts the splat operator's errors.
     #[arg(long)]
     check: bool,
     /// Prints the summary only.
@@ -80,18 +82,22 @@ impl Walk {
         for wall in &walls {
             scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).user_data(u64::MAX))?;
         }
-        println!("{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len());
-        let loader = Loader::new(bricks.clone(), self.memory << 20)?;
+        let mut out = io::stdout().lock();
+        writeln!(out, "{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len())?;
+        let loader = Loader::new(bricks.clone(), self.memory.saturating_mul(1 << 20))?;
         let mut queries = [Query::with_method(Method::Frustum)?, Query::new()];
         let mut rows: Vec<[f64; 9]> = Vec::new();
         if !self.quiet {
-            println!("{}", COLUMNS.join(" | "));
+            writeln!(out, "{}", COLUMNS.join(" | "))?;
         }
         for frame in 0..self.frames {
             let start = Instant::now();
-            let row = self.frame(frame, &bricks, &scene, &loader, &mut queries, &walls)?;
+            let (row, errors) = self.frame(frame, &bricks, &scene, &loader, &mut queries, &walls)?;
+            if let Some(errors) = errors {
+                writeln!(out, "{errors}")?;
+            }
             if !self.quiet {
-                println!("{}", row.map(|value| format!("{value:.2}")).join(" | "));
+                writeln!(out, "{}", row.map(|value| format!("{value:.2}")).join(" | "))?;
             }
             rows.push(row);
             thread::sleep(Duration::from_secs_f32(1.0 / RATE).saturating_sub(start.elapsed()));
@@ -99,10 +105,10 @@ impl Walk {
         if let Some(error) = loader.take_error() {
             return Err(error.into());
         }
-        summary(&rows);
-        Ok(())
+        Ok(summary(&mut out, &rows)?)
     }
 
+    /// The columns of a frame, and the text of its check.
     fn frame(
         &self,
         frame: u32,
@@ -111,7 +117,7 @@ impl Walk {
         loader: &Loader,
         queries: &mut [Query; 2],
         walls: &[Aabb],
-    ) -> Result<[f64; 9], Box<dyn std::error::Error>> {
+    ) -> Result<([f64; 9], Option<String>), Box<dyn std::error::Error>> {
         let camera = self.camera(frame, bricks.bounds())?;
         let view = View::perspective(camera.eye(), camera.view_projection())?;
         let wants = |pvs: &Pvs| {
@@ -129,12 +135,11 @@ impl Walk {
         let options = SplatOptions { radius: Radius::Each(&cloud.radii), bias: BIAS, filter: Filter::Max };
         let visible = visible_points(&cloud.positions, &camera, &options)?.visible;
         let refined = start.elapsed();
-        if self.check && frame % 20 == 19 {
-            check(&cloud.positions, &visible, &camera, walls);
-        }
+        let errors =
+            (self.check && frame % 20 == 19).then(|| check(&cloud.positions, &visible, &camera, walls));
         let points = |wants: &[Want]| wants.iter().map(|want| f64::from(want.points)).sum();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        Ok([
+        let row = [
             frustum.0.len() as f64,
             point.0.len() as f64,
             points(&frustum.0),
@@ -144,7 +149,8 @@ impl Walk {
             ms(frustum.1),
             ms(point.1),
             ms(refined),
-        ])
+        ];
+        Ok((row, errors))
     }
 
     /// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
@@ -156,8 +162,8 @@ impl Walk {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
         let direction = directions[corner as usize % 4];
         let middle = bounds.center();
-        let start =
-            vec3(middle.x, bounds.min.y + self.height, middle.z) + corners[corner as usize % 4] * self.side;
+        let start = vec3(middle.x, bounds.min.y + self.height as f32, middle.z)
+            + corners[corner as usize % 4] * self.side;
         let eye = start + direction * along;
         let turn = 0.7 * (time * 1.5).sin();
         let target = eye + direction * turn.cos() + direction.cross(Vec3::Y) * turn.sin();
@@ -165,8 +171,8 @@ impl Walk {
     }
 }
 
-/// Prints the errors of refining among the points of the picture, by brute force.
-fn check(points: &[Vec3], visible: &BitSlice, camera: &Camera, walls: &[Aabb]) {
+/// Describes the errors of refining among the points of the picture, by brute force.
+fn check(points: &[Vec3], visible: &BitSlice, camera: &Camera, walls: &[Aabb]) -> String {
     let hidden = |point: Vec3| {
         let inverse = (point - camera.eye()).recip();
         walls.iter().any(|wall| {
@@ -179,31 +185,32 @@ fn check(points: &[Vec3], visible: &BitSlice, camera: &Camera, walls: &[Aabb]) {
         counts[usize::from(hidden(point))][usize::from(visible[i])] += 1;
     }
     let [[false_hidden, seen], [unseen, false_visible]] = counts;
-    println!(
+    format!(
         "check: of {} visible points {false_hidden} are false hidden; of {} hidden ones {false_visible} false visible",
         false_hidden + seen,
         unseen + false_visible
-    );
+    )
 }
 
 /// Medians and the largest values of all frames, and how far the loader was behind.
-fn summary(rows: &[[f64; 9]]) {
+fn summary(out: &mut impl Write, rows: &[[f64; 9]]) -> io::Result<()> {
     if rows.is_empty() {
-        return;
+        return Ok(());
     }
-    println!("{:24} {:>12} {:>12}", format!("{} frames", rows.len()), "median", "largest");
+    writeln!(out, "{:24} {:>12} {:>12}", format!("{} frames", rows.len()), "median", "largest")?;
     for (column, name) in COLUMNS.iter().enumerate() {
         let mut values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
         values.sort_by(f64::total_cmp);
-        println!("{name:24} {:>12.2} {:>12.2}", values[values.len() / 2], values[values.len() - 1]);
+        writeln!(out, "{name:24} {:>12.2} {:>12.2}", values[values.len() / 2], values[values.len() - 1])?;
     }
     let sum = |column: usize| rows.iter().map(|row| row[column]).sum::<f64>();
     let late = rows.iter().filter(|row| row[4] < row[3]).count();
-    println!("the PVS wants {:.1} % of the points of the frustum", 100.0 * sum(3) / sum(2).max(1.0));
-    println!(
+    writeln!(out, "the PVS wants {:.1} % of the points of the frustum", 100.0 * sum(3) / sum(2).max(1.0))?;
+    writeln!(
+        out,
         "{:.2} % of the wanted points came late, in {late} frames",
         100.0 * (1.0 - sum(4) / sum(3).max(1.0))
-    );
+    )
 }
 
 /// Boxes in the coordinates of the bricks.
@@ -212,12 +219,39 @@ fn read_walls(path: &Path, origin: DVec3) -> Result<Vec<Aabb>, Box<dyn std::erro
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     lines
         .map(|(i, line)| {
-            let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-            let [x0, y0, z0, x1, y1, z1] = numbers[..] else {
-                return Err(format!("{}, line {}: a wall is six numbers", path.display(), i + 1).into());
-            };
-            let corner = |x, y, z| (DVec3::new(x, y, z) - origin).as_vec3();
-            Ok(Aabb::new(corner(x0, y0, z0), corner(x1, y1, z1)))
+            wall(line, origin).ok_or_else(|| {
+                let cause = "a wall is six finite numbers, the least and the greatest x y z";
+                format!("{}, line {}: {cause}", path.display(), i + 1).into()
+            })
         })
         .collect()
+}
+
+fn wall(line: &str, origin: DVec3) -> Option<Aabb> {
+    let [x0, y0, z0, x1, y1, z1] = finite_numbers(line.split_whitespace())?;
+    let corner = |x, y, z| (DVec3::new(x, y, z) - origin).as_vec3();
+    let (low, high) = (corner(x0, y0, z0), corner(x1, y1, z1));
+    (low.is_finite() && high.is_finite() && low.cmple(high).all()).then(|| Aabb::new(low, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_six_numbers_in_order() {
+        let read = |line| wall(line, DVec3::ONE);
+        assert_eq!(read("1 2 3  4 5 6"), Some(Aabb::new(vec3(0.0, 1.0, 2.0), vec3(3.0, 4.0, 5.0))));
+        for bad in [
+            "0 0 x 0 10 10 10",
+            "0 0 0 1 1",
+            "0 0 0 1 1 1 1",
+            "0 0 nan 1 1 1",
+            "0 0 0 1 1 inf",
+            "0 0 0 1 1 1e99",
+            "0 2 0 1 1 1",
+        ] {
+            assert_eq!(read(bad), None, "{bad}");
+        }
+    }
 }
