@@ -67,7 +67,7 @@ fn blind_zone() -> Result<String, Box<dyn std::error::Error>> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (file, csv) in [("docs/soft-walls.csv", walls()?), ("docs/soft-blind-zone.csv", blind_zone()?)] {
         print!("{csv}");
-        std::fs::write(file, csv)?;
+        std::fs::write(file, csv).map_err(|error| format!("{file}: {error}"))?;
     }
     Ok(())
 }

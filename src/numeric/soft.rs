@@ -11,8 +11,19 @@ pub(crate) const ONE: u32 = 1 << 15;
 /// The old rule of the cones ends there (Villegas 2016 and its program: opacity of 0.9999); a picture of 8 bits cannot show less.
 pub(crate) const DARK: f64 = 1e-4;
 
-/// A direction whose share along an axis is smaller crosses no planes of that axis inside a grid of 8192 cells.
+/// A direction whose share along an axis is smaller crosses hardly any planes of that axis: one at most inside a grid of 8192 cells.
 pub(crate) const ALONG: f64 = 1e-6;
+
+/// A slab that reaches beyond the end of a march by less than this many cells is whole.
+///
+/// Positions in a grid of 8192 cells are rounded by 2^-39 at most. The march may end on the border of the grid, and so do slabs.
+pub(crate) const CUT: f64 = 1e-6;
+
+/// A slab that is more opaque than this is opaque.
+///
+/// Opacities are multiples of 2^-15. Their interpolation has weights whose sum rounds to 1 - 2^-53; without this margin, the power by
+/// which slabs count at grazing angles would let a quarter of the light through there.
+pub(crate) const FULLY: f64 = 1.0 - 1.0 / (1 << 17) as f64;
 
 /// Slabs of a level are chosen where the logarithm of the cone's radius in cells, plus this, passes the level.
 ///

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
-use crate::numeric::soft::{ALONG, DARK, SLAB_LEVEL};
+use crate::numeric::soft::{ALONG, CUT, DARK, FULLY, SLAB_LEVEL};
 use crate::soft::grid::SoftGrid;
 use crate::soft::rays::{check_rays, in_cone};
 use crate::soft::walk::{Segment, inside};
@@ -25,10 +25,12 @@ pub struct Cone {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum March {
-    /// Three marches, one for each axis, each from slab to slab of cells of a level about as wide as the cone's radius. The opacity of a
+    /// Marches once per axis, slab by slab, at the pyramid level whose cells are about as wide as the cone's radius. The opacity of a
     /// slab is interpolated across the axis but not along it, so that no wall along the axes leaks, however thin, and none is too
     /// near to be seen. Walls askew to the axes leak, as by samples, where a slab holds a part of them only:
-    /// `docs/soft-walls.csv` of the repository has figures.
+    /// `docs/soft-walls.csv` of the repository has figures. Slabs that are covered in part, one after the other, count once:
+    /// foliage hides only as much as its densest slab. The cell in which the reach ends hides in proportion to the part of it
+    /// before that end.
     #[default]
     Slabs,
     /// Samples on the axis of the cone, interpolated between cells and levels: the rule of Villegas 2016. Thin walls leak, by 13% at
@@ -36,7 +38,8 @@ pub enum March {
     Samples {
         /// Step in units of the cone's diameter, 0.01 to 4. The old rule takes 0.5.
         step: f32,
-        /// Distance from the apex in cells at which the cone begins, with no width: 0 to 16. The old rule takes 2.
+        /// Distance from the apex in cells at which the cone begins, with no width: 0 to 16. It is a part of the reach. The old rule
+        /// takes 2.
         start: f32,
         /// Distance of the first sample from there, in cells: 0.25 to 16. The old rule takes 2.
         first: f32,
@@ -82,6 +85,9 @@ pub(super) fn between(what: &'static str, value: f32, min: f32, max: f32) -> Res
     Err(Error::Setting { what, value: value.into(), min: min.into(), max: max.into() })
 }
 
+/// A slab of cells: the level, the place along the axis, and the channel, which says the axis and the way along it.
+type Slab = (usize, i32, usize);
+
 /// A cone in units of cells, from the corner of the grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CellCone {
@@ -103,7 +109,8 @@ impl SoftGrid {
     /// How much light passes through a cone. An estimate.
     ///
     /// Costs a number of steps that grows with the logarithm of the reach, for wide cones; rays cost a
-    /// [`SoftGrid::first_hit`] each. Apexes on surfaces are in cells that the surface touches: move them off by two cells.
+    /// [`SoftGrid::first_hit`] each. A point on a surface lies in an occupied cell: offset the
+    /// apex by two cells along the normal.
     ///
     /// # Errors
     /// Refuses numbers that are not finite (but for the reach) or out of their range, and a direction of length 0.
@@ -135,21 +142,23 @@ impl SoftGrid {
         // Nothing is beyond the grid.
         let dims = self.grid().dims().as_dvec3();
         let farthest = cone.apex.distance(dims * 0.5) + dims.length();
-        let cone = CellCone { reach: cone.reach.min(farthest), ..*cone };
+        let within = |cone: CellCone| CellCone { reach: cone.reach.min(farthest), ..cone };
         match *march {
             March::Slabs => {
-                let all = [0, 1, 2].map(|axis| self.march_slabs(&cone, axis));
+                let all = [0, 1, 2].map(|axis| self.march_slabs(&within(*cone), axis));
                 all.into_iter().fold((1.0, 0), |(passes, n), (one, more)| (passes * one, n + more))
             }
             March::Samples { step, start, first, corrected } => {
-                let start = CellCone { apex: cone.apex + cone.direction * f64::from(start), ..cone };
-                self.march_samples(&start, step.into(), first.into(), corrected)
+                let start = f64::from(start);
+                let apex = cone.apex + cone.direction * start;
+                let rest = CellCone { apex, reach: (cone.reach - start).max(0.0), ..*cone };
+                self.march_samples(&within(rest), step.into(), first.into(), corrected)
             }
             March::Rays(rays) => {
                 let (min, cell) = (self.grid().min(), self.grid().cell_size());
-                let from = min + cone.apex * cell;
+                let (from, length) = (min + cone.apex * cell, within(*cone).reach * cell);
                 let passes = |d: &DVec3| {
-                    let to = from + *d * (cone.reach * cell);
+                    let to = from + *d * length;
                     self.walk(&Segment { from, to, skips_first: false, until: None }).is_none()
                 };
                 let cosine = 1.0 / cone.tan.hypot(1.0);
@@ -163,13 +172,11 @@ impl SoftGrid {
     fn march_samples(&self, cone: &CellCone, step: f64, first: f64, corrected: bool) -> (f64, u32) {
         let d = cone.direction;
         let faces = [0, 1, 2].map(|axis| face_along(axis, d[axis]));
-        let (top, dims) = (self.pyramid().top(), self.grid().dims().as_dvec3());
-        let (mut passes, mut t, mut steps) = (1.0, first, 0);
-        while passes > DARK && t <= cone.reach {
+        let top = self.pyramid().top();
+        let Some((entry, exit)) = self.in_grid(cone) else { return (1.0, 0) };
+        let (mut passes, mut t, mut steps) = (1.0, first.max(entry), 0);
+        while passes > DARK && t <= exit {
             let p = cone.apex + d * t;
-            if p.cmplt(DVec3::ZERO).any() || p.cmpgt(dims).any() {
-                break;
-            }
             let fine = cone.level(t);
             let level = fine.min(top as f64);
             let low = level as usize;
@@ -189,6 +196,13 @@ impl SoftGrid {
         (passes, steps)
     }
 
+    /// Where the axis of a cone enters the grid and where it leaves it or ends, if it meets it.
+    fn in_grid(&self, cone: &CellCone) -> Option<(f64, f64)> {
+        let dims = self.grid().dims().as_dvec3();
+        let (entry, exit) = inside(cone.apex, cone.direction * cone.reach, DVec3::ZERO, dims)?;
+        Some((entry * cone.reach, exit * cone.reach))
+    }
+
     /// The light that passes all slabs of cells along an axis, where cells are as opaque as they are along that axis.
     ///
     /// A slab hides only what it covers beyond the slab before: solids go on from one to the next. A ray at an angle to the axes
@@ -196,41 +210,72 @@ impl SoftGrid {
     /// cells that are as opaque from all sides are so along every direction.
     fn march_slabs(&self, cone: &CellCone, axis: usize) -> (f64, u32) {
         let d = cone.direction[axis];
-        // The part of the axis inside the grid.
-        let range =
-            inside(cone.apex, cone.direction * cone.reach, DVec3::ZERO, self.grid().dims().as_dvec3());
-        let Some((start, end)) = range.filter(|_| d.abs() > ALONG) else { return (1.0, 0) };
-        let (mut t, end) = (start * cone.reach, end * cone.reach);
+        let Some((mut t, end)) = self.in_grid(cone).filter(|_| d.abs() > ALONG) else { return (1.0, 0) };
         let (up, face) = (d > 0.0, face_along(axis, d));
         let at = cone.apex[axis] + d * t;
-        let (mut slab, mut level) = (if up { at.floor() } else { at.ceil() - 1.0 } as i32, 0);
+        let first = if up { at.floor() } else { at.ceil() - 1.0 } as i32;
+        let (mut slab, mut level) = (first.clamp(0, self.grid().dims()[axis] - 1), 0);
         let (mut passes, mut before, mut steps) = (1.0, 0.0, 0);
-        while passes > DARK && t < end {
+        while passes > DARK && t < end && (0..self.pyramid().dims(level)[axis]).contains(&slab) {
             let wanted = (cone.level(t) + SLAB_LEVEL).min(self.pyramid().top() as f64) as usize;
             while level < wanted && (slab & 1 == 0) == up {
                 (level, slab) = (level + 1, slab >> 1);
             }
-            let size = (1u64 << level) as f64;
-            let plane = f64::from(if up { slab + 1 } else { slab }) * size;
-            let leaves = (plane - cone.apex[axis]) / d;
+            let leaves = self.leaves(cone, (level, slab, face));
             let (opacity, pieces) = self.slab_opacity(cone, (level, slab, face), (t, leaves.min(end)));
-            // The last slab may be cut off by the end.
-            let share = if leaves > end { (end - t) * d.abs() / size } else { 1.0 };
-            let covered = opacity * share;
+            let (share, more) = self.share_before(cone, (level, slab, face), (t, end));
+            let covered = if opacity * share > FULLY { 1.0 } else { opacity * share };
             if covered > before {
                 passes *= ((1.0 - covered) / (1.0 - before)).max(0.0).powf(d.abs());
             }
             before = covered;
-            (t, slab, steps) = (leaves.max(t), if up { slab + 1 } else { slab - 1 }, steps + pieces);
+            (t, slab, steps) = (leaves.max(t), if up { slab + 1 } else { slab - 1 }, steps + pieces + more);
         }
         (passes, steps)
+    }
+
+    /// The distance at which the axis of a cone leaves a slab, or the grid in it.
+    fn leaves(&self, cone: &CellCone, (level, slab, face): Slab) -> f64 {
+        let axis = face / 2;
+        let plane = if face & 1 == 0 { (slab + 1) << level } else { slab << level };
+        (f64::from(plane.min(self.grid().dims()[axis])) - cone.apex[axis]) / cone.direction[axis]
+    }
+
+    /// The share of the opacity of a slab, entered at `t`, that lies before the end of the march: 1 unless the end cuts the slab off.
+    ///
+    /// A thin wall is wholly before the end or wholly behind it, so that the slabs of the levels below decide. A single cell counts
+    /// by its length.
+    fn share_before(&self, cone: &CellCone, slab: Slab, (t, end): (f64, f64)) -> (f64, u32) {
+        let (level, at, face) = slab;
+        let along = cone.direction[face / 2].abs();
+        let cut_off = |leaves: f64| (leaves - end) * along > CUT;
+        let leaves = self.leaves(cone, slab);
+        if !cut_off(leaves) {
+            return (1.0, 0);
+        }
+        let by_length = (end - t) / (leaves - t);
+        let Some(below) = level.checked_sub(1) else { return (by_length, 0) };
+        let [near, far] = [face & 1, 1 - (face & 1)].map(|upper| (below, 2 * at + upper as i32, face));
+        let middle = self.leaves(cone, near);
+        let (first, a) = self.slab_opacity(cone, near, (t, middle));
+        let (second, b) = self.slab_opacity(cone, far, (middle, leaves));
+        let second = (1.0 - first) * second;
+        let (before, c) = if cut_off(middle) {
+            let (share, pieces) = self.share_before(cone, near, (t, end));
+            (first * share, pieces)
+        } else {
+            let (share, pieces) = self.share_before(cone, far, (middle, end));
+            (first + second * share, pieces)
+        };
+        let all = first + second;
+        (if all > 0.0 { before / all } else { by_length }, a + b + c)
     }
 
     /// The mean opacity of a slab from `t` to `end` on the axis of a cone.
     fn slab_opacity(
         &self,
         cone: &CellCone,
-        (level, slab, face): (usize, i32, usize),
+        (level, slab, face): Slab,
         (mut t, end): (f64, f64),
     ) -> (f64, u32) {
         let size = (1u64 << level) as f64;

@@ -20,7 +20,7 @@ impl SoftGrid {
     /// says (1 to 4096), to a sphere itself and to the faces of the box around any other shape. 1 for an eye in the shape or in one
     /// of its cells.
     ///
-    /// The cells around the shape hide nothing of it, since it may be in the grid itself; nor does the cell of the eye. Shapes outside of
+    /// Cells inside the shape's bounding box never occlude it, since it may be in the grid itself; nor does the cell of the eye. Shapes outside of
     /// the grid are hidden by the cells on the way.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl SoftGrid {
     }
 
     /// The share of the sky above a surface that is hidden, 0 to 1, weighted by the cosine of the angle with the normal: **an estimate**.
-    /// Shapes farther away than `reach`, in world units, hide nothing; it may be infinite. With [`March::Rays`], by so many
+    /// Shapes farther away from the point than `reach`, in world units, hide nothing; it may be infinite. With [`March::Rays`], by so many
     /// rays; else by six cones of 60 degrees.
     ///
     /// All start 1.7 cells above the point along the normal: there no cell belongs to the surface itself, if that is flat. Nearer
@@ -88,22 +88,26 @@ impl SoftGrid {
         let what = "the normal";
         let normal = normal.as_dvec3().try_normalize().ok_or(Error::NoDirection { what })?;
         let apex = self.to_cells(point.as_dvec3()) + normal * OFF_SURFACE;
-        let reach = f64::from(reach) / self.grid().cell_size();
+        // Every direction ends on the sphere of that radius around the point.
+        let reach = |direction: DVec3| {
+            let (reach, along) = (f64::from(reach) / self.grid().cell_size(), normal.dot(direction));
+            let aside = OFF_SURFACE * OFF_SURFACE * (1.0 - along * along);
+            ((reach * reach - aside).max(0.0).sqrt() - OFF_SURFACE * along).max(0.0)
+        };
+        let cone = |direction, tan| CellCone { apex, direction, tan, reach: reach(direction) };
         // Half the angle of a cone of 60 degrees.
         let tan = (1.0f64 / 3.0).sqrt();
         let open: f64 = match *march {
             March::Rays(rays) => {
-                let ray =
-                    |direction| self.march(&CellCone { apex, direction, tan: 0.0, reach }, &March::Rays(1)).0;
+                let ray = |direction| self.march(&cone(direction, 0.0), &March::Rays(1)).0;
                 above_surface(normal, rays).map(ray).sum::<f64>() / f64::from(rays)
             }
             _ => six_cones(normal)
-                .map(|(direction, weight)| {
-                    weight * self.march(&CellCone { apex, direction, tan, reach }, march).0
-                })
+                .map(|(direction, weight)| weight * self.march(&cone(direction, tan), march).0)
                 .sum(),
         };
-        Ok((1.0 - open) as f32)
+        // The weights of the cones sum to 1 but for rounding.
+        Ok((1.0 - open).clamp(0.0, 1.0) as f32)
     }
 
     /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of their bounds from the eye of the

@@ -23,7 +23,7 @@ use crate::soft::pyramid::Pyramid;
 /// The most cells of a grid: 1024^3. A solid that fills them has 2 million bricks, each of which is visited.
 const MAX_CELLS: u64 = 1 << 30;
 
-/// Numbers shapes across all grids, so that an id of another grid is found out.
+/// Numbers shapes across all grids, so that an id of another grid is found out. Clones have the ids of their original.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 /// The layer of a shape.
@@ -35,7 +35,8 @@ pub enum Layer {
     Moving,
 }
 
-/// Names a shape of a [`SoftGrid`]. No two shapes of a process have the same.
+/// Names a shape of a [`SoftGrid`]. No two shapes of a process have the same, but a clone of the grid has
+/// the same ids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SoftId(u64);
 
@@ -86,8 +87,8 @@ impl Held {
 
 /// The cells that shapes occupy, and how much they hide. See the [module](crate::soft).
 ///
-/// Shapes count as the cells that they touch, those of closed meshes and solids with the cells inside. Changes take effect
-/// with [`SoftGrid::rebuild`], which makes only those bricks of 8x8x8 cells anew that they touch.
+/// Shapes count as the cells that they touch, those of closed meshes and solids with the cells inside. Call
+/// [`SoftGrid::rebuild`] to apply changes; it rebuilds only the 8x8x8-cell bricks they touch.
 #[derive(Clone)]
 pub struct SoftGrid {
     grid: Grid,
@@ -169,7 +170,7 @@ impl SoftGrid {
     /// Removes a shape.
     ///
     /// # Errors
-    /// [`Error::UnknownShape`] if it was removed before, or belongs to another grid.
+    /// [`Error::UnknownShape`] if it was removed before, or belongs to another grid that this one was not cloned from.
     pub fn remove(&mut self, id: SoftId) -> Result<(), Error> {
         let held = self.shapes.remove(&id).ok_or(Error::UnknownShape(id.0))?;
         let Bits { cells, counts } = &mut self.layers[held.layer as usize];
@@ -196,7 +197,7 @@ impl SoftGrid {
     /// Costs the objects of the scene, and the cells of those that changed.
     ///
     /// # Errors
-    /// None that the scene would not have given; the objects before it are then taken over.
+    /// Only errors the scene itself would have returned. Objects before the failing one are already inserted, but not yet rebuilt.
     pub fn follow(&mut self, scene: &Scene) -> Result<usize, Error> {
         let gone = |id: &ObjectId| !scene.occluder(*id).is_ok_and(|occluder| occluder.is_some());
         for id in self.followed.keys().copied().filter(gone).collect::<Vec<_>>() {

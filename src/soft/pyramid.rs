@@ -62,12 +62,12 @@ impl Pyramid {
         }
     }
 
-    /// Whether any cell below a cell of a level is occupied; none is outside the grid.
+    /// Whether any base cell covered by this cell of a level is occupied; none is outside the grid.
     pub fn any(&self, level: usize, cell: IVec3) -> bool {
         self.any_bits(level).get(cell)
     }
 
-    /// Whether all cells below a cell of a level are occupied; outside the grid they are not.
+    /// Whether all base cells covered by this cell of a level are occupied; outside the grid they are not.
     pub fn all(&self, level: usize, cell: IVec3) -> bool {
         self.all_bits(level).get(cell)
     }

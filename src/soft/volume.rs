@@ -6,6 +6,7 @@ use crate::derived::Light;
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks};
+use crate::grid::cell_box::CellBox;
 use crate::matrix::bits::{BitMatrix, cells_of};
 use crate::numeric::soft::EVEN_STEPS;
 use crate::soft::cone::between;
@@ -71,9 +72,9 @@ impl Source {
 
 impl VisibilityVolume {
     /// Finds which cells a light reaches, by so many exact walks from points of each cell (1 to 4096; the first is its middle). The
-    /// cell itself does not hide the light from itself. A spot light counts as shining in all directions.
+    /// cell itself does not hide the light from itself, nor does the cell that a point or spot light is in. A spot light counts as shining in all directions.
     ///
-    /// Costs the cells near surfaces times the rays.
+    /// Costs the occupied cells, those inside of solids too, and those next to them, times the rays.
     ///
     /// # Errors
     /// Refuses a light whose numbers are not finite (but for the range) or without direction, and numbers of rays out of range.
@@ -91,6 +92,11 @@ impl VisibilityVolume {
             }
         }
         let far = (grid.max() - grid.min()).length();
+        // A lamp may be in a cell that its own shade touches.
+        let until = match source {
+            Source::At { place, .. } => Some(CellBox { lo: grid.cell_of(place), hi: grid.cell_of(place) }),
+            Source::Along(_) => None,
+        };
         let mut values: Bricks<Values> = Bricks::new(grid.dims());
         for (brick, mask) in near.masks() {
             let held = values.get_mut(brick).0.get_or_insert_with(|| Box::new([UNKNOWN; 512]));
@@ -98,7 +104,7 @@ impl VisibilityVolume {
                 let open = (0..rays).filter(|&k| {
                     let from = grid.cell_bounds(c).0 + place_in_cell(k) * grid.cell_size();
                     source.seen_from(from, far).is_some_and(|to| {
-                        soft.walk(&Segment { from, to, skips_first: true, until: None }).is_none()
+                        soft.walk(&Segment { from, to, skips_first: true, until }).is_none()
                     })
                 });
                 held[place(c)] = (open.count() as f64 / f64::from(rays) * FULL).round() as u8;
@@ -114,7 +120,7 @@ impl VisibilityVolume {
         (value != UNKNOWN).then(|| f32::from(value) / FULL as f32)
     }
 
-    /// The least share of the eight cells around a point in world units, for careful use: interpolation would let light through
+    /// The least share of the eight cells around a point in world units, the conservative choice: interpolation would let light through
     /// walls. `None` if all eight are far from surfaces.
     pub fn least(&self, point: Vec3) -> Option<f32> {
         self.around(point).map(|(share, _)| share).reduce(f32::min)

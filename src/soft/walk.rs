@@ -22,7 +22,7 @@ pub struct CellHit {
     pub distance: f64,
 }
 
-/// A segment, and the cells on it that count for nothing.
+/// A segment, and the cells on it to ignore.
 pub(super) struct Segment {
     pub(super) from: DVec3,
     pub(super) to: DVec3,

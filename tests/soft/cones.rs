@@ -87,6 +87,108 @@ fn walls_near_by_are_seen_by_all_but_the_old_rule() {
     }
 }
 
+/// A wall in one layer of cells across x.
+fn wall_across(plane: f32, dims: UVec3) -> Aabb {
+    Aabb::new(Vec3::new(plane + 0.25, 0.0, 0.0), dims.as_vec3().with_x(plane + 0.75))
+}
+
+#[test]
+fn slabs_that_the_border_or_the_reach_cuts_off_do_not_leak() {
+    let mut leaks = Vec::new();
+    for n in [80u32, 100] {
+        for sign in [1.0, -1.0] {
+            let mirrored = |x: f32| if sign > 0.0 { x } else { n as f32 - x };
+            let mut grid = soft(UVec3::splat(n));
+            let wall = grid.insert(Sphere::new(Vec3::ZERO, 0.1), Layer::Moving).unwrap();
+            for plane in [9, 33, 66, 70, n - 3, n - 1] {
+                let low = if sign > 0.0 { plane } else { n - 1 - plane };
+                grid.update(wall, wall_across(low as f32, UVec3::splat(n))).unwrap();
+                grid.rebuild();
+                let apex = Vec3::new(mirrored(2.56), 40.0, 40.0);
+                let behind = plane as f32 + 1.0 - 2.56;
+                for reach in [behind + 1e-4, behind + 0.7, behind + 1.9, behind + 5.0, f32::INFINITY] {
+                    for tan in [0.1, WIDE] {
+                        let cone = Cone { apex, direction: Vec3::X * sign, tan, reach };
+                        let leak = grid.cone(&cone, &March::Slabs).unwrap().transmittance;
+                        if leak > 0.0 {
+                            leaks.push((n, sign, plane, reach, tan, leak));
+                        }
+                    }
+                }
+                let cone = Cone { apex, direction: Vec3::X * sign, tan: WIDE, reach: behind - 1.001 };
+                assert_eq!(grid.cone(&cone, &March::Slabs).unwrap().transmittance, 1.0, "before the wall");
+            }
+        }
+    }
+    assert!(leaks.is_empty(), "{leaks:?}");
+}
+
+#[test]
+fn slabs_do_not_leak_at_grazing_angles() {
+    let dims = UVec3::new(64, 256, 1);
+    let mut grid = soft(dims);
+    let mut dice = Dice(11);
+    let mut leaks = Vec::new();
+    for plane in [4.0, 6.0, 7.0] {
+        let wall = grid.insert(wall_across(plane, dims), Layer::Moving).unwrap();
+        grid.rebuild();
+        for degrees in [85f32, 88.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            for _ in 0..100 {
+                let apex = Vec3::new(2.0 + dice.next(), 5.0 + 20.0 * dice.next(), 0.5);
+                let cone =
+                    Cone { apex, direction: Vec3::new(cos, sin, 0.0), tan: WIDE, reach: f32::INFINITY };
+                assert_eq!(grid.cone(&cone, &March::Rays(1)).unwrap().transmittance, 0.0);
+                let leak = grid.cone(&cone, &March::Slabs).unwrap().transmittance;
+                if leak > 0.0 {
+                    leaks.push((plane, degrees, apex, leak));
+                }
+            }
+        }
+        grid.remove(wall).unwrap();
+    }
+    assert!(leaks.is_empty(), "{} leaks, such as {:?}", leaks.len(), leaks.first());
+}
+
+#[test]
+fn samples_start_where_the_cone_enters_the_grid() {
+    // The same wall in a grid around the apex, and in one that starts five cells ahead of it.
+    let answers = [(0.0f32, 1.5), (40.0, 3.0)].map(|(before, first)| {
+        let mut grid = soft(UVec3::new(64 + before as u32, 64, 64));
+        let (min, max) = (Vec3::new(before + 4.25, 0.0, 0.0), Vec3::new(before + 6.75, 64.0, 64.0));
+        grid.insert(Aabb::new(min, max), Layer::Fixed).unwrap();
+        grid.rebuild();
+        let apex = Vec3::new(before - 5.0, 32.0, 32.0);
+        let cone = Cone { apex, direction: Vec3::X, tan: 0.1, reach: 60.0 };
+        // The first sample lies on the border of the smaller grid in both.
+        let march = March::Samples { step: 0.5, start: 2.0, first, corrected: false };
+        let nearest = grid.cone(&Cone { reach: 9.0, ..cone }, &march).unwrap().transmittance;
+        (grid.cone(&cone, &march).unwrap(), nearest)
+    });
+    assert!(answers[0].0.transmittance < 0.01, "{answers:?}");
+    assert_eq!(answers[0], answers[1]);
+    let grid = soft(UVec3::splat(8));
+    let past = Cone { apex: Vec3::splat(-5.0), direction: Vec3::X, tan: 0.1, reach: 60.0 };
+    assert_eq!(grid.cone(&past, &March::OLD).unwrap().transmittance, 1.0);
+}
+
+#[test]
+fn the_reach_counts_from_the_apex() {
+    let dims = UVec3::splat(32);
+    let mut grid = soft(dims);
+    grid.insert(wall_across(15.0, dims), Layer::Fixed).unwrap();
+    grid.rebuild();
+    for start in [0.0, 2.0, 7.0] {
+        let march = March::Samples { step: 0.5, start, first: 0.25, corrected: false };
+        let passes = |reach: f32| {
+            let cone = Cone { apex: Vec3::new(4.0, 16.0, 16.0), direction: Vec3::X, tan: 0.01, reach };
+            grid.cone(&cone, &march).unwrap().transmittance
+        };
+        assert_eq!([passes(1.0), passes(10.0)], [1.0, 1.0], "{start}");
+        assert!(passes(12.0) < 0.001, "{start}");
+    }
+}
+
 #[test]
 fn steps_grow_with_the_logarithm() {
     let mut grid = soft(UVec3::splat(256));
@@ -94,7 +196,10 @@ fn steps_grow_with_the_logarithm() {
     for degrees in [1f32, 5.0, 20.0, 45.0] {
         for step in STEPS {
             let (tan, reach) = (degrees.to_radians().tan(), 200.0);
-            let cone = Cone { apex: Vec3::new(8.0, 128.0, 128.0), direction: Vec3::X, tan, reach };
+            // The two cells before the start are a part of the reach.
+            let reach_in_all = reach + 2.0;
+            let cone =
+                Cone { apex: Vec3::new(8.0, 128.0, 128.0), direction: Vec3::X, tan, reach: reach_in_all };
             let answer = grid.cone(&cone, &samples(step, false)).unwrap();
             let law = (reach / 2.0).ln() / (1.0 + 2.0 * tan * step).ln();
             assert!(

@@ -63,6 +63,46 @@ fn corners_hide_half_of_the_sky() {
 }
 
 #[test]
+fn ambient_occlusion_reaches_from_the_point() {
+    let mut grid = soft(UVec3::splat(64));
+    grid.insert(Aabb::new(Vec3::ZERO, Vec3::new(64.0, 64.0, 7.5)), Layer::Fixed).unwrap();
+    let ball = Sphere::new(Vec3::new(32.0, 32.0, 8.0), 12.0);
+    // A ceiling, and cells below it: all outside of the ball, but not of one that is a cell higher.
+    grid.insert(Aabb::new(Vec3::new(0.0, 0.0, 20.2), Vec3::new(64.0, 64.0, 22.0)), Layer::Fixed).unwrap();
+    for i in 0..64 * 64 {
+        let low = Vec3::new((i % 64) as f32, (i / 64) as f32, 18.0);
+        let nearest = ball.center.clamp(low, low + Vec3::ONE);
+        if nearest.distance(ball.center) > 12.05 {
+            grid.insert(Aabb::new(low + 0.2, low + 0.8), Layer::Fixed).unwrap();
+        }
+    }
+    grid.rebuild();
+    let hidden =
+        |reach: f32| grid.ambient_occlusion(ball.center, Vec3::Z, reach, &March::Rays(1024)).unwrap();
+    assert_eq!([hidden(0.5), hidden(11.99)], [0.0, 0.0]);
+    assert!(hidden(13.5) > 0.3, "{}", hidden(13.5));
+}
+
+#[test]
+fn a_lamp_shines_out_of_its_own_cell() {
+    let mut grid = soft(UVec3::splat(24));
+    let middle = Vec3::splat(12.5);
+    grid.insert(Aabb::from_center(middle, Vec3::splat(0.4)), Layer::Fixed).unwrap();
+    let wall = Aabb::new(Vec3::new(0.0, 0.0, 20.2), Vec3::new(24.0, 24.0, 20.8));
+    grid.insert(wall, Layer::Fixed).unwrap();
+    grid.rebuild();
+    let spot = View::omnidirectional(middle).unwrap();
+    for lamp in [Light::Point { position: middle, range: 40.0 }, Light::Spot(spot)] {
+        let volume = VisibilityVolume::new(&grid, &lamp, 4).unwrap();
+        for (z, share) in [(11, 1.0), (12, 1.0), (13, 1.0), (19, 1.0), (20, 1.0), (21, 0.0)] {
+            for x in 11..14 {
+                assert_eq!(volume.get(IVec3::new(x, 12, z)), Some(share), "{x} {z}");
+            }
+        }
+    }
+}
+
+#[test]
 fn volumes_hold_what_single_walks_say() {
     let mut dice = Dice(9);
     let mut grid = soft(UVec3::splat(24));
@@ -113,9 +153,8 @@ fn draw_lists_keep_all_objects_and_their_order() {
     let mut scene = Scene::new(&spec).unwrap();
     let wall = Aabb::new(Vec3::new(0.0, 20.0, 0.0), Vec3::new(40.0, 21.0, 64.0));
     scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
-    for i in 0..12 {
-        scene.insert(ObjectDesc::dynamic(Sphere::new(Vec3::new(5.0 * i as f32, 30.0, 32.0), 2.4))).unwrap();
-    }
+    let ball = |i: u8| Sphere::new(Vec3::new(5.0 * f32::from(i), 30.0, 32.0), 2.4);
+    let balls: Vec<_> = (0..12).map(|i| scene.insert(ObjectDesc::dynamic(ball(i))).unwrap()).collect();
     let mut grid = casca::soft::SoftGrid::new(&spec).unwrap();
     grid.follow(&scene).unwrap();
     let mut query = Query::new();
@@ -127,8 +166,12 @@ fn draw_lists_keep_all_objects_and_their_order() {
     grid.estimate(pvs, &scene, 256, &mut items).unwrap();
     for (a, b) in before.iter().zip(&items) {
         assert_eq!((a.id, a.distance, a.size), (b.id, b.distance, b.size));
-        assert!((0.0..=1.0).contains(&b.fraction) && a.level(&[0.2, 0.1]) <= b.level(&[0.2, 0.1]));
+        assert!((0.0..=1.0).contains(&b.fraction));
     }
+    // The edge of the wall lies before the middle of this ball: one half of it is seen, and its size times the root of a half.
+    let half = items.iter().position(|i| i.id == balls[9]).unwrap();
+    let levels = |thresholds: &[f32]| [before[half].level(thresholds), items[half].level(thresholds)];
+    assert_eq!([levels(&[0.15, 0.1]), levels(&[0.15, 0.125])], [[0, 1], [0, 2]], "{:?}", items[half]);
     assert!(items.iter().any(|i| i.fraction < 0.9) && items.iter().any(|i| i.fraction == 1.0), "{items:?}");
     let other = Scene::new(&spec).unwrap();
     assert_eq!(grid.estimate(pvs, &other, 256, &mut items), Err(casca::Error::ForeignPvs));
