@@ -45,7 +45,7 @@ impl Culling {
         self.driver.update(&self.objects, &[object])
     }
 
-    /// Looks from a camera; what it may see is asked with [`may_see`].
+    /// Looks from a camera. Ask [`may_see`] about parts of the scene afterwards.
     ///
     /// # Errors
     /// As [`View::perspective`].

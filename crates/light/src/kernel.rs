@@ -26,7 +26,7 @@ pub struct Kernel {
     name: &'static str,
 }
 
-/// Gives what a binding's number stands for.
+/// Gives the resource of a binding by its number.
 pub type Lookup<'a, 'b> = &'b dyn Fn(u32) -> BindingResource<'a>;
 
 /// The bind group of these bindings for a pipeline's layout.

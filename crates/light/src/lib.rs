@@ -15,7 +15,7 @@
 //! - [`reach`]: which bricks a picture can read: the culler's part.
 //! - [`shading`]: light in voxels, and the directional mips.
 //! - [`picture`]: the light of each pixel.
-//! - [`renderer`]: all of it, with what is to be done again after a change.
+//! - [`renderer`]: all passes, and which of them run again after a change.
 //! - [`timing`]: the time of each stage.
 //! - [`culling`]: a scene of the library for a lit scene.
 #![deny(missing_docs)]

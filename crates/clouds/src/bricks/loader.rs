@@ -13,7 +13,7 @@ use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 
 /// Loads the first points of wanted bricks, nearest first, and evicts the least recently wanted. No call but [`Loader::settle`] waits for
-/// the disk: what is loaded is there, what is not comes later.
+/// the disk: the others use the points that are loaded, and the rest comes later.
 #[derive(Debug)]
 pub struct Loader {
     shared: Arc<Shared>,
@@ -197,7 +197,7 @@ impl Shared {
             drop(state);
             let start = have.len() as u32;
             let read = self.bricks.read(want.brick, start..want.points);
-            // Only this thread changes what is loaded, so `have` still holds.
+            // Only this thread loads and drops points, so `have` still holds.
             let points = read.map(|more| Arc::new([have.as_slice(), &more].concat()));
             state = self.lock();
             match points {

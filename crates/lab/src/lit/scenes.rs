@@ -15,7 +15,7 @@ pub enum Kind {
     Cornell,
     /// The same, lit by a point below the ceiling instead of the patch.
     CornellPoint,
-    /// A closed box whose inside emits a radiance of 1 and reflects nothing: what it holds is lit by exactly that from everywhere.
+    /// A closed box whose inside emits a radiance of 1 and reflects nothing. Any surface inside it receives that radiance from every direction.
     Furnace,
     /// The inside of a white box with edges so round that none darkens, with a spot light.
     LightBox,

@@ -29,6 +29,8 @@ pub enum Gather {
 const MOST: u32 = 4096;
 /// Cones are no wider than this: of a tangent of 1, 90 degrees.
 const WIDEST: f32 = 1.0;
+/// The least cosine that is divided by: cones of smaller ones are as wide as cones may be.
+const LEAST_COS: f32 = 1e-3;
 /// Cells from the start of a cone to its first sample.
 const FIRST: f32 = 0.5;
 /// Steps are no shorter than this, in cells.
@@ -174,8 +176,8 @@ impl<'a> LightVolume<'a> {
                 let apex = self.voxels.to_cells(point) + normal * OFF;
                 let cones = directions(normal, count, 0.0).map(|d| {
                     // As wide as its share of the hemisphere: the density of directions is cos / pi.
-                    let cos = 1.0 - (0.5 / (count as f32 * d.dot(normal).max(1e-3))).min(1.0);
-                    let tan = ((1.0 - cos * cos).sqrt() / cos.max(1e-3)).min(WIDEST);
+                    let cos = 1.0 - (0.5 / (count as f32 * d.dot(normal).max(LEAST_COS))).min(1.0);
+                    let tan = ((1.0 - cos * cos).sqrt() / cos.max(LEAST_COS)).min(WIDEST);
                     self.cone(apex, d, tan, step, corrected)
                 });
                 cones.sum::<Vec3>() / count as f32

@@ -31,7 +31,7 @@ pub const HEAD: &str = "# Light by voxels\n\n\
 /// The shared scene that is measured where it is there.
 const SPONZA: &str = "../shared/scenes/sponza.glb";
 
-/// A scene and what it looks like in truth.
+/// A scene and the path tracer's pictures of it.
 struct Case {
     scene: LitScene,
     tracer: PathTracer,

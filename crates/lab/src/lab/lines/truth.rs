@@ -17,6 +17,8 @@ use rand_pcg::rand_core::SeedableRng;
 
 /// Boxes of the hierarchy are wider than the tubes by this share of the greatest coordinate, so that rays in f32 lose no tube.
 const WIDER: f64 = 4e-6;
+/// Rays in the hierarchy are longer by this share: the ends of rays in f32 are off by a few units of 6e-8.
+const LONGER: f64 = 1e-5;
 
 /// Rays start this many radii above the middle of the receiver's tube, so that rounding does not put them into it.
 const LIFT: f64 = 1.01;
@@ -53,7 +55,7 @@ impl Tubes {
         if self.ends.is_empty() {
             return false;
         }
-        let far = length * (1.0 + 1e-5) + WIDER * self.scale;
+        let far = length * (1.0 + LONGER) + WIDER * self.scale;
         let ray = Ray::new(start.as_vec3a(), direction.as_vec3a(), 0.0, far as f32);
         let mut found = false;
         self.bvh.ray_traverse_miss(ray, |_, i| {
