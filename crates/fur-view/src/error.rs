@@ -1,0 +1,18 @@
+//! Why nothing can be drawn.
+
+use casca_stage::gpu::GpuError;
+
+/// Why nothing can be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FurViewError {
+    /// The fur or the mesh is refused.
+    #[error(transparent)]
+    Fur(#[from] casca_fur::Error),
+    /// The device fails, or has no room.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The view or the scene is refused.
+    #[error("casca refused the view or the scene: {0}")]
+    Scene(#[from] casca::Error),
+}

@@ -1,0 +1,137 @@
+//! How fur looks: its strands, its layers, and how it is lit.
+
+use bytemuck::{Pod, Zeroable};
+use casca_fur::Error;
+use casca_fur::maps::{Neighborhood, fur_map};
+use casca_fur::mesh::Mesh;
+use casca_fur::shading::Material;
+use casca_fur::strands::Fur;
+use glam::Vec3;
+
+use crate::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
+
+/// How a fragment finds its strand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mapping {
+    /// Points in hashed cells: [`Fur::strand_at`].
+    Cells,
+    /// The thesis' map on the faces of a cube, looked up in the direction normal + position, for comparison.
+    CubeMap,
+}
+
+/// The fur of all meshes of a renderer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// The strands.
+    pub fur: Fur,
+    /// How fragments find them.
+    pub mapping: Mapping,
+    /// Whether a fragment follows its ray through the slab below its shell, so that shells seen from the side do not come apart.
+    /// Without it a fragment knows only its own height, as in the thesis.
+    pub marched: bool,
+    /// How strands throw light back.
+    pub material: Material,
+    /// How much strands differ in colour, 0 to 1.
+    pub vary: f32,
+}
+
+impl Look {
+    /// Hashed cells, followed rays and the usual light.
+    pub fn new(fur: Fur) -> Self {
+        Self { fur, mapping: Mapping::Cells, marched: true, material: Material::default(), vary: 0.22 }
+    }
+
+    pub(crate) fn record(&self) -> LookRecord {
+        let (fur, material) = (&self.fur, &self.material);
+        LookRecord {
+            bend: fur.bend.to_array(),
+            height: fur.height,
+            spacing: fur.spacing,
+            radius: fur.radius,
+            taper: fur.taper,
+            variation: fur.variation,
+            per_cell: fur.per_cell,
+            seed: fur.seed,
+            mapping: u32::from(self.mapping == Mapping::CubeMap),
+            steps: if self.marched { STEPS } else { 1 },
+            fine: FINE * fur.spacing,
+            coarse: COARSE * fur.spacing,
+            exponent: material.exponent,
+            wrap: material.wrap,
+            dark: material.root,
+            ambient: material.ambient,
+            diffuse: material.diffuse,
+            specular: material.specular,
+            vary: self.vary,
+            pad: [0.0; 3],
+        }
+    }
+
+    /// The side of the faces of the fur map, and their texels; a single empty texel where it is not used.
+    ///
+    /// # Errors
+    /// The map cannot hold as many hairs as the fur has.
+    pub(crate) fn map_faces(&self) -> Result<(u32, Vec<u8>), Error> {
+        if self.mapping == Mapping::Cells {
+            return Ok((1, vec![0; 6]));
+        }
+        let texels = (0..6).map(|face| {
+            let seed = u64::from(self.fur.seed) * 6 + face;
+            fur_map(MAP_SIDE, f64::from(self.fur.density()), Neighborhood::None, seed).map(|map| map.texels())
+        });
+        let faces: Vec<Vec<[u8; 4]>> = texels.collect::<Result<_, _>>()?;
+        Ok((MAP_SIDE, faces.concat().iter().map(|texel| texel[3]).collect()))
+    }
+}
+
+/// The colour behind everything, in linear light.
+pub(crate) const SKY: [f32; 3] = [0.58, 0.71, 0.86];
+
+/// Linear light as pictures store it, 0 to 1.
+pub(crate) fn stored(light: Vec3) -> Vec3 {
+    light.clamp(Vec3::ZERO, Vec3::ONE).powf(1.0 / 2.2)
+}
+
+/// A [`Look`] as the shaders take it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct LookRecord {
+    bend: [f32; 3],
+    height: f32,
+    spacing: f32,
+    radius: f32,
+    taper: f32,
+    variation: f32,
+    per_cell: u32,
+    seed: u32,
+    mapping: u32,
+    steps: u32,
+    fine: f32,
+    coarse: f32,
+    exponent: f32,
+    wrap: f32,
+    dark: f32,
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    vary: f32,
+    pad: [f32; 3],
+}
+
+/// A vertex as the shaders take it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Corner {
+    position: [f32; 3],
+    normal: [f32; 3],
+    coat: [f32; 4],
+}
+
+pub(crate) fn corners_of(mesh: &Mesh) -> Vec<Corner> {
+    let corner = |(v, c): (&casca_fur::mesh::Vertex, &casca_fur::mesh::Coat)| Corner {
+        position: v.position.to_array(),
+        normal: v.normal.to_array(),
+        coat: c.color.extend(c.length).to_array(),
+    };
+    mesh.vertices().iter().zip(mesh.coats()).map(corner).collect()
+}

@@ -1,0 +1,173 @@
+//! What the shaders read, as it lies in memory, and lists of what to draw.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use casca_lab::world::Camera;
+use glam::{Affine3A, Mat4, Vec3};
+
+/// The camera and the light of one frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Frame {
+    clip: [[f32; 4]; 4],
+    sun_clip: [[f32; 4]; 4],
+    eye: [f32; 4],
+    sun: [f32; 4],
+    sky: [f32; 4],
+    shadow: [f32; 4],
+}
+
+impl Frame {
+    pub(crate) fn new(camera: &Camera, height: u32, light: &Sun, sky: ([f32; 3], f32)) -> Self {
+        // The height of a pixel at distance 1.
+        let pixel = 2.0 / (camera.projection.y_axis.y.abs().max(f32::MIN_POSITIVE) * height.max(1) as f32);
+        Self {
+            clip: camera.view_projection().to_cols_array_2d(),
+            sun_clip: light.matrix().to_cols_array_2d(),
+            eye: camera.eye.extend(pixel).to_array(),
+            sun: light.direction().extend(f32::from(u8::from(light.shadows))).to_array(),
+            sky: [sky.0[0], sky.0[1], sky.0[2], sky.1],
+            shadow: [light.texel(), 1.0 / SHADOW_SIZE as f32, 0.0, 0.0],
+        }
+    }
+}
+
+/// Texels along a side of the shadow map. A software adapter fills 2048² of them in about 0.1 s.
+pub(crate) const SHADOW_SIZE: u32 = 2048;
+
+/// The light of the sun, and the ball that its shadow map covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// The direction towards the sun; of any length but 0.
+    pub towards: Vec3,
+    /// The middle of the part of the world that gets shadows.
+    pub center: Vec3,
+    /// Its radius. Outside of the ball nothing is in shadow.
+    pub radius: f32,
+    /// Whether there are shadows at all.
+    pub shadows: bool,
+}
+
+impl Sun {
+    /// The unit vector towards the sun; upwards for vectors without direction.
+    pub fn direction(&self) -> Vec3 {
+        self.towards.normalize_or(Vec3::Y)
+    }
+
+    /// World space to the shadow map: depth 0 towards the sun, 1 away from it.
+    fn matrix(&self) -> Mat4 {
+        let z = self.direction();
+        let (x, y) = z.any_orthonormal_pair();
+        let scale = 1.0 / self.radius.max(f32::MIN_POSITIVE);
+        let turn = Mat4::from_cols(x.extend(0.0), y.extend(0.0), (-z).extend(0.0), glam::Vec4::W).transpose();
+        Mat4::from_translation(Vec3::new(0.0, 0.0, 0.5))
+            * Mat4::from_scale(Vec3::new(scale, scale, 0.5 * scale))
+            * turn
+            * Mat4::from_translation(-self.center)
+    }
+
+    /// The width of a texel of the shadow map.
+    fn texel(&self) -> f32 {
+        2.0 * self.radius / SHADOW_SIZE as f32
+    }
+}
+
+/// A place where a furry mesh stands, and its colours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stand {
+    /// Which of the renderer's meshes.
+    pub mesh: usize,
+    /// Object space to world space: turned, moved and scaled alike along all axes.
+    pub place: Affine3A,
+    /// The colour of strands at the skin: red, green, blue, linear, 0 to 1.
+    pub root: [f32; 3],
+    /// Their colour at the tip.
+    pub tip: [f32; 3],
+}
+
+/// A [`Stand`] as the shaders take it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct Record {
+    rows: [[f32; 4]; 3],
+    /// The eye in object space, and the scale of the object.
+    eye: [f32; 4],
+    root: [f32; 4],
+    tip: [f32; 4],
+}
+
+impl Record {
+    fn new(stand: &Stand, eye: Vec3) -> Self {
+        let (m, t) = (stand.place.matrix3, stand.place.translation);
+        let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
+        let scale = m.x_axis.length();
+        let eye = stand.place.inverse().transform_point3(eye);
+        let colour = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
+        Self {
+            rows: [row(0), row(1), row(2)],
+            eye: eye.extend(scale).to_array(),
+            root: colour(stand.root),
+            tip: colour(stand.tip),
+        }
+    }
+}
+
+/// A box of the surroundings: a wall or the ground.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Block {
+    /// Least corner.
+    pub min: [f32; 3],
+    /// How it is painted: 0 as ground, 1 as a wall of bricks.
+    pub paint: u32,
+    /// Greatest corner.
+    pub max: [f32; 3],
+    /// Unused.
+    pub pad: u32,
+}
+
+/// What a frame draws: animals with their layers, grouped by mesh, and blocks.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DrawList {
+    pub(crate) records: Vec<Record>,
+    /// Of each shell: the number of its record, and its layer in the low half and the number of layers in the high one.
+    pub(crate) shells: Vec<[u32; 2]>,
+    /// The shells of each mesh.
+    pub(crate) runs: Vec<(usize, Range<u32>)>,
+    /// Walls and ground.
+    pub blocks: Vec<Block>,
+}
+
+impl DrawList {
+    /// A list of animals with their numbers of layers above the skin, near to far, as seen from `eye`. One draw holds all
+    /// layers of all animals of one mesh: first the skins, then the shells of each animal from the outermost to the
+    /// innermost, so that nearer fragments come first.
+    pub fn new(animals: &[(Stand, u32)], eye: Vec3, blocks: Vec<Block>) -> Self {
+        let mut list = Self { blocks, ..Self::default() };
+        let meshes = animals.iter().map(|(stand, _)| stand.mesh + 1).max().unwrap_or(0);
+        list.records = animals.iter().map(|(stand, _)| Record::new(stand, eye)).collect();
+        for mesh in 0..meshes {
+            let first = list.shells.len() as u32;
+            let of_mesh = || {
+                let all = animals.iter().enumerate().filter(move |(_, (stand, _))| stand.mesh == mesh);
+                all.map(|(i, &(_, layers))| (i as u32, layers.min(MOST_LAYERS)))
+            };
+            list.shells.extend(of_mesh().map(|(i, layers)| [i, layers << 16]));
+            for (i, layers) in of_mesh() {
+                list.shells.extend((1..=layers).rev().map(|layer| [i, layers << 16 | layer]));
+            }
+            list.runs.push((mesh, first..list.shells.len() as u32));
+        }
+        list.runs.retain(|(_, run)| !run.is_empty());
+        list
+    }
+
+    /// How many instances of meshes it draws: skins and layers.
+    pub fn shells(&self) -> usize {
+        self.shells.len()
+    }
+}
+
+/// Layers above the skin that an animal can have.
+pub const MOST_LAYERS: u32 = 1024;

@@ -1,0 +1,189 @@
+// Shells: instance k of a mesh is its layer k, layer 0 the skin.
+
+struct Record {
+    // Object space to world space.
+    rows: array<vec4f, 3>,
+    // The eye in object space; the scale.
+    eye: vec4f,
+    // Colours that multiply those of the mesh.
+    root: vec4f,
+    tip: vec4f,
+}
+
+@group(1) @binding(0) var<uniform> look: Look;
+@group(1) @binding(1) var<storage, read> records: array<Record>;
+@group(1) @binding(2) var map: texture_cube<f32>;
+@group(1) @binding(3) var map_sampler: sampler;
+
+struct Shell {
+    @builtin(position) screen: vec4f,
+    // Object space: on the skin, before the layer moves it; the normal there.
+    @location(0) base: vec3f,
+    @location(1) normal: vec3f,
+    // Colour of the coat; the share of the full length.
+    @location(2) coat: vec4f,
+    // Record, layer, layers.
+    @location(3) @interpolate(flat) which: vec3u,
+}
+
+fn to_world(record: u32, at: vec3f) -> vec3f {
+    let p = vec4f(at, 1.0);
+    return vec3f(dot(records[record].rows[0], p), dot(records[record].rows[1], p), dot(records[record].rows[2], p));
+}
+
+fn turned(record: u32, v: vec3f) -> vec3f {
+    let d = vec4f(v, 0.0);
+    return normalize(vec3f(dot(records[record].rows[0], d), dot(records[record].rows[1], d), dot(records[record].rows[2], d)));
+}
+
+fn shell(which: vec2u, base: vec3f, normal: vec3f, coat: vec4f) -> Shell {
+    var out: Shell;
+    out.which = vec3u(which.x, which.y & 0xffffu, which.y >> 16u);
+    out.base = base;
+    out.normal = normal;
+    out.coat = coat;
+    return out;
+}
+
+fn height_of(which: vec3u) -> f32 {
+    return f32(which.y) / f32(max(which.z, 1u));
+}
+
+@vertex
+fn shell_corner(
+    @location(0) which: vec2u, @location(1) base: vec3f, @location(2) normal: vec3f, @location(3) coat: vec4f,
+) -> Shell {
+    var out = shell(which, base, normal, coat);
+    out.screen = to_screen(to_world(which.x, base + extrusion(look, normal, coat.w * height_of(out.which))));
+    return out;
+}
+
+@vertex
+fn shell_shadow_corner(
+    @location(0) which: vec2u, @location(1) base: vec3f, @location(2) normal: vec3f, @location(3) coat: vec4f,
+) -> Shell {
+    var out = shell(which, base, normal, coat);
+    out.screen = frame.sun_clip * vec4f(to_world(which.x, base + extrusion(look, normal, coat.w * height_of(out.which))), 1.0);
+    return out;
+}
+
+/// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
+struct Seen {
+    found: bool,
+    own: f32,
+    along: f32,
+    // The height of the layer there.
+    height: f32,
+}
+
+/// What the thesis' map shows in the direction normal + position, where that has a direction.
+fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
+    let sum = normal + normalize(base);
+    let direction = select(normal, sum, dot(sum, sum) > 1e-12);
+    return textureSampleLevel(map, map_sampler, direction, 0.0).r > 0.25 + 0.6 * look.taper * t;
+}
+
+fn strand_here(base: vec3f, normal: vec3f, height: f32, long: f32) -> Seen {
+    if look.mapping == 1u {
+        let t = height / long;
+        return Seen(mapped(base, normal, t), 0.5, t, height);
+    }
+    let hit = strand_at(look, base, normal, height, long);
+    // The upper bits give the length: the lower ones are for the colour.
+    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height);
+}
+
+/// A random number for a place and a layer, the same for all places of about a pixel: hashed alpha, Wyman and McGuire 2017.
+fn dither(base: vec3f, width: f32, layer: u32) -> vec4u {
+    let cell = vec3i(floor(base / exp2(ceil(log2(max(width, 1e-12))))));
+    return hash(vec4u(bitcast<vec3u>(cell), layer));
+}
+
+/// The strand in a fragment of a shell. `width` is that of a pixel in object space.
+fn seen(in: Shell, normal: vec3f, width: f32) -> Seen {
+    let t = height_of(in.which);
+    let long = in.coat.w;
+    let height = t * long;
+    if long < SHORTEST {
+        return Seen(false, 0.0, 0.0, 0.0);
+    }
+    // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
+    let word = dither(in.base, width, in.which.y);
+    if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
+        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height);
+    }
+    if look.steps <= 1u {
+        return strand_here(in.base, normal, height, long);
+    }
+    // Along the ray through the slab below this shell, to the next one: shells seen from the side do not come apart.
+    let ray = normalize(in.base + extrusion(look, normal, height) - records[in.which.x].eye.xyz);
+    let down = dot(ray, normal);
+    // Where on the skin the ray goes, seen along bent strands.
+    let side = ray - normal * down - bend_at(look, normal) * (2.0 * height * down);
+    let thick = look.height * long / f32(max(in.which.z, 1u));
+    let stride = look.radius * look.spacing;
+    let speed = length(side);
+    let steps = clamp(ceil(thick * speed / (abs(down) * stride + 1e-12)), 1.0, f32(look.steps));
+    let way = min(thick / max(abs(down), 1e-6), steps * stride / max(speed, 1e-6)) / steps;
+    for (var i = 0.0; i < steps; i += 1.0) {
+        let at = i * way;
+        let here = clamp(height + at * down / look.height, 0.0, long);
+        let hit = strand_here(in.base + side * at, normal, here, long);
+        if hit.found {
+            return hit;
+        }
+    }
+    return Seen(false, 0.0, 0.0, 0.0);
+}
+
+/// How much of the sun the skin gets: light wraps around it.
+fn facing(normal: vec3f) -> f32 {
+    return saturate((dot(normal, frame.sun.xyz) + look.wrap) / (1.0 + look.wrap));
+}
+
+/// The light of a strand: the twin of `Material::shade` in casca-fur.
+fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, along: f32, sun: f32) -> vec3f {
+    let lobes = kajiya_kay(tangent, frame.sun.xyz, to_eye, look.exponent);
+    let direct = facing(normal) * sun;
+    let matt = colour * (look.ambient + look.diffuse * (0.5 + 0.5 * lobes.x) * direct);
+    return (matt + look.specular * lobes.y * direct) * mix(look.dark, 1.0, along);
+}
+
+@fragment
+fn shell_colour(in: Shell) -> @location(0) vec4f {
+    let record = in.which.x;
+    let normal = normalize(in.normal);
+    let scale = records[record].eye.w;
+    let t = height_of(in.which);
+    let at = to_world(record, in.base + extrusion(look, normal, in.coat.w * t));
+    let out = turned(record, normal);
+    let fur = look.height * in.coat.w * scale;
+    // The fur's own height and two texels towards the outside: fur must not shade itself by the map.
+    let lifted = at + out * (fur * (1.0 - t) + 2.0 * frame.shadow.x) + frame.sun.xyz * 2.0 * frame.shadow.x;
+    if in.which.y == 0u {
+        // The skin below fur is as dark as the roots, bald skin is not.
+        let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
+        let colour = in.coat.rgb * records[record].root.rgb;
+        return stored(skin * colour * (look.ambient + look.diffuse * facing(out) * sunlight(lifted)), at);
+    }
+    let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
+    let hit = seen(in, normal, width);
+    if !hit.found {
+        discard;
+    }
+    let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
+    let colour = own * in.coat.rgb * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
+    let along = turned(record, strand_tangent(look, normal, hit.height));
+    let to_eye = normalize(frame.eye.xyz - at);
+    return stored(strand_light(colour, along, out, to_eye, hit.along, sunlight(lifted)), at);
+}
+
+@fragment
+fn shell_shadow(in: Shell) {
+    if in.which.y > 0u {
+        let scale = records[in.which.x].eye.w;
+        if !seen(in, normalize(in.normal), frame.shadow.x / scale).found {
+            discard;
+        }
+    }
+}

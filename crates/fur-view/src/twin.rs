@@ -1,0 +1,118 @@
+//! The shaders' rules against those of casca-fur, point by point.
+
+use casca_fur::shading::kajiya_kay;
+use casca_fur::strands::{Fur, hash};
+use casca_stage::gpu::Gpu;
+use casca_stage::wgpu::{self, BufferUsages};
+use glam::{Vec3, Vec4};
+
+use crate::look::Look;
+
+const STRANDS: &str = include_str!("strands.wgsl");
+const POINTS: &str = "
+@group(0) @binding(0) var<uniform> look: Look;
+@group(0) @binding(1) var<storage, read> points: array<array<vec4f, 2>>;
+@group(0) @binding(2) var<storage, read_write> found: array<array<vec4u, 2>>;
+
+@compute @workgroup_size(64)
+fn look_up(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&points) {
+        return;
+    }
+    let base = points[id.x][0];
+    let normal = points[id.x][1];
+    let strand = strand_at(look, base.xyz, normal.xyz, base.w, normal.w);
+    let word = hash(bitcast<vec4u>(base)).w;
+    found[id.x][0] = vec4u(u32(strand.found), strand.id, bitcast<u32>(strand.offset), bitcast<u32>(strand.along));
+    let lobes = kajiya_kay(normal.xyz, normalize(base.xyz), normalize(base.yzx), 24.0);
+    found[id.x][1] = vec4u(word, bitcast<vec2u>(lobes), bitcast<u32>(extrusion(look, normal.xyz, base.w).y));
+}
+";
+
+/// What the shader gives for each point: strand and hash, lobes, extrusion.
+fn look_up(gpu: &Gpu, look: &Look, points: &[[Vec4; 2]]) -> Vec<[[u32; 4]; 2]> {
+    let filled = |data: &[u8], usage| {
+        let buffer = gpu.buffer(data.len() as u64, usage).unwrap();
+        gpu.queue.write_buffer(&buffer, 0, data);
+        buffer
+    };
+    let flat: Vec<f32> = points.iter().flatten().flat_map(|v| v.to_array()).collect();
+    let uniform = filled(bytemuck::bytes_of(&look.record()), BufferUsages::UNIFORM);
+    let given = filled(bytemuck::cast_slice(&flat), BufferUsages::STORAGE);
+    let found = gpu.buffer(32 * points.len() as u64, BufferUsages::STORAGE).unwrap();
+    let device = &gpu.device;
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl([STRANDS, POINTS].concat().into()),
+        }),
+        entry_point: None,
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: given.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 2, resource: found.as_entire_binding() },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    bytemuck::pod_collect_to_vec(&gpu.read_buffer(&found).unwrap())
+}
+
+/// Relative errors of sums of a few products in single precision.
+const ROUNDING: f32 = 1e-5;
+
+#[test]
+fn shaders_find_the_strands_that_the_processor_finds() {
+    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    // Evenly spread over a ball, at all heights and lengths.
+    let number = |i: u32, k: u32| casca_fur::strands::unit(hash([i, k, 0, 0])[0]);
+    let points: Vec<[Vec4; 2]> = (0..20_000)
+        .map(|i| {
+            let way = Vec3::from_array([0, 1, 2].map(|k| number(i, k) - 0.5)).normalize_or(Vec3::Y);
+            [way.extend(number(i, 3) * number(i, 4)), way.extend(number(i, 4))]
+        })
+        .collect();
+    for (bend, density) in [(Vec3::ZERO, 0.15), (Vec3::new(0.4, -0.7, 0.1), 0.9)] {
+        let fur = Fur { bend, seed: 9, ..Fur::for_radius(1.0, 0.1, density).unwrap() };
+        let answers = look_up(&gpu, &Look::new(fur), &points);
+        let (mut strands, mut others) = (0, 0);
+        for ([base, normal], [strand, more]) in points.iter().zip(answers) {
+            let (at, up) = (base.truncate(), normal.truncate());
+            assert_eq!(more[0], hash(base.to_array().map(f32::to_bits))[3], "the hash is the same to the bit");
+            let lobes = kajiya_kay(up, at.normalize(), Vec3::new(at.y, at.z, at.x).normalize(), 24.0);
+            let extruded = (fur.extruded(at, up, base.w) - at).y;
+            for (word, want) in [(more[1], lobes.diffuse), (more[2], lobes.specular), (more[3], extruded)] {
+                // Powers multiply the error of their base.
+                assert!((f32::from_bits(word) - want).abs() < 100.0 * ROUNDING, "{at}: {word} {want}");
+            }
+            let want = fur.strand_at(at, up, base.w, normal.w);
+            strands += usize::from(want.is_some());
+            let same = match want {
+                None => strand[0] == 0,
+                Some(want) => {
+                    strand[0] == 1
+                        && strand[1] == want.id
+                        && (f32::from_bits(strand[2]) - want.offset).abs() < 100.0 * ROUNDING
+                        && (f32::from_bits(strand[3]) - want.along).abs() < ROUNDING
+                }
+            };
+            others += usize::from(!same);
+        }
+        println!("density {density}: {strands} points in strands, {others} of {} differ", points.len());
+        // Points on the border of a strand may fall to either side.
+        assert!(strands > 500 && others <= 4, "{strands} {others}");
+    }
+}
