@@ -1,0 +1,385 @@
+//! The strands of a mesh, one by one.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use super::fur::Fur;
+use crate::error::Error;
+use crate::mesh::Mesh;
+use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_STRANDS, ON_EDGE};
+
+/// A strand of fur on a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Root {
+    /// Where it stands, on the base mesh.
+    pub position: Vec3,
+    /// The unit normal there: the strand's direction at its root.
+    pub direction: Vec3,
+    /// How high it reaches, as a share of [`Fur::height`]: 0 to 1.
+    pub share: f32,
+    /// Its radius at the root, in units.
+    pub radius: f32,
+    /// Its random word, as [`super::Strand::id`].
+    pub id: u32,
+    /// The colour of the coat at its root.
+    pub color: Vec3,
+}
+
+impl Root {
+    /// Its length before it bends, in units.
+    pub fn length(&self, fur: &Fur) -> f32 {
+        fur.height * self.share
+    }
+
+    /// The middle of the strand at a place along it: 0 is the root, 1 the tip.
+    pub fn point(&self, fur: &Fur, along: f32) -> Vec3 {
+        fur.extruded(self.position, self.direction, self.share * along)
+    }
+}
+
+/// One point of a cell, and where its foot is on a triangle.
+struct Foot {
+    cell: IVec3,
+    k: u32,
+    position: DVec3,
+    root: Root,
+}
+
+/// All strands of a mesh, in the order of their cells. Normals are interpolated within triangles, as shaders do it; vertices without
+/// normals have no fur. Costs about the cells that the surface touches.
+///
+/// # Errors
+/// Refuses parameters out of range, and more than 16,777,216 strands.
+pub fn roots(mesh: &Mesh, fur: &Fur) -> Result<Vec<Root>, Error> {
+    let magnitude = mesh.vertices().iter().map(|v| v.position.abs().max_element()).fold(0.0, f32::max);
+    fur.check(magnitude.min(MAX_COORDINATE))?;
+    let estimate = mesh.area() * fur.strands_per_area();
+    if estimate > MAX_STRANDS as f64 {
+        return Err(Error::TooManyStrands { estimate, max: MAX_STRANDS });
+    }
+    let mut feet = Vec::new();
+    for triangle in 0..mesh.triangles().len() {
+        if let Some(patch) = Patch::new(mesh, fur, triangle) {
+            patch.visit(patch.lo, patch.hi, &mut feet);
+        }
+    }
+    // A point above an edge has a foot on both triangles.
+    feet.sort_by_key(|f| (f.cell.to_array(), f.k));
+    let near = 1e-3 * f64::from(fur.spacing);
+    let mut roots = Vec::with_capacity(feet.len());
+    for same in feet.chunk_by(|a, b| a.cell == b.cell && a.k == b.k) {
+        for (i, foot) in same.iter().enumerate() {
+            if same[..i].iter().all(|other| other.position.distance(foot.position) > near) {
+                roots.push(foot.root);
+            }
+        }
+    }
+    Ok(roots)
+}
+
+/// A triangle with its normals, in units of cells.
+struct Patch<'a> {
+    mesh: &'a Mesh,
+    fur: &'a Fur,
+    corners: [u32; 3],
+    origin: DVec3,
+    edges: [DVec3; 2],
+    /// The unit normal of the plane.
+    plane: DVec3,
+    normals: [DVec3; 3],
+    /// The cells that may hold roots, both included.
+    lo: IVec3,
+    hi: IVec3,
+}
+
+/// Boxes of at most so many cells along each edge are searched cell by cell.
+const SMALL: i32 = 3;
+
+/// How often a foot is improved. Each step gains the factor of the slab's thickness to the radius of curvature.
+const STEPS: usize = 12;
+
+impl<'a> Patch<'a> {
+    fn new(mesh: &'a Mesh, fur: &'a Fur, triangle: usize) -> Option<Self> {
+        let corners = mesh.triangles()[triangle];
+        let [a, b, c] =
+            corners.map(|v| mesh.vertices()[v as usize].position.as_dvec3() / f64::from(fur.spacing));
+        let plane = (b - a).cross(c - a).try_normalize()?;
+        let normals = corners.map(|v| mesh.vertices()[v as usize].normal.as_dvec3());
+        let slab = DVec3::splat(f64::from(HALF_SLAB));
+        Some(Self {
+            mesh,
+            fur,
+            corners,
+            origin: a,
+            edges: [b - a, c - a],
+            plane,
+            normals,
+            lo: (a.min(b).min(c) - slab).floor().as_ivec3(),
+            hi: (a.max(b).max(c) + slab).floor().as_ivec3(),
+        })
+    }
+
+    /// Finds the roots in a box of cells; parts of it away from the triangle's plane are skipped.
+    fn visit(&self, lo: IVec3, hi: IVec3, out: &mut Vec<Foot>) {
+        let size = hi - lo + 1;
+        let half = size.as_dvec3() * 0.5;
+        let middle = lo.as_dvec3() + half;
+        let reach = half.dot(self.plane.abs()) + f64::from(HALF_SLAB);
+        if (middle - self.origin).dot(self.plane).abs() > reach {
+            return;
+        }
+        if size.max_element() > SMALL {
+            let axis = usize::from(size.y > size.x.max(size.z))
+                + 2 * usize::from(size.z > size.x && size.z >= size.y);
+            let (mut left, mut right) = (hi, lo);
+            left[axis] = lo[axis] + size[axis] / 2 - 1;
+            right[axis] = left[axis] + 1;
+            self.visit(lo, left, out);
+            self.visit(right, hi, out);
+            return;
+        }
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                for x in lo.x..=hi.x {
+                    let cell = IVec3::new(x, y, z);
+                    out.extend((0..self.fur.per_cell).filter_map(|k| self.foot(cell, k)));
+                }
+            }
+        }
+    }
+
+    /// The point of the triangle whose interpolated normal leads to a point of a cell, if it is near enough.
+    fn foot(&self, cell: IVec3, k: u32) -> Option<Foot> {
+        let (inside, id) = self.fur.point(cell, k);
+        let point = cell.as_dvec3() + inside.as_dvec3();
+        if (point - self.origin).dot(self.plane).abs() >= f64::from(HALF_SLAB) {
+            return None;
+        }
+        let [mut u, mut v] = self.weights(point);
+        let (mut normal, mut above) = (DVec3::ZERO, 0.0);
+        for _ in 0..STEPS {
+            // Outside of the triangle the nearest normal is good enough to come back.
+            let (s, t) = (u.clamp(-0.5, 1.5), v.clamp(-0.5, 1.5));
+            let sum = self.normals[0] * (1.0 - s - t) + self.normals[1] * s + self.normals[2] * t;
+            normal = sum.try_normalize()?;
+            let slope = normal.dot(self.plane);
+            // Normals that hardly point out of the triangle belong to another surface.
+            if slope < 0.1 {
+                return None;
+            }
+            above = (point - self.origin).dot(self.plane) / slope;
+            let next = self.weights(point - normal * above);
+            let change = (next[0] - u).abs() + (next[1] - v).abs();
+            [u, v] = next;
+            if change < 1e-12 {
+                break;
+            }
+        }
+        let inside = u >= -ON_EDGE && v >= -ON_EDGE && u + v <= 1.0 + ON_EDGE;
+        if !(inside && above.abs() < f64::from(HALF_SLAB)) {
+            return None;
+        }
+        let weights = [1.0 - u - v, u, v];
+        let coats = self.corners.map(|v| self.mesh.coats()[v as usize]);
+        let length: f64 = (0..3).map(|i| weights[i] * f64::from(coats[i].length)).sum();
+        let color: Vec3 = (0..3).map(|i| coats[i].color * weights[i] as f32).sum();
+        let share = length.clamp(0.0, 1.0) as f32 * self.fur.share(id);
+        let spacing = f64::from(self.fur.spacing);
+        let position = (self.origin + self.edges[0] * u + self.edges[1] * v) * spacing;
+        let root = Root {
+            position: position.as_vec3(),
+            direction: normal.as_vec3(),
+            share,
+            radius: self.fur.radius_along(0.0),
+            id,
+            color,
+        };
+        (share > 0.0).then_some(Foot { cell, k, position, root })
+    }
+
+    /// The weights of the second and the third corner, for a point of the plane.
+    fn weights(&self, point: DVec3) -> [f64; 2] {
+        let way = point - self.origin;
+        let [e, f] = self.edges;
+        let (ee, ef, ff) = (e.dot(e), e.dot(f), f.dot(f));
+        let (we, wf) = (way.dot(e), way.dot(f));
+        let scale = 1.0 / (ee * ff - ef * ef);
+        [(ff * we - ef * wf) * scale, (ee * wf - ef * we) * scale]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Coat, NormalRule, Vertex, continuous_normals, weld};
+    use crate::samples::{Dice, ball, cube, dice, torus};
+
+    fn torus_mesh() -> Mesh {
+        let mut soup = torus(3.0, 1.0, 96, 32);
+        continuous_normals(&mut soup, NormalRule::default()).unwrap();
+        weld(&soup, &[]).unwrap()
+    }
+
+    /// A random point of the surface, evenly by area: position, unit normal, length of the coat.
+    struct Surface<'a>(&'a Mesh, Vec<f64>);
+
+    impl<'a> Surface<'a> {
+        fn new(mesh: &'a Mesh) -> Self {
+            let at = |v: u32| mesh.vertices()[v as usize].position.as_dvec3();
+            let mut sum = 0.0;
+            let area = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).length();
+            let sums = mesh.triangles().iter().map(|t| {
+                sum += area(t);
+                sum
+            });
+            Self(mesh, sums.collect())
+        }
+
+        fn point(&self, random: &mut Dice) -> (Vec3, Vec3, f32) {
+            let goal = random.next() * self.1.last().unwrap();
+            let triangle = self.1.partition_point(|&s| s < goal).min(self.1.len() - 1);
+            let (mut u, mut v) = (random.next() as f32, random.next() as f32);
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            let weights = [1.0 - u - v, u, v];
+            let corners = self.0.triangles()[triangle].map(|v| v as usize);
+            let (mut p, mut n, mut l) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+            for (v, w) in corners.into_iter().zip(weights) {
+                p += self.0.vertices()[v].position * w;
+                n += self.0.vertices()[v].normal * w;
+                l += self.0.coats()[v].length * w;
+            }
+            (p, n.normalize(), l)
+        }
+    }
+
+    /// Whether a point of a layer is in one of the strands, by its distance in space from their middles.
+    fn in_strand(roots: &[Root], fur: &Fur, at: Vec3, height: f32) -> bool {
+        roots.iter().any(|root| {
+            let along = height / root.share;
+            along <= 1.0 && root.point(fur, along).distance(at) < fur.radius_along(along)
+        })
+    }
+
+    #[test]
+    fn fragments_and_explicit_strands_agree() {
+        let bald = |v: &Vertex| Coat { length: (0.5 + v.position.x).clamp(0.0, 1.0), ..Coat::default() };
+        let meshes =
+            [("ball", ball(24)), ("torus", torus_mesh()), ("half bald", ball(24).with_coats(bald).unwrap())];
+        for (name, mesh) in meshes {
+            for (bend, density) in [(Vec3::ZERO, 0.2), (Vec3::new(0.3, -0.5, 0.0), 0.6)] {
+                let mut fur = Fur::for_radius(1.0, 0.05, density).unwrap();
+                fur.spacing = 0.08;
+                fur.bend = bend;
+                let roots = roots(&mesh, &fur).unwrap();
+                let surface = Surface::new(&mesh);
+                let mut random = dice(3);
+                for height in [0.02, 0.4, 0.8] {
+                    let (mut both, mut one, mut other) = (0, 0, 0);
+                    let samples = 1500;
+                    for _ in 0..samples {
+                        let (p, n, length) = surface.point(&mut random);
+                        let fragment = fur.strand_at(p, n, height, length).is_some();
+                        let explicit = in_strand(&roots, &fur, fur.extruded(p, n, height), height);
+                        both += u32::from(fragment && explicit);
+                        one += u32::from(fragment && !explicit);
+                        other += u32::from(!fragment && explicit);
+                    }
+                    let share = |n: u32| f64::from(n) / f64::from(samples);
+                    println!(
+                        "{name}, density {density}, height {height}: covered {:.3} of fragments, {:.3} by strands; {:.4} differ",
+                        share(both + one),
+                        share(both + other),
+                        share(one + other)
+                    );
+                    // Normals at a fragment and at the root differ by up to a strand's width.
+                    assert!(share(one + other) < 0.02, "{name} {height}");
+                    assert!(both > 20, "{name} {height}: {both}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn strands_are_equally_dense_on_any_surface() {
+        let mut soup = cube(2.0);
+        continuous_normals(&mut soup, NormalRule::SumDistinct).unwrap();
+        let faceted = weld(&cube(2.0), &[]).unwrap();
+        // Faces along cells, off them, and turned.
+        let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
+        let moved = |f: &dyn Fn(Vec3) -> Vec3, n: &dyn Fn(Vec3) -> Vec3| {
+            let vertices = faceted.vertices().iter();
+            let vertices =
+                vertices.map(|v| Vertex { position: f(v.position), normal: n(v.normal) }).collect();
+            Mesh::new(vertices, Vec::new(), faceted.triangles().to_vec()).unwrap()
+        };
+        let meshes = [
+            faceted.clone(),
+            moved(&|p| p + 0.013, &|n| n),
+            moved(&|p| turn * p, &|n| turn * n),
+            ball(24),
+            torus_mesh(),
+        ];
+        for (i, mesh) in meshes.iter().enumerate() {
+            for per_cell in [1, 3] {
+                let mut fur = Fur::for_radius(1.0, 0.05, 0.1).unwrap();
+                (fur.spacing, fur.per_cell) = (0.05, per_cell);
+                let found = roots(mesh, &fur).unwrap().len() as f64;
+                let expected = mesh.area() * fur.strands_per_area();
+                println!("mesh {i}: {found} strands, {expected:.0} expected");
+                assert!((found / expected - 1.0).abs() < 0.04, "mesh {i}: {found} of {expected}");
+                // Each strand once.
+                let mut ids: Vec<_> = roots(mesh, &fur)
+                    .unwrap()
+                    .iter()
+                    .map(|r| (r.id, r.position.to_array().map(f32::to_bits)))
+                    .collect();
+                ids.sort_unstable();
+                ids.dedup();
+                assert_eq!(ids.len() as f64, found);
+            }
+        }
+    }
+
+    #[test]
+    fn roots_lie_on_the_surface_and_stand_on_it() {
+        let mesh = ball(24);
+        let fur = Fur::for_radius(1.0, 0.1, 0.2).unwrap();
+        for root in roots(&mesh, &fur).unwrap() {
+            assert!((root.position.length() - 1.0).abs() < 3e-3);
+            assert!(root.direction.dot(root.position.normalize()) > 0.999);
+            assert!(root.share >= 1.0 - fur.variation && root.share <= 1.0);
+            assert!((root.point(&fur, 1.0).distance(root.position) - root.length(&fur)).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn too_many_strands_and_bad_parameters_are_refused() {
+        let mesh = ball(4);
+        let fur = Fur::for_radius(1.0, 0.1, 0.2).unwrap();
+        let dense = Fur { spacing: 1e-5, ..fur };
+        assert!(matches!(roots(&mesh, &dense), Err(Error::TooManyStrands { .. })));
+        let wrong = [
+            Fur { spacing: 0.0, ..fur },
+            Fur { spacing: f32::NAN, ..fur },
+            Fur { height: -1.0, ..fur },
+            Fur { bend: Vec3::splat(f32::INFINITY), ..fur },
+            Fur { radius: 0.5, ..fur },
+            Fur { per_cell: 0, ..fur },
+            Fur { taper: 1.1, ..fur },
+            Fur { variation: -0.1, ..fur },
+        ];
+        for fur in wrong {
+            assert!(matches!(roots(&mesh, &fur), Err(Error::Range { .. })), "{fur:?}");
+            // Fragments have no errors, but no panic either.
+            for x in [0.0, f32::NAN, f32::INFINITY, f32::MAX] {
+                let _ = fur.strand_at(Vec3::splat(x), Vec3::Y, x, x);
+            }
+        }
+        for (radius, height, density) in
+            [(0.0, 0.1, 0.1), (1.0, f32::NAN, 0.1), (1.0, 0.1, 2.0), (1.0, 0.1, 0.0)]
+        {
+            assert!(Fur::for_radius(radius, height, density).is_err());
+        }
+    }
+}
