@@ -5,11 +5,12 @@
 //! - [`look`]: the strands, how fragments find them, and how light falls on them.
 //! - [`records`]: places of objects, and lists of what to draw.
 //! - [`reference`]: the same strands as tubes, hit by rays.
+//! - [`culling`]: a field of animals as casca sees it, and what is drawn of it in four ways.
 //! - [`fit`]: lines through measured times.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-
+pub mod culling;
 pub mod error;
 pub mod fit;
 pub mod look;

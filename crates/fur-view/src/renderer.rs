@@ -65,6 +65,7 @@ impl Buffers {
 
 /// Pipelines and buffers for some meshes and one format of pictures.
 pub struct Renderer {
+    format: TextureFormat,
     shells: wgpu::RenderPipeline,
     blocks: wgpu::RenderPipeline,
     shell_shadows: wgpu::RenderPipeline,
@@ -118,6 +119,7 @@ impl Renderer {
         let map = cube_map(gpu, &faces);
         let look_group = look_group(device, &layouts[1], &look_buffer, &records.buffer, &map);
         let mut renderer = Self {
+            format,
             shells: pipelines.shells(Some(("shell_colour", format))),
             blocks: pipelines.blocks(Some(("block_colour", format))),
             shell_shadows: pipelines.shells(None),
@@ -138,6 +140,11 @@ impl Renderer {
         };
         renderer.set_look(gpu, look)?;
         Ok(renderer)
+    }
+
+    /// The format of its pictures.
+    pub fn format(&self) -> TextureFormat {
+        self.format
     }
 
     /// Changes the look of all meshes.

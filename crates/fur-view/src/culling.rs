@@ -1,0 +1,209 @@
+//! A field of animals as casca sees it, and what is drawn of it: everything, the frustum, what can be seen, and that with layers by
+//! visibility.
+
+use casca::soft::SoftGrid;
+use casca::{Aabb, DrawItem, DrawOptions, Error, Method, Query, View};
+use casca_fur::animals::LEVELS;
+use casca_fur::field::{Field, Kind};
+use casca_fur::mesh::Mesh;
+use casca_fur::visibility::{Furry, PlanOptions, plan};
+use casca_lab::world::Camera;
+use glam::Vec3;
+
+use crate::error::FurViewError;
+use crate::numeric::FRACTION_RAYS;
+use crate::records::{Block, DrawList, Stand};
+
+/// How it is decided what is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// Everything.
+    All,
+    /// What may be in the frustum.
+    Frustum,
+    /// What casca finds visible.
+    Visible,
+    /// The same, with level of detail and layers by projected size and by the share that is seen, within a budget.
+    Layered,
+}
+
+impl Way {
+    /// All ways, in the order in which they draw less.
+    pub const EVERY: [Self; 4] = [Self::All, Self::Frustum, Self::Visible, Self::Layered];
+
+    /// Its name on command lines.
+    pub fn name(self) -> &'static str {
+        ["all", "frustum", "visible", "layered"][self as usize]
+    }
+}
+
+/// What is drawn of a field.
+pub struct Herd {
+    /// The field.
+    pub field: Field,
+    soft: SoftGrid,
+    query: Query,
+    items: Vec<DrawItem>,
+    tints: Vec<[[f32; 3]; 2]>,
+}
+
+/// What a frame needs besides the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// The way.
+    pub way: Way,
+    /// Layers above the skin: of all animals, or the most by [`Way::Layered`].
+    pub layers: u32,
+    /// For [`Way::Layered`]: the weight that may be drawn, as a share of the weight of what it would draw without a budget; 1 or more for
+    /// no budget.
+    pub budget: f64,
+    /// The height of the picture in pixels.
+    pub height: u32,
+}
+
+/// A list of what to draw, and how much it is.
+#[derive(Debug, Clone, Default)]
+pub struct Drawn {
+    /// The list.
+    pub list: DrawList,
+    /// How many animals it holds.
+    pub animals: usize,
+    /// Vertices of all skins and layers.
+    pub vertices: u64,
+}
+
+impl Herd {
+    /// The animals of a field, which stands still or [walks](Field::walk).
+    ///
+    /// # Errors
+    /// The field's grid is refused.
+    pub fn new(field: Field) -> Result<Self, Error> {
+        let grid = field.scene.grid();
+        let spec = casca::GridSpec { min: grid.min().as_vec3(), cell: grid.cell_size() as f32, dims: grid.dims().as_uvec3() };
+        let mut soft = SoftGrid::new(&spec)?;
+        soft.follow(&field.scene)?;
+        // Each animal a little lighter or darker, and warmer or colder.
+        let tint = |i: usize| {
+            let word = casca_fur::strands::hash([i as u32, 17, 4, 1]);
+            let [a, b] = [word[0], word[1]].map(|w| casca_fur::strands::unit(w));
+            let light = 0.75 + 0.5 * a;
+            [[light * 0.8 * (0.9 + 0.2 * b), light * 0.8, light * 0.8], [light * (0.9 + 0.2 * b), light, light]]
+        };
+        let tints = (0..field.animals().len()).map(tint).collect();
+        Ok(Self { field, soft, query: Query::new(), items: Vec::new(), tints })
+    }
+
+    /// The meshes of all species and levels of detail, as [`Stand::mesh`] numbers them.
+    pub fn meshes(&self) -> Vec<Mesh> {
+        self.field.species().iter().flat_map(|(animal, _)| animal.levels().iter().cloned()).collect()
+    }
+
+    /// Moves the animals to where they are at a time in seconds.
+    ///
+    /// # Errors
+    /// As [`Field::walk`].
+    pub fn walk(&mut self, time: f64) -> Result<(), FurViewError> {
+        self.field.walk(time)?;
+        self.soft.follow(&self.field.scene)?;
+        Ok(())
+    }
+
+    /// What a camera draws, near to far.
+    ///
+    /// # Errors
+    /// The camera is refused: a matrix that is not finite, for example.
+    pub fn look(&mut self, camera: &Camera, demand: &Demand) -> Result<Drawn, FurViewError> {
+        let view = match demand.way {
+            // Everything is in sight of an eye that looks everywhere.
+            Way::All => View::omnidirectional(camera.eye)?,
+            _ => View::perspective(camera.eye, camera.view_projection())?,
+        };
+        let culled = matches!(demand.way, Way::Visible | Way::Layered);
+        self.query.set_method(if culled { Method::point() } else { Method::Frustum })?;
+        let pvs = self.query.run(&self.field.scene, &view);
+        pvs.draw_list(&self.field.scene, &DrawOptions::default(), &mut self.items)?;
+        let mut blocks = Vec::new();
+        let mut seen = Vec::new();
+        for &item in &self.items {
+            match self.field.kind(item.id) {
+                Some(Kind::Animal(animal)) => seen.push((animal, item)),
+                Some(Kind::Wall(wall)) => blocks.extend(self.field.walls().get(wall).map(|b| block(b, 1))),
+                Some(Kind::Ground) => blocks.push(block(&self.field.ground(), 0)),
+                None => {}
+            }
+        }
+        let chosen: Vec<(usize, usize, u32)> = match demand.way {
+            Way::Layered => {
+                let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
+                self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
+                self.planned(&items, camera, demand)?
+            }
+            _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
+        };
+        let stand = |&(animal, level, layers): &(usize, usize, u32)| {
+            let resident = &self.field.animals()[animal];
+            let [root, tip] = self.tints[animal];
+            let mesh = resident.species * LEVELS + level;
+            (Stand { mesh, place: resident.placement, root, tip }, layers)
+        };
+        let vertices = chosen.iter().map(|&(animal, level, layers)| {
+            let species = &self.field.species()[self.field.animals()[animal].species].0;
+            species.levels()[level].vertices().len() as u64 * u64::from(layers + 1)
+        });
+        let vertices = vertices.sum();
+        let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
+        Ok(Drawn { list: DrawList::new(&stands, camera.eye, blocks), animals: stands.len(), vertices })
+    }
+
+    /// Animals with their level of detail and layers, within the budget.
+    fn planned(
+        &self,
+        items: &[DrawItem],
+        camera: &Camera,
+        demand: &Demand,
+    ) -> Result<Vec<(usize, usize, u32)>, FurViewError> {
+        let vertices: Vec<Vec<u32>> = self
+            .field
+            .species()
+            .iter()
+            .map(|(animal, _)| animal.levels().iter().map(|m| m.vertices().len() as u32).collect())
+            .collect();
+        let number = |id| match self.field.kind(id) {
+            Some(Kind::Animal(animal)) => Some(animal),
+            _ => None,
+        };
+        let furry = |id| match number(id) {
+            Some(animal) => Furry {
+                vertices: &vertices[self.field.animals()[animal].species],
+                height: self.field.fur_height(animal),
+            },
+            None => Furry { vertices: &[], height: 0.0 },
+        };
+        let focal = camera.projection.y_axis.y * demand.height as f32 * 0.5;
+        let aspect = camera.projection.y_axis.y / camera.projection.x_axis.x;
+        let options = PlanOptions {
+            focal,
+            screen: demand.height as f32 * demand.height as f32 * aspect,
+            most_layers: demand.layers,
+            ..PlanOptions::default()
+        };
+        let mut made = plan(items, furry, &options)?;
+        if demand.budget < 1.0 {
+            made = plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
+        }
+        let entries = made.entries.iter();
+        Ok(entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers))).collect())
+    }
+}
+
+/// A box to draw.
+pub fn block(aabb: &Aabb, paint: u32) -> Block {
+    Block { min: aabb.min.to_array(), paint, max: aabb.max.to_array(), pad: 0 }
+}
+
+/// A camera in a field at a share of its path, for pictures so many times as wide as high.
+pub fn camera_at(field: &Field, share: f32, aspect: f32) -> Camera {
+    let (eye, forward) = field.eye(share);
+    let size = field.ground().max - field.ground().min;
+    Camera::look_at(eye, eye + forward, 60.0, aspect, 0.05, size.length().max(1.0) + Vec3::ONE.length())
+}

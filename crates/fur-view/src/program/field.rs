@@ -1,0 +1,148 @@
+//! A field of animals among walls: pictures, their comparison, and times by the way of culling.
+
+use std::error::Error;
+
+use casca_fur::animals::Animal;
+use casca_fur::field::{Field, Hiding};
+use casca_fur_view::culling::{Demand, Herd, Way, camera_at};
+use casca_fur_view::records::Sun;
+use casca_fur_view::renderer::Renderer;
+use casca_lab::command_line::{Outcome, say};
+use casca_lab::world::Camera;
+use casca_stage::canvas::write_png;
+use casca_stage::gpu::{COLOUR, Gpu};
+
+use crate::choices::{Choices, Subject};
+use crate::one::{self, TO_SUN};
+use crate::shots::{Picture, Shooter};
+
+/// Kinds of animals in a field.
+const SPECIES: usize = 4;
+/// Layers that cast shadows.
+const SHADOW_LAYERS: u32 = 3;
+/// The part of the path that pictures and times are taken from: at its very start one stands outside of the field.
+const PATH: (f32, f32) = (0.12, 0.8);
+/// Places along the path at which fields are timed, and frames at each.
+const PLACES: usize = 5;
+const RUNS: usize = 3;
+
+/// A field and its renderer.
+pub struct Stage {
+    pub herd: Herd,
+    pub renderer: Renderer,
+}
+
+impl Stage {
+    /// A field of animals with the fur that is chosen.
+    pub fn new(gpu: &Gpu, format: casca_stage::wgpu::TextureFormat, choices: &Choices, count: u32) -> Result<Self, Box<dyn Error>> {
+        // One fur for all species: animals are about a unit long.
+        let radius = Animal::new(choices.seed, 24)?.radius();
+        let look = choices.look(radius)?;
+        let field = Field::new(count as usize, SPECIES, choices.seed, Hiding::Balls, |_| Ok(look.fur))?;
+        let herd = Herd::new(field)?;
+        let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
+        renderer.haze = 0.012;
+        Ok(Self { herd, renderer })
+    }
+
+    /// Draws the shadow map around what a camera sees; all animals cast shadows, whichever are drawn.
+    pub fn cast_shadows(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Sun, Box<dyn Error>> {
+        let forward = -camera.view.row(2).truncate();
+        let sun = Sun { towards: TO_SUN, center: camera.eye + forward * 9.0, radius: 14.0, shadows: true };
+        let demand = Demand { way: Way::All, layers: SHADOW_LAYERS, budget: 1.0, height: 1 };
+        let all = self.herd.look(camera, &demand)?;
+        self.renderer.cast_shadows(gpu, &all.list, &sun)?;
+        Ok(sun)
+    }
+}
+
+fn demand(choices: &Choices, way: Way, height: u32) -> Demand {
+    Demand { way, layers: choices.layers, budget: f64::from(choices.budget), height }
+}
+
+/// Place `i` of `n` on the path.
+fn place(i: usize, n: usize) -> f32 {
+    PATH.0 + (PATH.1 - PATH.0) * (i as f32 + 0.5) / n as f32
+}
+
+/// Draws pictures along the path, and compares those of everything with those of what the frustum and casca leave: they must be the same.
+pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box<dyn Error>> {
+    let shooter = Shooter::new(gpu, choices.size, choices.smooth);
+    let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
+    let frames = choices.frames.unwrap_or(2) as usize;
+    let mut outcome = Outcome::Well;
+    for i in 0..frames {
+        let camera = camera_at(&stage.herd.field, place(i, frames), shooter.aspect());
+        let sun = stage.cast_shadows(gpu, &camera)?;
+        let mut everything: Option<Picture> = None;
+        for way in Way::EVERY {
+            let drawn = stage.herd.look(&camera, &demand(choices, way, shooter.drawn_height()))?;
+            let picture = shooter.shoot(&mut stage.renderer, &camera, &drawn.list, &sun)?;
+            let head = format!("frame {i}, {:<8} {:>6} animals, {:>7} shells", way.name(), drawn.animals, drawn.list.shells());
+            let Some(want) = &everything else {
+                say(head);
+                everything = Some(picture);
+                continue;
+            };
+            let same = |(a, b): &(&[u8], &[u8])| a == b;
+            let pixels = || want.pixels.chunks(4).zip(picture.pixels.chunks(4));
+            let differing = pixels().count() - pixels().filter(same).count();
+            if way == Way::Layered {
+                let sum: f64 = want.pixels.iter().zip(&picture.pixels).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+                // A quarter of the bytes is opacity, which never differs.
+                let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
+                say(format_args!("{head}, RMSE {rmse:.4} from the picture of everything"));
+                write_png(&choices.out.join(format!("field-{i}-layered.png")), picture.size, &picture.pixels)?;
+            } else {
+                say(format_args!("{head}, {differing} pixels differ from the picture of everything"));
+                if differing > 0 {
+                    write_png(&choices.out.join(format!("field-{i}-{}-differs.png", way.name())), picture.size, &picture.pixels)?;
+                    outcome = Outcome::Lost;
+                }
+            }
+        }
+        if let Some(picture) = everything {
+            let path = choices.out.join(format!("field-{i}.png"));
+            write_png(&path, picture.size, &picture.pixels)?;
+            say(path.display());
+        }
+    }
+    Ok(outcome)
+}
+
+/// Prints the time of frames by layers, and by the way of culling.
+pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    one::time(gpu, choices, subject)?;
+    let shooter = Shooter::new(gpu, choices.size, 0);
+    say(format_args!(
+        "\nfields, {}x{}, {} layers; medians of {RUNS} frames, means over {PLACES} places; the shadow map is drawn before\n\
+         {:>7} {:<9}{:>9}{:>12}{:>10}{:>8}",
+        choices.size.0, choices.size.1, choices.layers, "animals", "way", "drawn", "vertices", "ms", "ratio"
+    ));
+    for &count in &choices.animals {
+        let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
+        let mut totals = [[0.0f64; 3]; 4];
+        for i in 0..PLACES {
+            let camera = camera_at(&stage.herd.field, place(i, PLACES), shooter.aspect());
+            let sun = stage.cast_shadows(gpu, &camera)?;
+            for (way, total) in Way::EVERY.into_iter().zip(&mut totals) {
+                let demand = demand(choices, way, shooter.drawn_height());
+                let mut last = (0, 0);
+                let ms = shooter.time(RUNS, &mut |canvas| {
+                    let drawn = stage.herd.look(&camera, &demand)?;
+                    last = (drawn.animals, drawn.vertices);
+                    stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;
+                    Ok(())
+                })?;
+                for (sum, value) in total.iter_mut().zip([ms, last.0 as f64, last.1 as f64]) {
+                    *sum += value / PLACES as f64;
+                }
+            }
+        }
+        for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
+            let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);
+            say(format_args!("{count:>7} {:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}", way.name()));
+        }
+    }
+    Ok(())
+}

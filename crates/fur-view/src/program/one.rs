@@ -1,0 +1,87 @@
+//! One furry object: its picture, and its time by layers.
+
+use std::error::Error;
+
+use casca_fur_view::fit::fit;
+use casca_fur_view::records::{DrawList, Stand, Sun};
+use casca_fur_view::renderer::Renderer;
+use casca_fur_view::records::Block;
+use casca_lab::command_line::say;
+use casca_lab::world::Camera;
+use casca_stage::canvas::write_png;
+use casca_stage::gpu::{COLOUR, Gpu};
+use glam::{Affine3A, Vec3};
+
+use crate::choices::{Choices, Subject};
+use crate::shots::Shooter;
+
+/// Numbers of layers whose times are fitted by a line.
+const TIMED: [u32; 6] = [4, 8, 16, 24, 32, 48];
+/// Frames of which times are the median.
+const RUNS: usize = 5;
+
+/// The direction towards the sun.
+pub const TO_SUN: Vec3 = Vec3::new(0.45, 0.75, 0.5);
+
+/// The sun over an object of a radius.
+pub fn sun(radius: f32, shadows: bool) -> Sun {
+    Sun { towards: TO_SUN, center: Vec3::ZERO, radius: 1.6 * radius, shadows }
+}
+
+/// Looks at an object from before, from its side and from above.
+pub fn camera(radius: f32, aspect: f32) -> Camera {
+    let eye = Vec3::new(1.25, 0.42, 1.5) * radius * 1.18;
+    Camera::look_at(eye, Vec3::new(0.03, -0.03, 0.0) * radius, 50.0, aspect, 0.05 * radius, 40.0 * radius)
+}
+
+/// The object where it is modelled, over a ground if it stands on one.
+pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
+    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.75, 0.72, 0.7], tip: [1.25, 1.22, 1.2] };
+    let (low, r) = (subject.levels[0].aabb().min.y, subject.radius);
+    let block = Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
+    DrawList::new(&[(stand, layers)], eye, if ground { vec![block] } else { Vec::new() })
+}
+
+/// Draws the object into a file.
+pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    let shooter = Shooter::new(gpu, choices.size, choices.smooth);
+    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    renderer.haze = 0.03 / subject.radius;
+    let camera = camera(subject.radius, shooter.aspect());
+    let list = list(subject, choices.layers, camera.eye, true);
+    let sun = sun(subject.radius, true);
+    renderer.cast_shadows(gpu, &list, &sun)?;
+    let picture = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
+    let path = choices.out.join(format!("{}.png", subject.name));
+    write_png(&path, picture.size, &picture.pixels)?;
+    let mesh = &subject.levels[0];
+    say(format_args!(
+        "{}: {} triangles, {} vertices, {} layers",
+        path.display(),
+        mesh.triangles().len(),
+        mesh.vertices().len(),
+        choices.layers
+    ));
+    Ok(())
+}
+
+/// Prints the time of a frame by layers, and the line through it.
+pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    let shooter = Shooter::new(gpu, choices.size, 0);
+    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    let camera = camera(subject.radius, shooter.aspect());
+    let sun = sun(subject.radius, false);
+    let mut points = Vec::new();
+    let (w, h) = choices.size;
+    say(format_args!("{}, {w}x{h}, medians of {RUNS} frames\nlayers    ms", subject.name));
+    for layers in TIMED {
+        let list = list(subject, layers, camera.eye, true);
+        let ms = shooter.time(RUNS, &mut |canvas| Ok(renderer.draw(gpu, &canvas.picture(), &camera, &list, &sun)?))?;
+        say(format_args!("{layers:>6} {ms:>7.2}"));
+        points.push((f64::from(layers), ms));
+    }
+    if let Some(line) = fit(&points) {
+        say(format_args!("ms = {:.2} + {:.3} layers, r^2 = {:.4}", line.base, line.slope, line.r2));
+    }
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! Pictures and times without a window.
+
+use std::time::Instant;
+
+use casca_fur_view::error::FurViewError;
+use casca_fur_view::fit::median;
+use casca_fur_view::records::{DrawList, Sun};
+use casca_fur_view::renderer::Renderer;
+use casca_lab::world::Camera;
+use casca_stage::canvas::{Canvas, halved};
+use casca_stage::gpu::Gpu;
+
+/// A picture and its size.
+pub struct Picture {
+    pub size: (u32, u32),
+    /// Red, green, blue, opacity, row by row.
+    pub pixels: Vec<u8>,
+}
+
+/// Draws pictures of one size, larger by a power of two and halved as often.
+pub struct Shooter<'a> {
+    gpu: &'a Gpu,
+    canvas: Canvas,
+    smooth: u32,
+}
+
+impl<'a> Shooter<'a> {
+    pub fn new(gpu: &'a Gpu, (width, height): (u32, u32), smooth: u32) -> Self {
+        // What the device cannot draw larger is drawn as it is.
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        let smooth = (0..=smooth).rev().find(|s| (width.max(height) << s) <= most).unwrap_or(0);
+        Self { gpu, canvas: Canvas::new(gpu, (width << smooth, height << smooth)), smooth }
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f32 {
+        self.canvas.aspect()
+    }
+
+    /// The height that is drawn, in pixels.
+    pub fn drawn_height(&self) -> u32 {
+        self.canvas.size().1
+    }
+
+    /// Draws a list, with the shadows that the renderer has.
+    pub fn shoot(
+        &self,
+        renderer: &mut Renderer,
+        camera: &Camera,
+        list: &DrawList,
+        sun: &Sun,
+    ) -> Result<Picture, FurViewError> {
+        renderer.draw(self.gpu, &self.canvas.picture(), camera, list, sun)?;
+        let (mut size, mut pixels) = (self.canvas.size(), self.canvas.read_picture(self.gpu)?);
+        for _ in 0..self.smooth {
+            pixels = halved(&pixels, size);
+            size = (size.0 / 2, size.1 / 2);
+        }
+        Ok(Picture { size, pixels })
+    }
+
+    /// The median of the milliseconds that `frame` takes until the device is done; the first run only warms up.
+    pub fn time(
+        &self,
+        runs: usize,
+        frame: &mut dyn FnMut(&Canvas) -> Result<(), FurViewError>,
+    ) -> Result<f64, FurViewError> {
+        let mut times = Vec::with_capacity(runs);
+        for run in 0..=runs {
+            self.gpu.wait()?;
+            let start = Instant::now();
+            frame(&self.canvas)?;
+            self.gpu.wait()?;
+            if run > 0 {
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+        Ok(median(&times))
+    }
+}

@@ -1,0 +1,146 @@
+//! Shells beside ray-traced strands: the error by layers, height and density.
+
+use std::error::Error;
+
+use casca_fur::strands::Fur;
+use casca_fur_view::look::Look;
+use casca_fur_view::reference::{Reference, Tint};
+use casca_fur_view::renderer::Renderer;
+use casca_lab::command_line::{PathError, say};
+use casca_lab::pictures::palette::OTHERS;
+use casca_lab::pictures::{Axis, Line, lines};
+use casca_lab::world::Camera;
+use casca_stage::canvas::write_png;
+use casca_stage::gpu::{COLOUR, Gpu};
+use glam::Vec3;
+
+use crate::choices::{Choices, Subject};
+use crate::one::{self, TO_SUN};
+use crate::shots::{Picture, Shooter};
+
+const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
+/// Heights as shares of the radius: the two of the thesis, and a taller one.
+const HEIGHTS: [f32; 3] = [0.02, 0.05, 0.1];
+const DENSITIES: [f32; 2] = [0.1, 0.3];
+/// Both pictures sample each pixel at the same 2x2 places.
+const SMOOTH: u32 = 1;
+const SIZE: (u32, u32) = (240, 180);
+
+/// One picture of shells: its parameters and its error.
+struct Row {
+    height: f32,
+    density: f32,
+    layers: u32,
+    marched: bool,
+    rmse: f64,
+}
+
+/// Looks at the shoulder and the head from so near that strands are some pixels wide.
+fn close(radius: f32) -> Camera {
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let (eye, at) = (Vec3::new(0.75, 0.55, 1.0) * radius, Vec3::new(0.35, 0.2, 0.15) * radius);
+    Camera::look_at(eye, at, 38.0, aspect, 0.01 * radius, 20.0 * radius)
+}
+
+/// The error of a picture over the pixels in which either picture shows the object, 0 to 1.
+fn rmse(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+    let pixels = || want.chunks(4).zip(got.chunks(4)).filter(|(a, b)| *a != sky || *b != sky);
+    let square = |(a, b): (&[u8], &[u8])| {
+        (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>() / 3.0
+    };
+    (pixels().map(square).sum::<f64>() / pixels().count().max(1) as f64).sqrt() / 255.0
+}
+
+/// Compares all cases, writes them, and prints what follows.
+pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    let mesh = &subject.levels[0];
+    let shooter = Shooter::new(gpu, SIZE, SMOOTH);
+    let camera = close(subject.radius);
+    let sun = one::sun(subject.radius, false);
+    let mut rows: Vec<Row> = Vec::new();
+    for density in DENSITIES {
+        for height in HEIGHTS {
+            let mut look = Look::new(Fur::for_radius(subject.radius, height, density)?);
+            look.fur.bend = choices.fur(subject.radius)?.bend;
+            let reference = Reference::new(mesh, &look)?;
+            let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
+            let tint: Tint = [Vec3::new(0.75, 0.72, 0.7), Vec3::new(1.25, 1.22, 1.2)];
+            let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
+            let name = format!("study-{}-{}", height * 100.0, density * 100.0);
+            save(choices, &format!("{name}-strands"), &truth)?;
+            say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
+        
+            for marched in [true, false] {
+                look.marched = marched;
+                renderer.set_look(gpu, &look)?;
+                for layers in LAYERS {
+                    let list = one::list(subject, layers, camera.eye, false);
+                    let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
+                    // The corner of the picture is sky.
+                    let rmse = rmse(&truth, &pixels, &truth[..4]);
+                    let way = if marched { "followed" } else { "plain" };
+                    say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
+                    save(choices, &format!("{name}-{way}-{layers}"), &pixels)?;
+                    rows.push(Row { height, density, layers, marched, rmse });
+                }
+            }
+        }
+    }
+    write(choices, &rows)?;
+    conclude(&rows);
+    Ok(())
+}
+
+fn save(choices: &Choices, name: &str, pixels: &[u8]) -> Result<(), Box<dyn Error>> {
+    Ok(write_png(&choices.out.join(format!("{name}.png")), SIZE, pixels)?)
+}
+
+fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let mut csv = String::from("height,density,layers,rays followed,RMSE\n");
+    for r in rows {
+        csv += &format!("{},{},{},{},{:.5}\n", r.height, r.density, r.layers, r.marched, r.rmse);
+    }
+    let path = choices.out.join("study.csv");
+    std::fs::write(&path, csv).map_err(PathError::write(&path))?;
+    let mut curves = Vec::new();
+    for marched in [true, false] {
+        for (height, style) in HEIGHTS.into_iter().zip(OTHERS) {
+            let of = |r: &&Row| r.height == height && r.marched == marched && r.density == DENSITIES[1];
+            let points = rows.iter().filter(of).map(|r| (f64::from(r.layers), r.rmse)).collect();
+            let way = if marched { "rays followed" } else { "plain shells" };
+            let label = format!("{}% high, {way}", height * 100.0);
+            curves.push(Line::new(label, if marched { style } else { style.dashed() }, points));
+        }
+    }
+    let title = "Shells come nearer to strands with more layers, and tall fur needs more of them";
+    let subtitle = format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[1], SIZE.0, SIZE.1);
+    let axes = (&Axis::log("layers"), &Axis::linear("RMSE of pixel values, 0 to 1"));
+    let path = choices.out.join("study.svg");
+    lines(&path, title, &subtitle, axes, &curves)?;
+    say(path.display());
+    Ok(())
+}
+
+/// Prints the trends that the thesis saw by eye.
+fn conclude(rows: &[Row]) {
+    let error = |height: f32, density: f32, layers: u32, marched: bool| {
+        let same = |r: &&Row| (r.height, r.density, r.layers, r.marched) == (height, density, layers, marched);
+        rows.iter().find(same).map_or(f64::NAN, |r| r.rmse)
+    };
+    for marched in [false, true] {
+        say(if marched { "rays followed:" } else { "plain shells:" });
+        for density in DENSITIES {
+            for height in HEIGHTS {
+                let last = error(height, density, LAYERS[LAYERS.len() - 1], marched);
+                let enough = LAYERS.into_iter().find(|&n| error(height, density, n, marched) < 1.15 * last);
+                say(format_args!(
+                    "  height {height:<4} density {density}: error {:.4} at {} layers, {last:.4} at {}; within 15% of that from {} layers",
+                    error(height, density, LAYERS[0], marched),
+                    LAYERS[0],
+                    LAYERS[LAYERS.len() - 1],
+                    enough.unwrap_or(0)
+                ));
+            }
+        }
+    }
+}
