@@ -85,7 +85,7 @@ impl Body {
                 ..part(
                     nose + Vec3::X * head * 0.27,
                     nose + Vec3::new(head * 0.3, 0.015, 0.0),
-                    [head * 0.17; 2],
+                    [head * 0.22; 2],
                 )
             },
         ];
@@ -105,7 +105,7 @@ impl Body {
                 ..part(root, root + Vec3::new(-0.03, ear, 0.0) + z * 0.05, [0.055, 0.03])
             });
             let eye = skull + Vec3::new(head * 0.82, head * 0.32, 0.0) + z * head * 0.5;
-            parts.push(Part { length: 0.0, tint: Tint::Eye, ..part(eye, eye, [head * 0.2; 2]) });
+            parts.push(Part { length: 0.0, tint: Tint::Eye, ..part(eye, eye, [head * 0.24; 2]) });
             for x in [-long, long] {
                 let hip = Vec3::new(x, back - fat * 0.25, 0.0) + z * fat * 0.62;
                 let foot = Vec3::new(x + 0.01, 0.06, 0.0) + z * fat * 0.72;

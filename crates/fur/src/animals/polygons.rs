@@ -87,7 +87,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The triangles of a tetrahedron whose corners 1, 2, 3 run counter-clockwise seen from corner 0's opposite side.
+    /// The triangles of a tetrahedron whose corners 1, 2 and 3 run counter-clockwise seen from outside.
     fn tetrahedron(&mut self, c: [usize; 4]) {
         let inside = |i: usize| self.values[c[i]] < 0.0;
         let count = (0..4).filter(|&i| inside(i)).count();
@@ -114,7 +114,7 @@ impl Builder<'_> {
                 self.triangles.extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
             }
             _ => {
-                let t = [self.vertex(e, a), self.vertex(e, d), self.vertex(e, b)];
+                let t = [self.vertex(e, a), self.vertex(e, b), self.vertex(e, d)];
                 self.triangles.push(t);
             }
         }

@@ -22,10 +22,12 @@
 mod center;
 mod normals;
 mod order;
+mod prepare;
 mod types;
 mod weld;
 
 pub use center::{Placing, center};
 pub use normals::{NormalRule, continuous_normals};
+pub use prepare::prepare;
 pub use types::{Coat, Mesh, Vertex, indexed_bytes};
 pub use weld::weld;

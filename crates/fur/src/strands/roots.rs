@@ -274,7 +274,7 @@ mod tests {
                 let roots = roots(&mesh, &fur).unwrap();
                 let surface = Surface::new(&mesh);
                 let mut random = dice(3);
-                for height in [0.02, 0.4, 0.8] {
+                for height in [0.02, 0.3, 0.6] {
                     let (mut both, mut one, mut other) = (0, 0, 0);
                     let samples = 1500;
                     for _ in 0..samples {
