@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
 
-use crate::numeric::OFF_CORNER;
+/// A field value nearer to 0 than this share of a grid cell moves away from 0, so that no vertex of a generated mesh falls on a corner of
+/// the grid, where several would coincide.
+const OFF_CORNER: f32 = 1e-2;
 
 /// Each cell of the grid is six tetrahedra around its diagonal, one for each order of the axes. Neighbours share the diagonals of their
 /// faces, so that the surface is closed and two-manifold wherever it does not meet the border of the grid.

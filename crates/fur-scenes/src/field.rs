@@ -3,14 +3,14 @@
 use std::f32::consts::TAU;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
+use casca_fur::Error;
+use casca_fur::strands::Fur;
+use casca_fur::visibility::{base_occluder, furry_object, inner_ball};
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::animals::Animal;
-use crate::error::{Error, range};
-use crate::strands::Fur;
-use crate::visibility::{base_occluder, furry_object, inner_ball};
 
 /// What an object of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,8 +100,8 @@ impl Field {
         hiding: Hiding,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
-        range("the number of animals", count as f64, 1.0, MOST as f64)?;
-        range("the number of species", species as f64, 1.0, 16.0)?;
+        Error::check_range("the number of animals", count as f64, 1.0, MOST as f64)?;
+        Error::check_range("the number of species", species as f64, 1.0, 16.0)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let make = |i: usize| {
             let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
@@ -167,7 +167,7 @@ impl Field {
     /// # Errors
     /// Refuses times that are not finite.
     pub fn walk(&mut self, time: f64) -> Result<(), Error> {
-        range("the time in seconds", time, -1e9, 1e9)?;
+        Error::check_range("the time in seconds", time, -1e9, 1e9)?;
         for resident in self.animals.iter_mut().filter(|r| r.walk.radius > 0.0) {
             resident.placement = resident.walk.at(time, &self.species[resident.species].0);
             let moved = self.scene.set_transform(resident.id, resident.placement);
