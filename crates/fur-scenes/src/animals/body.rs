@@ -47,13 +47,13 @@ const SHARP: f32 = 0.012;
 const DARK: Vec3 = Vec3::splat(0.02);
 
 /// Coats: main, second and belly colour (linear), and how far patches spread.
-const COATS: [([f32; 3], [f32; 3], [f32; 3], f32); 6] = [
-    ([0.42, 0.20, 0.07], [0.62, 0.40, 0.20], [0.75, 0.62, 0.45], 1.2),
-    ([0.52, 0.23, 0.05], [0.08, 0.05, 0.04], [0.85, 0.75, 0.62], 1.2),
-    ([0.70, 0.66, 0.60], [0.16, 0.11, 0.08], [0.80, 0.78, 0.74], 0.25),
-    ([0.20, 0.19, 0.18], [0.45, 0.43, 0.40], [0.50, 0.48, 0.45], 0.7),
-    ([0.55, 0.40, 0.20], [0.22, 0.11, 0.04], [0.80, 0.70, 0.52], 0.3),
-    ([0.10, 0.06, 0.04], [0.35, 0.20, 0.10], [0.30, 0.20, 0.13], 0.8),
+const COATS: [([[f32; 3]; 3], f32); 6] = [
+    ([[0.42, 0.20, 0.07], [0.62, 0.40, 0.20], [0.75, 0.62, 0.45]], 1.2),
+    ([[0.52, 0.23, 0.05], [0.08, 0.05, 0.04], [0.85, 0.75, 0.62]], 1.2),
+    ([[0.70, 0.66, 0.60], [0.16, 0.11, 0.08], [0.80, 0.78, 0.74]], 0.25),
+    ([[0.20, 0.19, 0.18], [0.45, 0.43, 0.40], [0.50, 0.48, 0.45]], 0.7),
+    ([[0.55, 0.40, 0.20], [0.22, 0.11, 0.04], [0.80, 0.70, 0.52]], 0.3),
+    ([[0.10, 0.06, 0.04], [0.35, 0.20, 0.10], [0.30, 0.20, 0.13]], 0.8),
 ];
 
 impl Body {
@@ -98,10 +98,10 @@ impl Body {
                 add(foot - at(0.0, 0.01), foot + at(0.06, -0.012), [0.05, 0.045], 0.15, Tint::Foot);
             }
         }
-        let coat = COATS[random.random_range(0..COATS.len())];
-        let [main, second, belly] = [coat.0, coat.1, coat.2].map(Vec3::from_array);
+        let (colors, patches) = COATS[random.random_range(0..COATS.len())];
+        let [main, second, belly] = colors.map(Vec3::from_array);
         let phase = Vec3::from_array(std::array::from_fn(|_| random.random::<f32>() * std::f32::consts::TAU));
-        Self { parts, main, second, belly, patches: coat.3, phase }
+        Self { parts, main, second, belly, patches, phase }
     }
 
     /// About the distance to the surface, in units; negative inside. The soft least distance of all parts.
