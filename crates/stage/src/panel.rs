@@ -1,11 +1,12 @@
-//! Text and images over a picture.
+//! Text, images, sliders and buttons over a picture.
 
 use egui::{Align2, Color32, ColorImage, TextureHandle, TextureOptions};
 
 use crate::canvas::Target;
 use crate::gpu::Gpu;
+use crate::window::Screen;
 
-/// Draws boxes of text and images.
+/// Draws boxes of text and images, and in windows boxes of sliders and buttons.
 pub struct Panel {
     context: egui::Context,
     renderer: egui_wgpu::Renderer,
@@ -14,7 +15,15 @@ pub struct Panel {
 impl Panel {
     /// A panel over pictures of this format.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        let context = egui::Context::default();
+        Self::with(egui::Context::default(), gpu, format)
+    }
+
+    /// A panel in a window, for [`Panel::control`].
+    pub fn on(screen: &Screen) -> Self {
+        Self::with(screen.panels().clone(), &screen.gpu, screen.format())
+    }
+
+    fn with(context: egui::Context, gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         context.set_theme(egui::Theme::Dark);
         let renderer = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::PREDICTABLE);
         Self { context, renderer }
@@ -40,6 +49,15 @@ impl Panel {
         // Boxes are placed by the size that they had before.
         output.append(run());
         self.paint(gpu, target, output);
+    }
+
+    /// Draws what `show` shows over `target`, with the window's mouse and keys: sliders and buttons work. The panel must come from
+    /// [`Panel::on`]. Once a frame.
+    pub fn control(&mut self, screen: &Screen, target: &Target, show: &mut dyn FnMut(&egui::Context)) {
+        let input = screen.input();
+        let mut output = self.context.clone().run_ui(input, |ui| show(ui.ctx()));
+        screen.answer(std::mem::take(&mut output.platform_output));
+        self.paint(&screen.gpu, target, output);
     }
 
     fn paint(&mut self, gpu: &Gpu, target: &Target, mut output: egui::FullOutput) {
@@ -126,8 +144,29 @@ pub fn boxed(
     offset: [f32; 2],
     add: &mut dyn FnMut(&mut egui::Ui),
 ) {
+    place(context, name, (corner, offset), false, add);
+}
+
+/// The same with sliders and buttons, for [`Panel::control`].
+pub fn controls(
+    context: &egui::Context,
+    name: &str,
+    corner: Align2,
+    offset: [f32; 2],
+    add: &mut dyn FnMut(&mut egui::Ui),
+) {
+    place(context, name, (corner, offset), true, add);
+}
+
+fn place(
+    context: &egui::Context,
+    name: &str,
+    (corner, offset): (Align2, [f32; 2]),
+    interactable: bool,
+    add: &mut dyn FnMut(&mut egui::Ui),
+) {
     let area = egui::Area::new(egui::Id::unique(name)).anchor(corner, offset);
-    area.interactable(false).fade_in(false).show(context, |ui| {
+    area.interactable(interactable).fade_in(false).show(context, |ui| {
         let frame = egui::Frame::new().fill(Color32::from_black_alpha(215)).inner_margin(8).corner_radius(6);
         ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
         frame.show(ui, |ui| add(ui));

@@ -1,5 +1,6 @@
 //! A window and its loop.
 
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::error::Error;
 use std::sync::Arc;
@@ -21,7 +22,7 @@ pub type Done = Result<(), Box<dyn Error>>;
 
 /// A program that draws to a window.
 pub trait Demo {
-    /// A key goes down. Escape is not reported: it closes the window.
+    /// A key goes down. Escape is not reported: it closes the window. Nor are keys that a panel takes.
     ///
     /// # Errors
     /// The program ends.
@@ -55,6 +56,10 @@ pub struct Screen {
     depth: wgpu::Texture,
     looking: bool,
     last: Instant,
+    /// Frames still to be drawn, if they are counted.
+    left: Option<u32>,
+    panels: egui::Context,
+    events: RefCell<egui_winit::State>,
 }
 
 impl Screen {
@@ -78,6 +83,21 @@ impl Screen {
         self.window.scale_factor() as f32
     }
 
+    /// The context of the panels in this window.
+    pub(crate) fn panels(&self) -> &egui::Context {
+        &self.panels
+    }
+
+    /// Mouse and keys since the last call, for panels.
+    pub(crate) fn input(&self) -> egui::RawInput {
+        self.events.borrow_mut().take_egui_input(&self.window)
+    }
+
+    /// The cursor that panels ask for, and their text for the clipboard.
+    pub(crate) fn answer(&self, wishes: egui::PlatformOutput) {
+        self.events.borrow_mut().handle_platform_output(&self.window, wishes);
+    }
+
     fn new(options: &WindowOptions, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
         let size = PhysicalSize::new(options.size.0, options.size.1);
         let attributes = Window::default_attributes().with_title(&options.title).with_inner_size(size);
@@ -95,7 +115,13 @@ impl Screen {
         surface.configure(&gpu.device, &config);
         let depth = gpu.texture((width, height), DEPTH);
         let (keys, last) = (HashSet::new(), Instant::now());
-        Ok(Self { gpu, keys, window, surface, config, depth, looking: false, last })
+        let panels = egui::Context::default();
+        let side = gpu.device.limits().max_texture_dimension_2d as usize;
+        let (id, scale) = (egui::ViewportId::ROOT, window.scale_factor() as f32);
+        let events =
+            egui_winit::State::new(panels.clone(), id, &window, Some(scale), None, Some(side)).into();
+        let (looking, left) = (false, options.frames);
+        Ok(Self { gpu, keys, window, surface, config, depth, looking, last, left, panels, events })
     }
 
     fn resize(&mut self, size: PhysicalSize<u32>) {
@@ -119,6 +145,9 @@ impl Screen {
         demo.draw(self, &Target::new(&texture.texture, &self.depth))?;
         self.window.pre_present_notify();
         self.gpu.queue.present(texture);
+        self.left = self.left.map(|left| left.saturating_sub(1));
+        // Where no panel asks for them, events would pile up.
+        drop(self.input());
         // Nothing waits for the screen where it is not drawn to.
         if self.window.is_minimized() == Some(true) {
             std::thread::sleep(Duration::from_millis(50));
@@ -136,6 +165,8 @@ pub struct WindowOptions {
     pub size: (u32, u32),
     /// Whether a software adapter draws.
     pub software: bool,
+    /// The window closes by itself after so many frames, for tests.
+    pub frames: Option<u32>,
 }
 
 /// Opens a window, starts a program in it and stays until it is closed.
@@ -182,6 +213,7 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some((screen, demo)) = &mut self.running else { return };
+        let taken = screen.events.borrow_mut().on_window_event(&screen.window, &event).consumed;
         let result = match event {
             WindowEvent::CloseRequested => {
                 event_loop.exit();
@@ -197,7 +229,7 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
                 Ok(())
             }
             WindowEvent::MouseInput { state, button: MouseButton::Right, .. } => {
-                screen.looking = state == ElementState::Pressed;
+                screen.looking = state == ElementState::Pressed && !taken;
                 Ok(())
             }
             WindowEvent::KeyboardInput { event, .. } => match event.physical_key {
@@ -209,10 +241,16 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
                     screen.keys.remove(&key);
                     Ok(())
                 }
-                PhysicalKey::Code(key) if screen.keys.insert(key) => demo.press(key, screen),
+                PhysicalKey::Code(key) if !taken && screen.keys.insert(key) => demo.press(key, screen),
                 _ => Ok(()),
             },
-            WindowEvent::RedrawRequested => screen.redraw(demo),
+            WindowEvent::RedrawRequested => {
+                let drawn = screen.redraw(demo);
+                if screen.left == Some(0) {
+                    event_loop.exit();
+                }
+                drawn
+            }
             _ => Ok(()),
         };
         self.end_if_failed(event_loop, result);

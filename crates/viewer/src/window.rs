@@ -41,7 +41,7 @@ pub fn open(
     method: Method,
     (size, software): ((u32, u32), bool),
 ) -> Done {
-    let window = WindowOptions { title: "casca".to_owned(), size, software };
+    let window = WindowOptions { title: "casca".to_owned(), size, software, frames: None };
     casca_stage::window::open(&window, |screen| Viewer::new(screen, scenes, *options, method))
 }
 

@@ -51,7 +51,7 @@ impl View {
         }
         let looked = self.look.open()?;
         let title = format!("{} - casca-points", looked.name);
-        let options = WindowOptions { title, size: self.size, software: self.software };
+        let options = WindowOptions { title, size: self.size, software: self.software, frames: None };
         window::open(&options, |screen| Viewer::new(screen, looked, &self.panes))
     }
 

@@ -18,8 +18,8 @@ use casca_stage::window::{Demo, Done, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::Options;
 use crate::headless::told;
+use crate::options::Options;
 use crate::scene::Start;
 
 /// The share of the scene's length that the camera flies in a second.
@@ -46,7 +46,7 @@ H: this help";
 /// Opens the window and stays until it is closed.
 pub fn open(start: Start, options: &Options) -> Done {
     let title = format!("casca-light: {}", start.scene.name);
-    let window = WindowOptions { title, size: options.size, software: options.software };
+    let window = WindowOptions { title, size: options.size, software: options.software, frames: None };
     let (settings, exposure, cull) = (options.settings(), options.exposure, options.cull);
     casca_stage::window::open(&window, move |screen| Viewer::new(screen, start, settings, exposure, cull))
 }
