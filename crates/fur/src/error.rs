@@ -49,11 +49,13 @@ pub enum Error {
         /// The greatest component allowed.
         max: f32,
     },
-    /// A mesh too large for indices of 32 bits.
-    #[error("the mesh has {count} triangles, more than {max}: simplify or split it")]
-    TooLarge {
-        /// The triangles given.
-        count: usize,
+    /// More than memory or indices are planned for.
+    #[error("{count:.0} {what}, more than {max}: simplify the mesh, or make the spacing of strands wider")]
+    TooMany {
+        /// Triangles or strands.
+        what: &'static str,
+        /// The number given or expected.
+        count: f64,
         /// The most allowed.
         max: usize,
     },
@@ -89,14 +91,6 @@ pub enum Error {
         /// The share asked for.
         density: f64,
     },
-    /// More strands than memory is planned for.
-    #[error("the mesh would have about {estimate:.0} strands, more than {max}: make the spacing wider")]
-    TooManyStrands {
-        /// The strands expected.
-        estimate: f64,
-        /// The most allowed.
-        max: usize,
-    },
     /// casca refused bounds, an occluder or a scene.
     #[error("casca refused the {what}: {source}")]
     Scene {
@@ -107,7 +101,17 @@ pub enum Error {
     },
 }
 
-/// Refuses a number outside of its range; NaN is outside.
+impl Error {
+    /// Refuses a number outside of its range; NaN is outside.
+    ///
+    /// # Errors
+    /// [`Error::Range`].
+    pub fn check_range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Self> {
+        if (least..=most).contains(&value) { Ok(()) } else { Err(Self::Range { what, value, least, most }) }
+    }
+}
+
+/// [`Error::check_range`].
 pub(crate) fn range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
-    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Range { what, value, least, most }) }
+    Error::check_range(what, value, least, most)
 }

@@ -8,11 +8,10 @@
 //! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
 //! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many layers each object gets.
-//! - [`animals`] and [`field`]: generated furry animals, and many of them among walls.
+//!
+//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls; `casca-fur-view` draws them.
 
-pub mod animals;
 mod error;
-pub mod field;
 pub mod maps;
 pub mod mesh;
 mod numeric;

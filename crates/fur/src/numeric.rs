@@ -56,9 +56,5 @@ pub(crate) const FLAT_FUR: f32 = 0.5;
 /// Pixels for each vertex of a mesh: outlines then have corners about four pixels apart, which shading and fur hide.
 pub(crate) const PIXELS_PER_VERTEX: f32 = 16.0;
 
-/// A field value nearer to 0 than this share of a grid cell moves away from 0, so that no vertex of a generated mesh falls on a
-/// corner of the grid, where several would coincide.
-pub(crate) const OFF_CORNER: f32 = 1e-2;
-
 /// An inner ball shrinks by this share of the size of the mesh: the rounding of distances to triangles, with room.
 pub(crate) const INNER_ROUNDING: f64 = 1e-5;

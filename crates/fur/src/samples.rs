@@ -82,10 +82,19 @@ pub(crate) fn torus(large: f32, small: f32, n: usize, m: usize) -> Vec<Vertex> {
     soup
 }
 
+/// A torus of n rings with smooth normals.
+pub(crate) fn torus_mesh(n: usize) -> Mesh {
+    smooth(torus(3.0, 1.0, n, n / 3))
+}
+
+fn smooth(mut soup: Vec<Vertex>) -> Mesh {
+    continuous_normals(&mut soup, NormalRule::default()).unwrap();
+    weld(&soup, &[]).unwrap()
+}
+
 /// A ball of radius 1 with smooth normals: 12 n² triangles.
 pub(crate) fn ball(n: usize) -> Mesh {
     let mut soup = sides(1.0, n);
     soup.iter_mut().for_each(|v| *v = Vertex::at(v.position.normalize()));
-    continuous_normals(&mut soup, NormalRule::default()).unwrap();
-    weld(&soup, &[]).unwrap()
+    smooth(soup)
 }

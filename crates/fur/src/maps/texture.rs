@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn blue_noise_has_no_clumps() {
-        for density in [0.05, 0.1, 0.2, 0.5] {
+        for (density, most) in [(0.05, 0.35), (0.1, 0.35), (0.2, 0.4), (0.5, 0.8)] {
             let blue = blue_noise(128, density, 4).unwrap();
             assert_eq!(blue.count(), (density * 16384.0) as usize);
             assert_eq!(blue, blue_noise(128, density, 4).unwrap());
@@ -202,7 +202,7 @@ mod tests {
                 clumping(&blue),
                 clumping(&white)
             );
-            assert!(clumping(&blue) < 0.5 && clumping(&white) > 0.8);
+            assert!(clumping(&blue) < most && clumping(&white) > 0.8);
         }
     }
 

@@ -1,19 +1,17 @@
 //! Preparation of meshes: triangle lists become indexed meshes that are cheap to draw many times.
 //!
-//! The steps, after chapter 4 of the thesis: [`center`], [`continuous_normals`], [`weld`], [`Mesh::ordered`].
+//! The steps, after chapter 4 of the thesis: [`center`], [`continuous_normals`], [`weld`], [`Mesh::ordered`]; or all by
+//! [`prepare`].
 //!
 //! ```
-//! use casca_fur::mesh::{NormalRule, Vertex, center, continuous_normals, weld};
+//! use casca_fur::mesh::{NormalRule, prepare};
 //! use glam::Vec3;
 //!
 //! # fn main() -> Result<(), casca_fur::Error> {
 //! let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 //! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! let mut soup: Vec<Vertex> = faces.iter().flatten().map(|&v: &usize| Vertex::at(corners[v])).collect();
-//! let placing = center(&mut soup)?;
-//! continuous_normals(&mut soup, NormalRule::AngleWeighted)?;
-//! let mesh = weld(&soup, &[])?.ordered();
-//! assert_eq!((mesh.vertices().len(), mesh.triangles().len(), mesh.open_edges()), (4, 4, 0));
+//! let (mesh, placing) = prepare(&corners, &[], &faces, NormalRule::AngleWeighted)?;
+//! assert_eq!((mesh.vertices().len(), mesh.open_edges()), (4, 0));
 //! assert!((placing.aabb_radius - 0.75f32.sqrt()).abs() < 1e-6);
 //! # Ok(())
 //! # }
@@ -28,4 +26,4 @@ mod weld;
 pub use center::{Placing, center};
 pub use normals::{NormalRule, continuous_normals};
 pub use types::{Coat, Mesh, Vertex, indexed_bytes};
-pub use weld::weld;
+pub use weld::{prepare, weld};

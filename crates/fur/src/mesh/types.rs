@@ -166,7 +166,7 @@ pub(super) fn check_count(triangles: usize) -> Result<(), Error> {
     match triangles {
         0 => Err(Error::Empty),
         1..=MAX_TRIANGLES => Ok(()),
-        count => Err(Error::TooLarge { count, max: MAX_TRIANGLES }),
+        _ => Err(Error::TooMany { what: "triangles", count: triangles as f64, max: MAX_TRIANGLES }),
     }
 }
 

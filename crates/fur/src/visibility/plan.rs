@@ -210,3 +210,138 @@ fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId
     let mut at = keep.iter();
     wishes.retain(|_| at.next().copied().unwrap_or(false));
 }
+
+#[cfg(test)]
+mod tests {
+    use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::samples::dice;
+
+    /// The draw list of some balls in a row: the nearest at distance 1, the next at distance 2, and so on.
+    fn list(count: usize) -> Vec<DrawItem> {
+        let spec = GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: UVec3::new(320, 8, 8) };
+        let mut scene = Scene::new(&spec).unwrap();
+        for i in 0..count {
+            scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * (2.0 + i as f32), 1.0))).unwrap();
+        }
+        let (mut query, mut items) = (Query::new(), Vec::new());
+        let pvs = query.run(&scene, &View::omnidirectional(Vec3::ZERO).unwrap());
+        pvs.draw_list(&scene, &DrawOptions::default(), &mut items).unwrap();
+        items
+    }
+
+    const FURRY: Furry = Furry { vertices: &[4000, 1000, 250], height: 0.1 };
+
+    #[test]
+    fn layers_follow_height_and_fraction() {
+        assert_eq!(
+            [0.0, 0.49, 0.5, 3.0, 24.0, 1e9, f32::INFINITY].map(|h| layers_for(h, 1.0, 32)),
+            [0, 0, 1, 2, 16, 32, 32]
+        );
+        assert_eq!([1.0, 0.25, 0.01, 0.0, -1.0].map(|f| layers_for(24.0, f, 32)), [16, 8, 2, 1, 1]);
+        // Doubt draws more.
+        assert_eq!((layers_for(f32::NAN, 1.0, 32), layers_for(24.0, f32::NAN, 32)), (32, 16));
+        assert_eq!((layers_for(24.0, 1.0, 0), layers_for(1e9, 1.0, u32::MAX)), (0, MAX_LAYERS));
+        assert_eq!(pixels_of(0.5, 10.0, 600.0), 30.0);
+        assert_eq!((pixels_of(0.5, 0.0, 600.0), pixels_of(0.0, 0.0, 600.0)), (f32::INFINITY, 0.0));
+    }
+
+    #[test]
+    fn levels_follow_size() {
+        let levels = [4000, 1000, 250];
+        assert_eq!([1e9, 64_000.0, 16_000.0, 4000.0, 0.0].map(|p| level_for(p, &levels)), [0, 0, 1, 2, 2]);
+        assert_eq!((level_for(100.0, &[]), level_for(f32::NAN, &levels)), (0, 0));
+    }
+
+    #[test]
+    fn without_a_budget_everything_gets_what_it_needs() {
+        let items = list(200);
+        let options = PlanOptions::default();
+        let plan = plan(&items, |_| FURRY, &options).unwrap();
+        assert!(plan.dropped.is_empty());
+        assert_eq!(
+            plan.entries.iter().map(|e| e.id).collect::<Vec<_>>(),
+            items.iter().map(|i| i.id).collect::<Vec<_>>()
+        );
+        // Farther objects have fewer layers and coarser meshes.
+        assert!(plan.entries.is_sorted_by(|a, b| a.layers >= b.layers && a.level <= b.level));
+        let (first, last) = (plan.entries[0], plan.entries[199]);
+        assert_eq!((first.layers, first.level, last.layers, last.level), (32, 0, 0, 2));
+        assert!((plan.weight - plan.entries.iter().map(|e| e.weight).sum::<f64>()).abs() < 1e-6);
+        // Hidden parts take layers away.
+        let mut half = items.clone();
+        half.iter_mut().for_each(|i| i.fraction = 0.25);
+        let by_fraction = super::plan(&half, |_| FURRY, &options).unwrap();
+        assert!(by_fraction.entries[0].layers == 21 && by_fraction.weight < 0.5 * plan.weight);
+        let whole = PlanOptions { by_fraction: false, ..options };
+        assert_eq!(super::plan(&half, |_| FURRY, &whole).unwrap(), plan);
+    }
+
+    #[test]
+    fn budgets_take_layers_before_objects() {
+        let items = list(300);
+        let mut random = dice(8);
+        let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
+        let bases: f64 = free.entries.iter().map(|e| e.weight / f64::from(1 + e.layers)).sum();
+        let mut before: Option<(f64, Plan)> = None;
+        for step in 0..60 {
+            let budget = free.weight * (f64::from(step) / 50.0 + 0.01 * random.next());
+            let options = PlanOptions { budget, ..PlanOptions::default() };
+            let plan = super::plan(&items, |_| FURRY, &options).unwrap();
+            assert_eq!(plan, super::plan(&items, |_| FURRY, &options).unwrap());
+            assert!(plan.weight <= budget, "{} above {budget}", plan.weight);
+            assert_eq!(plan.entries.len() + plan.dropped.len(), items.len());
+            // No object is lost while the bases fit, and none has fur beside lost ones that fit.
+            assert_eq!(plan.dropped.is_empty(), bases <= budget, "step {step}");
+            if budget >= free.weight {
+                assert_eq!(plan, free);
+            } else if bases <= budget {
+                assert!(plan.weight > 0.8 * budget, "{} of {budget}", plan.weight);
+            }
+            if let Some((less, old)) = before {
+                assert!(less > budget || old.dropped.len() >= plan.dropped.len());
+            }
+            before = Some((budget, plan));
+        }
+    }
+
+    #[test]
+    fn the_smallest_are_dropped_first() {
+        let items = list(50);
+        let options = PlanOptions { budget: 500_000.0, ..PlanOptions::default() };
+        let plan = plan(&items, |_| FURRY, &options).unwrap();
+        assert!(!plan.entries.is_empty() && plan.weight <= 500_000.0);
+        let kept: Vec<_> = plan.entries.iter().map(|e| e.id).collect();
+        assert_eq!(
+            kept.iter().chain(&plan.dropped).copied().collect::<Vec<_>>(),
+            items.iter().map(|i| i.id).collect::<Vec<_>>()
+        );
+        let none = PlanOptions { budget: 0.0, ..options };
+        assert_eq!(super::plan(&items, |_| FURRY, &none).unwrap().dropped.len(), 50);
+        assert_eq!(super::plan(&[], |_| FURRY, &none).unwrap(), Plan::default());
+    }
+
+    #[test]
+    fn odd_lists_do_no_harm_and_odd_options_are_refused() {
+        let mut items = list(4);
+        (items[0].distance, items[0].size) = (0.0, f32::INFINITY);
+        (items[1].distance, items[1].size, items[1].fraction) = (f32::NAN, f32::NAN, f32::NAN);
+        items[2].distance = f32::NEG_INFINITY;
+        for budget in [0.0, 1e5, 1e9, f64::INFINITY] {
+            let options = PlanOptions { budget, ..PlanOptions::default() };
+            let plan = plan(&items, |_| Furry { vertices: &[], height: f32::NAN }, &options).unwrap();
+            assert!(plan.weight <= budget && plan.weight.is_finite());
+        }
+        let usual = PlanOptions::default();
+        for options in [
+            PlanOptions { focal: f32::NAN, ..usual },
+            PlanOptions { screen: -1.0, ..usual },
+            PlanOptions { budget: f64::NAN, ..usual },
+            PlanOptions { pixel_weight: f64::INFINITY, ..usual },
+        ] {
+            assert!(matches!(super::plan(&items, |_| FURRY, &options), Err(Error::Range { .. })));
+        }
+    }
+}

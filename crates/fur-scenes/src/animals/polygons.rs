@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
 
-use crate::numeric::OFF_CORNER;
+/// A field value nearer to 0 than this share of a grid cell moves away from 0, so that no vertex of a generated mesh falls on a corner of
+/// the grid, where several would coincide.
+const OFF_CORNER: f32 = 1e-2;
 
 /// Each cell of the grid is six tetrahedra around its diagonal, one for each order of the axes. Neighbours share the diagonals of their
 /// faces, so that the surface is closed and two-manifold wherever it does not meet the border of the grid.
@@ -87,7 +89,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The triangles of a tetrahedron whose corners 1, 2, 3 run counter-clockwise seen from corner 0's opposite side.
+    /// The triangles of a tetrahedron whose corners 1, 2 and 3 run counter-clockwise seen from outside.
     fn tetrahedron(&mut self, c: [usize; 4]) {
         let inside = |i: usize| self.values[c[i]] < 0.0;
         let count = (0..4).filter(|&i| inside(i)).count();
@@ -114,7 +116,7 @@ impl Builder<'_> {
                 self.triangles.extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
             }
             _ => {
-                let t = [self.vertex(e, a), self.vertex(e, d), self.vertex(e, b)];
+                let t = [self.vertex(e, a), self.vertex(e, b), self.vertex(e, d)];
                 self.triangles.push(t);
             }
         }

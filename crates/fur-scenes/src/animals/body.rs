@@ -4,7 +4,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::mesh::Coat;
+use casca_fur::mesh::Coat;
 
 /// A cone with round ends.
 struct Part {
@@ -20,8 +20,9 @@ struct Part {
 enum Tint {
     Coat,
     Belly,
-    Dark,
-    Eye,
+    Foot,
+    /// Nose and eyes, with a sharp edge.
+    Bald,
 }
 
 /// A body in its own space: it stands on the plane y = 0 and looks along x. One unit is about its length.
@@ -38,14 +39,21 @@ pub(super) struct Body {
 /// How smoothly parts melt into each other, in units.
 const MELT: f32 = 0.028;
 
+/// How softly coats of parts blend, and how sharply noses and eyes end, in units.
+const SOFT: f32 = 0.02;
+const SHARP: f32 = 0.012;
+
+/// The colour of feet; noses and eyes are darker.
+const DARK: Vec3 = Vec3::splat(0.02);
+
 /// Coats: main, second and belly colour (linear), and how far patches spread.
-const COATS: [([f32; 3], [f32; 3], [f32; 3], f32); 6] = [
-    ([0.42, 0.20, 0.07], [0.62, 0.40, 0.20], [0.75, 0.62, 0.45], 1.2),
-    ([0.52, 0.23, 0.05], [0.08, 0.05, 0.04], [0.85, 0.75, 0.62], 1.2),
-    ([0.70, 0.66, 0.60], [0.16, 0.11, 0.08], [0.80, 0.78, 0.74], 0.25),
-    ([0.20, 0.19, 0.18], [0.45, 0.43, 0.40], [0.50, 0.48, 0.45], 0.7),
-    ([0.55, 0.40, 0.20], [0.22, 0.11, 0.04], [0.80, 0.70, 0.52], 0.3),
-    ([0.10, 0.06, 0.04], [0.35, 0.20, 0.10], [0.30, 0.20, 0.13], 0.8),
+const COATS: [([[f32; 3]; 3], f32); 6] = [
+    ([[0.42, 0.20, 0.07], [0.62, 0.40, 0.20], [0.75, 0.62, 0.45]], 1.2),
+    ([[0.52, 0.23, 0.05], [0.08, 0.05, 0.04], [0.85, 0.75, 0.62]], 1.2),
+    ([[0.70, 0.66, 0.60], [0.16, 0.11, 0.08], [0.80, 0.78, 0.74]], 0.25),
+    ([[0.20, 0.19, 0.18], [0.45, 0.43, 0.40], [0.50, 0.48, 0.45]], 0.7),
+    ([[0.55, 0.40, 0.20], [0.22, 0.11, 0.04], [0.80, 0.70, 0.52]], 0.3),
+    ([[0.10, 0.06, 0.04], [0.35, 0.20, 0.10], [0.30, 0.20, 0.13]], 0.8),
 ];
 
 impl Body {
@@ -60,67 +68,40 @@ impl Body {
         let back = tall + fat * 0.75;
         let skull = Vec3::new(long + 0.17, back + neck, 0.0);
         let nose = skull + Vec3::new(head + muzzle * 0.7, -0.05, 0.0);
-        let part =
-            |from: Vec3, to: Vec3, radii: [f32; 2]| Part { from, to, radii, length: 1.0, tint: Tint::Coat };
-        let mut parts = vec![
-            part(Vec3::new(-long, back, 0.0), Vec3::new(long, back + 0.02, 0.0), [fat * 0.95, fat * 1.05]),
-            Part {
-                tint: Tint::Belly,
-                ..part(
-                    Vec3::new(-long * 0.6, back - fat * 0.3, 0.0),
-                    Vec3::new(long * 0.8, back - fat * 0.28, 0.0),
-                    [fat * 0.8; 2],
-                )
-            },
-            part(Vec3::new(long, back + 0.05, 0.0), skull, [fat * 0.75, head * 0.75]),
-            part(skull, skull + Vec3::new(0.03, 0.0, 0.0), [head, head * 0.95]),
-            Part {
-                length: 0.45,
-                tint: Tint::Belly,
-                ..part(skull + Vec3::X * head * 0.5, nose, [head * 0.6, head * 0.34])
-            },
-            Part {
-                length: 0.0,
-                tint: Tint::Dark,
-                ..part(
-                    nose + Vec3::X * head * 0.27,
-                    nose + Vec3::new(head * 0.3, 0.015, 0.0),
-                    [head * 0.17; 2],
-                )
-            },
-        ];
-        let rump = Vec3::new(-long - fat * 0.6, back + fat * 0.3, 0.0);
-        let bow = rump + Vec3::new(-tail * 0.5, tail * 0.1, 0.0);
-        parts.push(part(rump, bow, [fluff * 0.8, fluff]));
-        parts.push(part(
-            bow,
-            bow + Vec3::new(-tail * 0.4, tail * (0.2 + curl * 2.0), 0.0),
-            [fluff, fluff * 0.55],
-        ));
+        let mut parts = Vec::new();
+        let mut add = |from: Vec3, to: Vec3, radii: [f32; 2], length: f32, tint: Tint| {
+            parts.push(Part { from, to, radii, length, tint });
+        };
+        let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        add(at(-long, back), at(long, back + 0.02), [fat * 0.95, fat * 1.05], 1.0, Tint::Coat);
+        let chest = back - fat * 0.3;
+        add(at(-long * 0.6, chest), at(long * 0.8, chest), [fat * 0.8; 2], 1.0, Tint::Belly);
+        add(at(long, back + 0.05), skull, [fat * 0.75, head * 0.75], 1.0, Tint::Coat);
+        add(skull, skull + at(0.03, 0.0), [head, head * 0.95], 0.7, Tint::Coat);
+        add(skull + at(head * 0.5, 0.0), nose, [head * 0.6, head * 0.34], 0.35, Tint::Belly);
+        let tip = nose + at(head * 0.3, 0.01);
+        add(tip, tip, [head * 0.22; 2], 0.0, Tint::Bald);
+        let rump = at(-long - fat * 0.6, back + fat * 0.3);
+        let bow = rump + at(-tail * 0.5, tail * 0.1);
+        add(rump, bow, [fluff * 0.8, fluff], 1.0, Tint::Coat);
+        add(bow, bow + at(-tail * 0.4, tail * (0.2 + curl * 2.0)), [fluff, fluff * 0.55], 1.0, Tint::Coat);
         for side in [-1.0, 1.0] {
             let z = Vec3::Z * side;
-            let root = skull + Vec3::new(-0.02, head * 0.75, 0.0) + z * head * 0.6;
-            parts.push(Part {
-                length: 0.5,
-                ..part(root, root + Vec3::new(-0.03, ear, 0.0) + z * 0.05, [0.055, 0.03])
-            });
-            let eye = skull + Vec3::new(head * 0.82, head * 0.32, 0.0) + z * head * 0.5;
-            parts.push(Part { length: 0.0, tint: Tint::Eye, ..part(eye, eye, [head * 0.2; 2]) });
+            let root = skull + at(-0.02, head * 0.75) + z * head * 0.6;
+            add(root, root + at(-0.03, ear) + z * 0.05, [0.055, 0.03], 0.4, Tint::Coat);
+            let eye = skull + at(head * 0.9, head * 0.34) + z * head * 0.48;
+            add(eye, eye, [head * 0.2; 2], 0.0, Tint::Bald);
             for x in [-long, long] {
-                let hip = Vec3::new(x, back - fat * 0.25, 0.0) + z * fat * 0.62;
-                let foot = Vec3::new(x + 0.01, 0.06, 0.0) + z * fat * 0.72;
-                parts.push(Part { length: 0.7, ..part(hip, foot, [fat * 0.5, 0.055]) });
-                parts.push(Part {
-                    length: 0.15,
-                    tint: Tint::Dark,
-                    ..part(foot - Vec3::Y * 0.01, foot + Vec3::new(0.06, -0.012, 0.0), [0.05, 0.045])
-                });
+                let hip = at(x, back - fat * 0.25) + z * fat * 0.62;
+                let foot = at(x + 0.01, 0.06) + z * fat * 0.72;
+                add(hip, foot, [fat * 0.5, 0.055], 0.6, Tint::Coat);
+                add(foot - at(0.0, 0.01), foot + at(0.06, -0.012), [0.05, 0.045], 0.15, Tint::Foot);
             }
         }
-        let coat = COATS[random.random_range(0..COATS.len())];
-        let [main, second, belly] = [coat.0, coat.1, coat.2].map(Vec3::from_array);
+        let (colors, patches) = COATS[random.random_range(0..COATS.len())];
+        let [main, second, belly] = colors.map(Vec3::from_array);
         let phase = Vec3::from_array(std::array::from_fn(|_| random.random::<f32>() * std::f32::consts::TAU));
-        Self { parts, main, second, belly, patches: coat.3, phase }
+        Self { parts, main, second, belly, patches, phase }
     }
 
     /// About the distance to the surface, in units; negative inside. The soft least distance of all parts.
@@ -148,22 +129,29 @@ impl Body {
         let spread = ((wave(9.0) + 0.4 * wave(23.0) - self.patches) * 6.0).clamp(0.0, 1.0);
         let coat = self.main.lerp(self.second, spread);
         let (mut color, mut length, mut sum) = (Vec3::ZERO, 0.0, 0.0);
-        let least = self.parts.iter().map(|part| part.distance(p)).fold(f32::INFINITY, f32::min);
+        let nearest = |bald: bool| {
+            let parts = self.parts.iter().filter(|part| (part.tint == Tint::Bald) == bald);
+            parts.map(|part| part.distance(p)).fold(f32::INFINITY, f32::min)
+        };
+        let (least, bald) = (nearest(false), nearest(true));
         for part in &self.parts {
-            // Bald parts and eyes end sharply.
-            let sharp = if matches!(part.tint, Tint::Eye | Tint::Dark) { 0.006 } else { 0.02 };
-            let weight = (-(part.distance(p) - least) / sharp).exp();
             let tint = match part.tint {
                 Tint::Coat => coat,
                 Tint::Belly => self.belly,
-                Tint::Dark => Vec3::splat(0.02),
-                Tint::Eye => Vec3::splat(0.004),
+                Tint::Foot => DARK,
+                Tint::Bald => continue,
             };
+            let weight = (-(part.distance(p) - least) / SOFT).exp();
             color += tint * weight;
             length += part.length * weight;
             sum += weight;
         }
-        Coat { color: (color / sum).clamp(Vec3::ZERO, Vec3::ONE), length: (length / sum).clamp(0.0, 1.0) }
+        let mask = (0.5 + (least - bald) / SHARP).clamp(0.0, 1.0);
+        let color = (color / sum).lerp(DARK * 0.3, mask);
+        Coat {
+            color: color.clamp(Vec3::ZERO, Vec3::ONE),
+            length: (length / sum * (1.0 - mask)).clamp(0.0, 1.0),
+        }
     }
 
     /// A box around the surface.

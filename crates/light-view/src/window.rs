@@ -18,8 +18,8 @@ use casca_stage::window::{Demo, Done, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::Options;
 use crate::headless::told;
+use crate::options::Options;
 use crate::scene::Start;
 
 /// The share of the scene's length that the camera flies in a second.

@@ -3,14 +3,14 @@
 use std::f32::consts::TAU;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
+use casca_fur::Error;
+use casca_fur::strands::Fur;
+use casca_fur::visibility::{base_occluder, furry_object, inner_ball};
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::animals::Animal;
-use crate::error::{Error, range};
-use crate::strands::Fur;
-use crate::visibility::{base_occluder, furry_object, inner_ball};
 
 /// What an object of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,10 +77,10 @@ const LOT: f32 = 4.0;
 const CROWD: usize = 2;
 
 /// The thickness and the height of walls: higher than animals and eyes.
-const WALL: [f32; 2] = [0.25, 2.6];
+const WALL: [f32; 2] = [0.25, 2.0];
 
 /// The share of the borders between lots that have a wall.
-const WALLED: f64 = 0.55;
+const WALLED: f64 = 0.4;
 
 /// The most animals: walls and animals then fit a scene of casca.
 const MOST: usize = 100_000;
@@ -100,8 +100,8 @@ impl Field {
         hiding: Hiding,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
-        range("the number of animals", count as f64, 1.0, MOST as f64)?;
-        range("the number of species", species as f64, 1.0, 16.0)?;
+        Error::check_range("the number of animals", count as f64, 1.0, MOST as f64)?;
+        Error::check_range("the number of species", species as f64, 1.0, 16.0)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let make = |i: usize| {
             let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
@@ -167,7 +167,7 @@ impl Field {
     /// # Errors
     /// Refuses times that are not finite.
     pub fn walk(&mut self, time: f64) -> Result<(), Error> {
-        range("the time in seconds", time, -1e9, 1e9)?;
+        Error::check_range("the time in seconds", time, -1e9, 1e9)?;
         for resident in self.animals.iter_mut().filter(|r| r.walk.radius > 0.0) {
             resident.placement = resident.walk.at(time, &self.species[resident.species].0);
             let moved = self.scene.set_transform(resident.id, resident.placement);
@@ -244,4 +244,101 @@ fn occluder(animal: &Animal, hiding: Hiding) -> Result<Option<Occluder>, Error> 
         }
         Hiding::Meshes => Some(base_occluder(&animal.levels()[0])?.into()),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use casca::{Query, View};
+
+    use super::*;
+
+    fn fur(radius: f32) -> Result<Fur, Error> {
+        Fur::for_radius(radius, 0.08, 0.2)
+    }
+
+    /// Whether a segment meets a box.
+    fn meets(from: Vec3, to: Vec3, aabb: &Aabb) -> bool {
+        let way = to - from;
+        let (a, b) = ((aabb.min - from) / way, (aabb.max - from) / way);
+        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        enter <= leave && leave >= 0.0 && enter <= 1.0
+    }
+
+    #[test]
+    fn walls_hide_most_animals_and_no_tip_in_sight() {
+        for hiding in [Hiding::Walls, Hiding::Balls, Hiding::Meshes] {
+            let mut field = Field::new(200, 2, 3, hiding, fur).unwrap();
+            let mut query = Query::new();
+            let (mut seen, mut tips) = (0, 0);
+            for frame in 0..4 {
+                field.scene.begin_frame(f64::from(frame)).unwrap();
+                field.walk(f64::from(frame)).unwrap();
+                let (eye, _) = field.eye(frame as f32 / 4.0);
+                let visible =
+                    query.run(&field.scene, &View::omnidirectional(eye).unwrap()).visible().to_vec();
+                field.scene.end_frame([query.pvs()]).unwrap();
+                let animal = |id: &&ObjectId| matches!(field.kind(**id), Some(Kind::Animal(_)));
+                seen += visible.iter().filter(animal).count();
+                for resident in &field.animals {
+                    let (animal, fur) = &field.species[resident.species];
+                    for v in animal.levels()[3].vertices() {
+                        let tip =
+                            resident.placement.transform_point3(fur.extruded(v.position, v.normal, 1.0));
+                        let hidden = |aabb: &Aabb| meets(eye, tip, aabb);
+                        // In sight if no wall and no whole animal is in the way.
+                        let others = field.animals.iter().filter(|a| a.id != resident.id);
+                        let near = |a: &&Resident| {
+                            let way = tip - eye;
+                            let middle = Vec3::from(a.placement.translation);
+                            let t = ((middle - eye).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                            (eye + way * t).distance(middle) < 1.2
+                        };
+                        if !field.walls.iter().any(hidden)
+                            && !hidden(&field.ground)
+                            && !others.clone().any(|a| near(&a))
+                        {
+                            tips += 1;
+                            assert!(visible.contains(&resident.id), "{hiding:?}: a tip at {tip} is lost");
+                        }
+                    }
+                }
+            }
+            println!("{hiding:?}: {seen} of 800 animals found visible, {tips} tips in sight");
+            assert!(seen < 400 && tips > 300);
+        }
+    }
+
+    #[test]
+    fn fields_repeat_and_know_their_objects() {
+        let make = |seed| Field::new(31, 3, seed, Hiding::Walls, fur).unwrap();
+        let (a, b, c) = (make(1), make(1), make(2));
+        let places = |f: &Field| f.animals.iter().map(|a| a.placement).collect::<Vec<_>>();
+        assert!(places(&a) == places(&b) && a.walls == b.walls);
+        assert!(places(&a) != places(&c));
+        assert_eq!(a.scene.len(), 31 + 1 + a.walls().len());
+        let kinds: Vec<_> = a.scene.ids().map(|id| a.kind(id).unwrap()).collect();
+        let count = |f: fn(&Kind) -> bool| kinds.iter().filter(|k| f(k)).count();
+        assert_eq!(count(|k| matches!(k, Kind::Animal(_))), 31);
+        assert_eq!(count(|k| matches!(k, Kind::Wall(_))), a.walls().len());
+        for (number, resident) in a.animals().iter().enumerate() {
+            assert_eq!(a.kind(resident.id), Some(Kind::Animal(number)));
+            // Feet on the ground, within the lot.
+            let (animal, _) = &a.species()[resident.species];
+            let feet = resident.placement.transform_point3(Vec3::Y * animal.aabb().min.y);
+            assert!(feet.y.abs() < 1e-5 && feet.x > 0.0 && feet.z > 0.0);
+            assert!(a.fur_height(number) > 0.0);
+        }
+        assert_eq!((c.kind(a.animals()[0].id), a.fur_height(99)), (None, 0.0));
+    }
+
+    #[test]
+    fn bad_fields_are_refused() {
+        for (count, species) in [(0, 1), (MOST + 1, 1), (1, 0), (1, 17)] {
+            assert!(matches!(Field::new(count, species, 1, Hiding::Walls, fur), Err(Error::Range { .. })));
+        }
+        assert!(Field::new(1, 1, 1, Hiding::Walls, |r| Fur::for_radius(-r, 0.1, 0.1)).is_err());
+        let mut field = Field::new(2, 1, 1, Hiding::Walls, fur).unwrap();
+        assert!(field.walk(f64::NAN).is_err());
+        assert!(field.eye(f32::NAN).0.is_finite());
+    }
 }
