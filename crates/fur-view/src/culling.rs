@@ -3,10 +3,10 @@
 
 use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Error, Method, Query, View};
-use casca_fur::animals::LEVELS;
-use casca_fur::field::{Field, Kind};
 use casca_fur::mesh::Mesh;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
+use casca_fur_scenes::animals::LEVELS;
+use casca_fur_scenes::field::{Field, Kind};
 use casca_lab::world::Camera;
 use glam::Vec3;
 
@@ -79,7 +79,11 @@ impl Herd {
     /// The field's grid is refused.
     pub fn new(field: Field) -> Result<Self, Error> {
         let grid = field.scene.grid();
-        let spec = casca::GridSpec { min: grid.min().as_vec3(), cell: grid.cell_size() as f32, dims: grid.dims().as_uvec3() };
+        let spec = casca::GridSpec {
+            min: grid.min().as_vec3(),
+            cell: grid.cell_size() as f32,
+            dims: grid.dims().as_uvec3(),
+        };
         let mut soft = SoftGrid::new(&spec)?;
         soft.follow(&field.scene)?;
         // Each animal a little lighter or darker, and warmer or colder.
@@ -87,7 +91,10 @@ impl Herd {
             let word = casca_fur::strands::hash([i as u32, 17, 4, 1]);
             let [a, b] = [word[0], word[1]].map(|w| casca_fur::strands::unit(w));
             let light = 0.75 + 0.5 * a;
-            [[light * 0.8 * (0.9 + 0.2 * b), light * 0.8, light * 0.8], [light * (0.9 + 0.2 * b), light, light]]
+            [
+                [light * 0.8 * (0.9 + 0.2 * b), light * 0.8, light * 0.8],
+                [light * (0.9 + 0.2 * b), light, light],
+            ]
         };
         let tints = (0..field.animals().len()).map(tint).collect();
         Ok(Self { field, soft, query: Query::new(), items: Vec::new(), tints })
@@ -189,7 +196,8 @@ impl Herd {
         };
         let mut made = plan(items, furry, &options)?;
         if demand.budget < 1.0 {
-            made = plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
+            made =
+                plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
         }
         let entries = made.entries.iter();
         Ok(entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers))).collect())

@@ -257,6 +257,8 @@ mod tests {
         assert_eq!(enter_triangle(&triangle, -from, DVec3::Z), None, "beside it");
         assert_eq!(enter_triangle(&triangle, from, DVec3::Z), None, "behind");
         let share = weights(&triangle, DVec3::new(0.2, 0.3, 0.0));
-        assert!((share[0] - 0.5).abs() < 1e-6 && (share[1] - 0.2).abs() < 1e-6 && (share[2] - 0.3).abs() < 1e-6);
+        assert!(
+            (share[0] - 0.5).abs() < 1e-6 && (share[1] - 0.2).abs() < 1e-6 && (share[2] - 0.3).abs() < 1e-6
+        );
     }
 }

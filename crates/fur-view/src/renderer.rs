@@ -14,11 +14,8 @@ use crate::look::{Corner, Look, LookRecord, SKY, corners_of};
 use crate::records::{Block, DrawList, Frame, SHADOW_SIZE, Sun};
 
 /// The shaders, in the order in which they use each other.
-pub(crate) const SHADERS: &str = concat!(
-    include_str!("strands.wgsl"),
-    include_str!("surroundings.wgsl"),
-    include_str!("shells.wgsl")
-);
+pub(crate) const SHADERS: &str =
+    concat!(include_str!("strands.wgsl"), include_str!("surroundings.wgsl"), include_str!("shells.wgsl"));
 /// A buffer that grows.
 struct Growing {
     buffer: wgpu::Buffer,
@@ -112,8 +109,8 @@ impl Renderer {
         let frame = gpu.buffer(size_of::<Frame>() as u64, BufferUsages::UNIFORM)?;
         let records = Growing::new(gpu, BufferUsages::STORAGE)?;
         let shadow = depth_map(device, SHADOW_SIZE);
-        let frame_groups = [&shadow, &depth_map(device, 1)]
-            .map(|map| frame_group(device, &layouts[0], &frame, map));
+        let frame_groups =
+            [&shadow, &depth_map(device, 1)].map(|map| frame_group(device, &layouts[0], &frame, map));
         let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
         let faces = look.map_faces()?;
         let map = cube_map(gpu, &faces);
@@ -280,7 +277,10 @@ fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
     let look = [
         entry(0, buffer(wgpu::BufferBindingType::Uniform)),
         entry(1, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
-        entry(2, texture(wgpu::TextureSampleType::Float { filterable: true }, wgpu::TextureViewDimension::Cube)),
+        entry(
+            2,
+            texture(wgpu::TextureSampleType::Float { filterable: true }, wgpu::TextureViewDimension::Cube),
+        ),
         entry(3, sampler(wgpu::SamplerBindingType::Filtering)),
     ];
     [&frame[..], &look[..]].map(|entries| {

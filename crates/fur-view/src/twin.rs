@@ -91,7 +91,11 @@ fn shaders_find_the_strands_that_the_processor_finds() {
         let (mut strands, mut others) = (0, 0);
         for ([base, normal], [strand, more]) in points.iter().zip(answers) {
             let (at, up) = (base.truncate(), normal.truncate());
-            assert_eq!(more[0], hash(base.to_array().map(f32::to_bits))[3], "the hash is the same to the bit");
+            assert_eq!(
+                more[0],
+                hash(base.to_array().map(f32::to_bits))[3],
+                "the hash is the same to the bit"
+            );
             let lobes = kajiya_kay(up, at.normalize(), Vec3::new(at.y, at.z, at.x).normalize(), 24.0);
             let extruded = (fur.extruded(at, up, base.w) - at).y;
             for (word, want) in [(more[1], lobes.diffuse), (more[2], lobes.specular), (more[3], extruded)] {

@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use casca_fur::animals::Animal;
-use casca_fur::field::{Field, Hiding};
+use casca_fur_scenes::animals::Animal;
+use casca_fur_scenes::field::{Field, Hiding};
 use casca_fur_view::culling::{Demand, Herd, Way, camera_at};
 use casca_fur_view::records::Sun;
 use casca_fur_view::renderer::Renderer;
@@ -34,7 +34,12 @@ pub struct Stage {
 
 impl Stage {
     /// A field of animals with the fur that is chosen.
-    pub fn new(gpu: &Gpu, format: casca_stage::wgpu::TextureFormat, choices: &Choices, count: u32) -> Result<Self, Box<dyn Error>> {
+    pub fn new(
+        gpu: &Gpu,
+        format: casca_stage::wgpu::TextureFormat,
+        choices: &Choices,
+        count: u32,
+    ) -> Result<Self, Box<dyn Error>> {
         // One fur for all species: animals are about a unit long.
         let radius = Animal::new(choices.seed, 24)?.radius();
         let look = choices.look(radius)?;
@@ -78,7 +83,12 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
         for way in Way::EVERY {
             let drawn = stage.herd.look(&camera, &demand(choices, way, shooter.drawn_height()))?;
             let picture = shooter.shoot(&mut stage.renderer, &camera, &drawn.list, &sun)?;
-            let head = format!("frame {i}, {:<8} {:>6} animals, {:>7} shells", way.name(), drawn.animals, drawn.list.shells());
+            let head = format!(
+                "frame {i}, {:<8} {:>6} animals, {:>7} shells",
+                way.name(),
+                drawn.animals,
+                drawn.list.shells()
+            );
             let Some(want) = &everything else {
                 say(head);
                 everything = Some(picture);
@@ -88,15 +98,28 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
             let pixels = || want.pixels.chunks(4).zip(picture.pixels.chunks(4));
             let differing = pixels().count() - pixels().filter(same).count();
             if way == Way::Layered {
-                let sum: f64 = want.pixels.iter().zip(&picture.pixels).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+                let sum: f64 = want
+                    .pixels
+                    .iter()
+                    .zip(&picture.pixels)
+                    .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
+                    .sum();
                 // A quarter of the bytes is opacity, which never differs.
                 let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
                 say(format_args!("{head}, RMSE {rmse:.4} from the picture of everything"));
-                write_png(&choices.out.join(format!("field-{i}-layered.png")), picture.size, &picture.pixels)?;
+                write_png(
+                    &choices.out.join(format!("field-{i}-layered.png")),
+                    picture.size,
+                    &picture.pixels,
+                )?;
             } else {
                 say(format_args!("{head}, {differing} pixels differ from the picture of everything"));
                 if differing > 0 {
-                    write_png(&choices.out.join(format!("field-{i}-{}-differs.png", way.name())), picture.size, &picture.pixels)?;
+                    write_png(
+                        &choices.out.join(format!("field-{i}-{}-differs.png", way.name())),
+                        picture.size,
+                        &picture.pixels,
+                    )?;
                     outcome = Outcome::Lost;
                 }
             }
@@ -141,7 +164,10 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
         }
         for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
             let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);
-            say(format_args!("{count:>7} {:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}", way.name()));
+            say(format_args!(
+                "{count:>7} {:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}",
+                way.name()
+            ));
         }
     }
     Ok(())

@@ -3,9 +3,9 @@
 use std::error::Error;
 
 use casca_fur_view::fit::fit;
+use casca_fur_view::records::Block;
 use casca_fur_view::records::{DrawList, Stand, Sun};
 use casca_fur_view::renderer::Renderer;
-use casca_fur_view::records::Block;
 use casca_lab::command_line::say;
 use casca_lab::world::Camera;
 use casca_stage::canvas::write_png;
@@ -38,7 +38,8 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
 pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.75, 0.72, 0.7], tip: [1.25, 1.22, 1.2] };
     let (low, r) = (subject.levels[0].aabb().min.y, subject.radius);
-    let block = Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
+    let block =
+        Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
     DrawList::new(&[(stand, layers)], eye, if ground { vec![block] } else { Vec::new() })
 }
 
@@ -76,7 +77,8 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     say(format_args!("{}, {w}x{h}, medians of {RUNS} frames\nlayers    ms", subject.name));
     for layers in TIMED {
         let list = list(subject, layers, camera.eye, true);
-        let ms = shooter.time(RUNS, &mut |canvas| Ok(renderer.draw(gpu, &canvas.picture(), &camera, &list, &sun)?))?;
+        let ms = shooter
+            .time(RUNS, &mut |canvas| Ok(renderer.draw(gpu, &canvas.picture(), &camera, &list, &sun)?))?;
         say(format_args!("{layers:>6} {ms:>7.2}"));
         points.push((f64::from(layers), ms));
     }

@@ -69,7 +69,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let name = format!("study-{}-{}", height * 100.0, density * 100.0);
             save(choices, &format!("{name}-strands"), &truth)?;
             say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
-        
+
             for marched in [true, false] {
                 look.marched = marched;
                 renderer.set_look(gpu, &look)?;
@@ -113,7 +113,8 @@ fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
         }
     }
     let title = "Shells come nearer to strands with more layers, and tall fur needs more of them";
-    let subtitle = format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[1], SIZE.0, SIZE.1);
+    let subtitle =
+        format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[1], SIZE.0, SIZE.1);
     let axes = (&Axis::log("layers"), &Axis::linear("RMSE of pixel values, 0 to 1"));
     let path = choices.out.join("study.svg");
     lines(&path, title, &subtitle, axes, &curves)?;
@@ -124,7 +125,8 @@ fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
 /// Prints the trends that the thesis saw by eye.
 fn conclude(rows: &[Row]) {
     let error = |height: f32, density: f32, layers: u32, marched: bool| {
-        let same = |r: &&Row| (r.height, r.density, r.layers, r.marched) == (height, density, layers, marched);
+        let same =
+            |r: &&Row| (r.height, r.density, r.layers, r.marched) == (height, density, layers, marched);
         rows.iter().find(same).map_or(f64::NAN, |r| r.rmse)
     };
     for marched in [false, true] {

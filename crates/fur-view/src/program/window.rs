@@ -101,7 +101,11 @@ impl Viewer {
 
     fn camera(&self, aspect: f32) -> Camera {
         let r = self.radius();
-        let far = if let Shown::Many(stage) = &self.shown { stage.herd.field.ground().max.length() * 2.0 } else { 40.0 * r };
+        let far = if let Shown::Many(stage) = &self.shown {
+            stage.herd.field.ground().max.length() * 2.0
+        } else {
+            40.0 * r
+        };
         Camera::look_at(self.fly.eye, self.fly.eye + self.fly.forward(), 55.0, aspect, 0.02 * r, far)
     }
 
@@ -174,10 +178,8 @@ impl Viewer {
     fn show_panel(&mut self, screen: &Screen, target: &Target) -> Done {
         let old = self.choices.clone();
         let Self { panel, choices, way, smooth, .. } = self;
-        let line = format!(
-            "{:.1} ms   {} objects, {} shells",
-            self.milliseconds, self.counts.0, self.counts.1
-        );
+        let line =
+            format!("{:.1} ms   {} objects, {} shells", self.milliseconds, self.counts.0, self.counts.1);
         let mut fur_changed = false;
         let many = matches!(self.shown, Shown::Many(_));
         panel.control(screen, target, &mut |context: &egui::Context| {
