@@ -23,8 +23,8 @@ const SHADOW_LAYERS: u32 = 3;
 /// The part of the path that pictures and times are taken from: at its very start one stands outside of the field.
 const PATH: (f32, f32) = (0.12, 0.8);
 /// Places along the path at which fields are timed, and frames at each.
-const PLACES: usize = 5;
-const RUNS: usize = 3;
+const PLACES: usize = 3;
+const RUNS: usize = 2;
 
 /// A field and its renderer.
 pub struct Stage {

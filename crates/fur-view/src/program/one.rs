@@ -23,6 +23,12 @@ const RUNS: usize = 5;
 /// The direction towards the sun.
 pub const TO_SUN: Vec3 = Vec3::new(0.45, 0.75, 0.5);
 
+/// Colours that multiply those of the mesh, at roots and tips: tips of real fur are bleached.
+pub const ROOT: [f32; 3] = [0.85, 0.82, 0.8];
+pub const TIP: [f32; 3] = [1.6, 1.57, 1.55];
+/// The haze of a way of one radius.
+pub const HAZE: f32 = 0.008;
+
 /// The sun over an object of a radius.
 pub fn sun(radius: f32, shadows: bool) -> Sun {
     Sun { towards: TO_SUN, center: Vec3::ZERO, radius: 1.6 * radius, shadows }
@@ -30,13 +36,13 @@ pub fn sun(radius: f32, shadows: bool) -> Sun {
 
 /// Looks at an object from before, from its side and from above.
 pub fn camera(radius: f32, aspect: f32) -> Camera {
-    let eye = Vec3::new(1.25, 0.42, 1.5) * radius * 1.18;
-    Camera::look_at(eye, Vec3::new(0.03, -0.03, 0.0) * radius, 50.0, aspect, 0.05 * radius, 40.0 * radius)
+    let eye = Vec3::new(1.25, 0.42, 1.5) * radius * 0.9;
+    Camera::look_at(eye, Vec3::new(0.05, -0.02, 0.0) * radius, 50.0, aspect, 0.05 * radius, 40.0 * radius)
 }
 
 /// The object where it is modelled, over a ground if it stands on one.
 pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
-    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.75, 0.72, 0.7], tip: [1.25, 1.22, 1.2] };
+    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: ROOT, tip: TIP };
     let (low, r) = (subject.levels[0].aabb().min.y, subject.radius);
     let block =
         Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
@@ -47,7 +53,7 @@ pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList
 pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.size, choices.smooth);
     let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
-    renderer.haze = 0.03 / subject.radius;
+    renderer.haze = HAZE / subject.radius;
     let camera = camera(subject.radius, shooter.aspect());
     let list = list(subject, choices.layers, camera.eye, true);
     let sun = sun(subject.radius, true);

@@ -64,7 +64,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             look.fur.bend = choices.fur(subject.radius)?.bend;
             let reference = Reference::new(mesh, &look)?;
             let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
-            let tint: Tint = [Vec3::new(0.75, 0.72, 0.7), Vec3::new(1.25, 1.22, 1.2)];
+            let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
             let name = format!("study-{}-{}", height * 100.0, density * 100.0);
             save(choices, &format!("{name}-strands"), &truth)?;

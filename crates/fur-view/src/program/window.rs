@@ -72,7 +72,7 @@ impl Viewer {
             None => {
                 let look = choices.look(subject.radius)?;
                 let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &look)?;
-                renderer.haze = 0.03 / subject.radius;
+                renderer.haze = one::HAZE / subject.radius;
                 let camera = one::camera(subject.radius, screen.aspect());
                 (Shown::One(subject, renderer), camera)
             }
