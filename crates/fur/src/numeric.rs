@@ -34,6 +34,9 @@ pub(crate) const MAX_PER_CELL: u32 = 4;
 /// The most explicit strands: 64 bytes each, so about a gigabyte.
 pub(crate) const MAX_STRANDS: usize = 1 << 24;
 
+/// The most cells along the edges of all triangles when strands are listed: looking at them takes some seconds.
+pub(crate) const MAX_EDGE_CELLS: f64 = 33_554_432.0;
+
 /// The widest mesh, in cells: cell numbers of single precision are then exact with 2 bits for the place within the cell left.
 pub(crate) const MAX_CELLS: f32 = 4_194_304.0;
 

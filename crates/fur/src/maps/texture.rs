@@ -101,9 +101,9 @@ pub fn fur_map(size: u32, density: f64, neighborhood: Neighborhood, seed: u64) -
     Ok(map)
 }
 
-/// A map of `floor(density * size²)` hairs that keep their distance: blue noise, without clumps and gaps. Texels are tried in random
-/// order, with a circle around each hair that excludes others; whenever no room is left, the circles shrink (relaxed dart throwing, McCool &
-/// Fiume 1992). It always ends. Costs some ten passes over the texels, each with the texels of a circle.
+/// A map of `floor(density * size²)` hairs that keep their distance: blue noise, without clumps and gaps, the better choice. Texels are
+/// tried in random order, with a circle around each hair that excludes others; whenever no room is left, the circles shrink (relaxed dart
+/// throwing, McCool & Fiume 1992). It always ends. Costs some ten passes over the texels.
 ///
 /// # Errors
 /// Refuses sizes and densities out of range.
@@ -112,22 +112,30 @@ pub fn blue_noise(size: u32, density: f64, seed: u64) -> Result<FurMap, Error> {
     let mut map = FurMap { size, hairs: vec![false; size as usize * size as usize] };
     let order = shuffled(size, seed);
     let mut count = 0;
-    // Discs as dense as the densest packing: no more fit.
-    let mut radius = (2.0 / (3f64.sqrt() * density.max(1e-9))).sqrt().min(f64::from(size));
+    // The distance of hairs in the densest packing: no more fit.
+    let mut radius = (2.0 / (3f64.sqrt() * density.max(1e-9))).sqrt().min(f64::from(size) * 0.5);
     while count < goal {
-        let reach = radius.floor() as i64;
-        let within = |&(dx, dy): &(i64, i64)| ((dx * dx + dy * dy) as f64) < radius * radius;
-        let square = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)));
-        let disc: Vec<(i64, i64)> = square.filter(within).collect();
+        let mut taken = vec![false; map.hairs.len()];
+        let around = |at: usize, taken: &mut [bool]| {
+            let reach = radius.floor() as i64;
+            for dy in -reach..=reach {
+                let width = (radius * radius - (dy * dy) as f64).max(0.0).sqrt();
+                // Hairs may be as far apart as the radius.
+                let width = width.ceil() as i64 - 1;
+                (-width..=width).for_each(|dx| taken[map.beside(at, dx, dy)] = true);
+            }
+            taken[at] = true;
+        };
+        (0..map.hairs.len()).filter(|&at| map.hairs[at]).for_each(|at| around(at, &mut taken));
+        let mut new = Vec::new();
         for &at in &order {
-            if count < goal
-                && !map.hairs[at]
-                && disc.iter().all(|&(dx, dy)| !map.hairs[map.beside(at, dx, dy)])
-            {
-                map.hairs[at] = true;
+            if count < goal && !taken[at] {
+                around(at, &mut taken);
+                new.push(at);
                 count += 1;
             }
         }
+        new.into_iter().for_each(|at| map.hairs[at] = true);
         radius *= 0.92;
     }
     Ok(map)

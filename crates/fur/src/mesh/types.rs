@@ -130,6 +130,15 @@ impl Mesh {
         self.triangles.iter().map(|t| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).length() * 0.5).sum()
     }
 
+    /// The length of the edges of all triangles, in units; shared edges count twice.
+    pub(crate) fn edge_sum(&self) -> f64 {
+        let at = |v: u32| self.vertices[v as usize].position.as_dvec3();
+        self.triangles
+            .iter()
+            .map(|t| (0..3).map(|i| at(t[i]).distance(at(t[(i + 1) % 3]))).sum::<f64>())
+            .sum()
+    }
+
     /// How many edges do not belong to exactly two triangles that run along them in opposite directions; 0 for a closed two-manifold
     /// mesh. Edges are pairs of positions, so that seams of normals or coats count as closed. Costs a sort of the edges.
     pub fn open_edges(&self) -> usize {

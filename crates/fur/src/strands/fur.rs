@@ -189,3 +189,40 @@ impl Fur {
         (Vec3::new(unit(x), unit(y), unit(z)), id)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{ball, dice};
+
+    #[test]
+    fn layers_of_a_ball_are_balls_and_strands_stand_in_them() {
+        let fur = Fur::for_radius(1.0, 0.3, 0.25).unwrap();
+        assert!((fur.density() - 0.25).abs() < 1e-6 && fur.per_cell == 1);
+        assert_eq!(fur.with_density(1.0).unwrap().per_cell, 4);
+        for v in ball(8).vertices() {
+            // The normals of a ball of triangles are off by its corners' rounding.
+            let up = v.position;
+            for layer in 0..=16 {
+                let height = layer as f32 / 16.0;
+                let at = fur.extruded(v.position, up, height);
+                assert!((at.length() - (1.0 + 0.3 * height)).abs() < 1e-5);
+                assert!(fur.tangent(up, height).distance(up) < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn bent_strands_follow_their_tangents_and_stay_outside() {
+        let mut random = dice(6);
+        for _ in 0..1000 {
+            let fur = Fur { bend: random.point() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
+            let (p, n, h) = (random.point(), random.direction(), random.next() as f32);
+            let step = fur.extruded(p, n, h + 1e-2) - fur.extruded(p, n, h - 1e-2);
+            assert!(step.normalize().distance(fur.tangent(n, h)) < 1e-3);
+            // Each layer is as high above the surface as a straight one, and no farther than the reach.
+            let way = fur.extruded(p, n, h) - p;
+            assert!((way.dot(n) - 0.3 * h).abs() < 1e-5 && way.length() <= fur.reach(1.0));
+        }
+    }
+}

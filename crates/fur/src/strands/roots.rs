@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::fur::Fur;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_STRANDS, ON_EDGE};
+use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE};
 
 /// A strand of fur on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +55,10 @@ pub fn roots(mesh: &Mesh, fur: &Fur) -> Result<Vec<Root>, Error> {
     let estimate = mesh.area() * fur.strands_per_area();
     if estimate > MAX_STRANDS as f64 {
         return Err(Error::TooMany { what: "strands", count: estimate, max: MAX_STRANDS });
+    }
+    let lines = mesh.edge_sum() / f64::from(fur.spacing);
+    if lines > MAX_EDGE_CELLS {
+        return Err(Error::TooMany { what: "cells along edges", count: lines, max: MAX_EDGE_CELLS as usize });
     }
     let mut feet = Vec::new();
     for triangle in 0..mesh.triangles().len() {
@@ -118,13 +122,19 @@ impl<'a> Patch<'a> {
         })
     }
 
-    /// Finds the roots in a box of cells; parts of it away from the triangle's plane are skipped.
+    /// Finds the roots in a box of cells; parts of it away from the triangle are skipped.
     fn visit(&self, lo: IVec3, hi: IVec3, out: &mut Vec<Foot>) {
         let size = hi - lo + 1;
         let half = size.as_dvec3() * 0.5;
         let middle = lo.as_dvec3() + half;
-        let reach = half.dot(self.plane.abs()) + f64::from(HALF_SLAB);
-        if (middle - self.origin).dot(self.plane).abs() > reach {
+        let beyond =
+            |from: DVec3, way: DVec3| (middle - from).dot(way) > half.dot(way.abs()) + f64::from(HALF_SLAB);
+        let corners = [self.origin, self.origin + self.edges[0], self.origin + self.edges[1]];
+        let outside = (0..3).any(|i| {
+            let edge = corners[(i + 1) % 3] - corners[i];
+            beyond(corners[i], edge.cross(self.plane).normalize_or_zero())
+        });
+        if outside || beyond(self.origin, self.plane) || beyond(self.origin, -self.plane) {
             return;
         }
         if size.max_element() > SMALL {
@@ -301,6 +311,14 @@ mod tests {
         }
         let dense = Fur { spacing: 1e-5, ..fur };
         assert!(matches!(roots(&mesh, &dense), Err(Error::TooMany { what: "strands", .. })));
+        // A triangle as long as 100,000 cells and much thinner than one takes no time, and one a billion long an error.
+        let thin = |long: f32| {
+            let corners = [Vec3::ZERO, Vec3::splat(long), Vec3::splat(long) + Vec3::X * 1e-3];
+            let corners = corners.map(|position| Vertex { position, normal: Vec3::Y }).to_vec();
+            Mesh::new(corners, Vec::new(), vec![[0, 1, 2]; 4]).unwrap()
+        };
+        assert!(roots(&thin(1e3), &fur).is_ok());
+        assert!(matches!(roots(&thin(1e6), &Fur { spacing: 0.3, ..fur }), Err(Error::TooMany { .. })));
         let wrong = [
             Fur { spacing: 0.0, ..fur },
             Fur { spacing: f32::NAN, ..fur },

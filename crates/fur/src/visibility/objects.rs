@@ -21,7 +21,8 @@ pub fn inflate(aabb: Aabb, reach: f32) -> Aabb {
 /// included), under a placement. All layers of the mesh lie within these bounds, and so do those of its [`simplified`](Mesh::simplified)
 /// levels, whose vertices are some of its own.
 ///
-/// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing. With `moves`, the object is dynamic.
+/// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing; balls need a placement that scales all axes
+/// alike. With `moves`, the object is dynamic.
 ///
 /// # Errors
 /// Refuses fur with parameters out of range, as [`Fur::check`].
@@ -43,7 +44,7 @@ pub fn furry_object(
 }
 
 /// The base mesh as an occluder, prepared once; objects share it. It hides exactly what the opaque base hides, so draw that level of
-/// detail and no other: a simplified mesh may be smaller. For several levels use [`inner_ball`]. Costs a second for half a million triangles.
+/// detail and no other: a simplified mesh may be smaller. For several levels use [`inner_ball`]. Costs as [`TriMesh::new`].
 ///
 /// # Errors
 /// Refuses meshes that are not closed: one could look through their holes.
