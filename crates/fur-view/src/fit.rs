@@ -27,13 +27,6 @@ pub fn fit(points: &[(f64, f64)]) -> Option<Fit> {
     Some(Fit { base: y - slope * x, slope, r2 })
 }
 
-/// The middle one of values, the lower of two; 0 for none.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,6 +42,5 @@ mod tests {
         assert_eq!(fit(&[(1.0, 2.0), (1.0, 3.0)]), None);
         assert_eq!(fit(&[]), None);
         assert_eq!(fit(&[(0.0, f64::NAN), (1.0, 1.0)]), None);
-        assert_eq!((median(&[]), median(&[3.0, 1.0, 2.0]), median(&[4.0, 1.0])), (0.0, 2.0, 1.0));
     }
 }

@@ -22,3 +22,8 @@ pub(crate) const WIDER: f64 = 4e-6;
 
 /// Rays that estimate which share of an animal is seen: errors of some 0.1, about a layer in ten.
 pub(crate) const FRACTION_RAYS: u32 = 16;
+
+/// The highlight of bald skin, for the reference; the same as in the shader. Eyes and noses look dull without one.
+pub(crate) const WET: f32 = 0.7;
+/// How narrow that highlight is.
+pub(crate) const WET_EXPONENT: f32 = 60.0;

@@ -17,7 +17,7 @@ use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
 use crate::look::{Look, SKY, stored};
-use crate::numeric::{TUBES, WIDER};
+use crate::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a tube with round ends.
 struct Tube {
@@ -137,7 +137,9 @@ impl<'a> Reference<'a> {
                 let normal = mix(&|v| self.mesh.vertices()[v].normal).normalize_or_zero();
                 let color = mix(&|v| self.mesh.coats()[v].color);
                 let length = mix(&|v| Vec3::splat(self.mesh.coats()[v].length)).x;
-                skin(&self.look.material, color * tint[0], length, normal.dot(to_sun))
+                let to_eye = -direction.as_vec3();
+                let seen = Directions { tangent: normal, normal, to_light: to_sun, to_eye };
+                skin(&self.look.material, color * tint[0], length, &seen)
             }
         }
     }
@@ -158,12 +160,16 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// The light of skin under a coat of a length, as a share of the greatest: below fur it is as dark as roots.
-fn skin(material: &Material, color: Vec3, length: f32, facing: f32) -> Vec3 {
+/// The light of skin under a coat of a length, as a share of the greatest: below fur it is as dark as roots, bald it is wet.
+fn skin(material: &Material, color: Vec3, length: f32, strand: &Directions) -> Vec3 {
     let t = (length / 0.2).clamp(0.0, 1.0);
-    let depth = 1.0 + (material.root - 1.0) * t * t * (3.0 - 2.0 * t);
+    let covered = t * t * (3.0 - 2.0 * t);
+    let depth = 1.0 + (material.root - 1.0) * covered;
+    let facing = strand.normal.dot(strand.to_light);
     let direct = ((facing + material.wrap) / (1.0 + material.wrap)).clamp(0.0, 1.0);
-    color * depth * (material.ambient + material.diffuse * direct)
+    let half = (strand.to_light + strand.to_eye).normalize_or_zero();
+    let wet = WET * (1.0 - covered) * strand.normal.dot(half).clamp(0.0, 1.0).powf(WET_EXPONENT);
+    color * depth * (material.ambient + material.diffuse * direct) + Vec3::splat(wet * direct)
 }
 
 impl Part {

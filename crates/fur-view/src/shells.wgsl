@@ -1,5 +1,9 @@
 // Shells: instance k of a mesh is its layer k, layer 0 the skin.
 
+// The highlight of bald skin; as in the reference.
+const WET: f32 = 0.7;
+const WET_EXPONENT: f32 = 60.0;
+
 struct Record {
     // Object space to world space.
     rows: array<vec4f, 3>,
@@ -164,7 +168,11 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         // The skin below fur is as dark as the roots, bald skin is not.
         let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
         let colour = in.coat.rgb * records[record].root.rgb;
-        return stored(skin * colour * (look.ambient + look.diffuse * facing(out) * sunlight(lifted)), at);
+        let sun = facing(out) * sunlight(lifted);
+        // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
+        let half = normalize(frame.sun.xyz + normalize(frame.eye.xyz - at));
+        let wet = WET * (1.0 - smoothstep(0.0, 0.2, in.coat.w)) * pow(saturate(dot(out, half)), WET_EXPONENT);
+        return stored(skin * colour * (look.ambient + look.diffuse * sun) + wet * sun, at);
     }
     let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
     let hit = seen(in, normal, width);

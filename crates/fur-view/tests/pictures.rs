@@ -102,7 +102,8 @@ fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
         let sky = pixels[..4].to_vec();
         let at = |i: usize| Vec3::new((i % 96) as f32 - 47.5, (i / 96) as f32 - 47.5, 0.0);
         let shown = |right: bool| {
-            let far = |i: &usize| at(*i).length() > 36.0 && (at(*i).x > 20.0) == right && at(*i).x.abs() > 20.0;
+            let far =
+                |i: &usize| at(*i).length() > 36.0 && (at(*i).x > 20.0) == right && at(*i).x.abs() > 20.0;
             (0..96 * 96).filter(far).filter(|i| pixels[4 * i..4 * i + 4] != sky).count()
         };
         (shown(false), shown(true))
@@ -111,7 +112,13 @@ fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
     for (mapping, marched) in [(Mapping::Cells, true), (Mapping::Cells, false), (Mapping::CubeMap, false)] {
         (look.mapping, look.marched) = (mapping, marched);
         renderer.set_look(&gpu, &look).unwrap();
-        let pixels = shoot(&gpu, &mut renderer, &canvas, &camera, &DrawList::new(&[(stand(), 12)], camera.eye, Vec::new()));
+        let pixels = shoot(
+            &gpu,
+            &mut renderer,
+            &canvas,
+            &camera,
+            &DrawList::new(&[(stand(), 12)], camera.eye, Vec::new()),
+        );
         let (bald, furry) = beyond(&pixels);
         println!("{mapping:?}, followed {marched}: {furry} pixels of fur beyond the skin");
         assert!(bald == 0 && furry > 40, "{mapping:?} {marched}: {bald} {furry}");
@@ -119,7 +126,8 @@ fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
     }
     // Rays that are followed through slabs meet strands between shells.
     assert!(counts[0] > counts[1] + counts[1] / 10, "{counts:?}");
-    let skin = shoot(&gpu, &mut renderer, &canvas, &camera, &DrawList::new(&[(stand(), 0)], camera.eye, Vec::new()));
+    let skin =
+        shoot(&gpu, &mut renderer, &canvas, &camera, &DrawList::new(&[(stand(), 0)], camera.eye, Vec::new()));
     assert_eq!(beyond(&skin), (0, 0));
 }
 
@@ -128,7 +136,8 @@ fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
     let Some(gpu) = gpu() else { return };
     let mesh = ball();
     let (size, canvas) = ((96, 72), Canvas::new(&gpu, (192, 144)));
-    let camera = Camera::look_at(Vec3::new(1.6, 0.9, 1.4), Vec3::new(0.4, 0.3, 0.3), 40.0, 4.0 / 3.0, 0.1, 20.0);
+    let camera =
+        Camera::look_at(Vec3::new(1.6, 0.9, 1.4), Vec3::new(0.4, 0.3, 0.3), 40.0, 4.0 / 3.0, 0.1, 20.0);
     let mut fur = Fur { spacing: 0.06, ..Fur::for_radius(1.0, 0.15, 0.3).unwrap() };
     fur.bend = Vec3::new(0.0, -0.5, 0.0);
     let look = Look::new(fur);

@@ -33,7 +33,8 @@ fn pictures_are_written_and_errors_name_their_cause() {
     }
     assert_eq!(code, Some(0), "{said}");
     assert!(folder.join("one/animal.png").is_file());
-    let (code, said) = run(folder, "--field 6 --headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out field");
+    let (code, said) =
+        run(folder, "--field 6 --headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out field");
     assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{said}");
     assert!(folder.join("field/field-0.png").is_file() && folder.join("field/field-0-layered.png").is_file());
 }

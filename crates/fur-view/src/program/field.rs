@@ -138,7 +138,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     one::time(gpu, choices, subject)?;
     let shooter = Shooter::new(gpu, choices.size, 0);
     say(format_args!(
-        "\nfields, {}x{}, {} layers; medians of {RUNS} frames, means over {PLACES} places; the shadow map is drawn before\n\
+        "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {PLACES} places; the shadow map is drawn before\n\
          {:>7} {:<9}{:>9}{:>12}{:>10}{:>8}",
         choices.size.0, choices.size.1, choices.layers, "animals", "way", "drawn", "vertices", "ms", "ratio"
     ));

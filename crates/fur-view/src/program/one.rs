@@ -17,7 +17,7 @@ use crate::shots::Shooter;
 
 /// Numbers of layers whose times are fitted by a line.
 const TIMED: [u32; 6] = [4, 8, 16, 24, 32, 48];
-/// Frames of which times are the median.
+/// Frames of which the quickest counts.
 const RUNS: usize = 5;
 
 /// The direction towards the sun.
@@ -42,11 +42,18 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
 
 /// The object where it is modelled, over a ground if it stands on one.
 pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
-    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: ROOT, tip: TIP };
+    let mut list = tinted(layers, eye, (ROOT, TIP));
     let (low, r) = (subject.levels[0].aabb().min.y, subject.radius);
     let block =
         Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
-    DrawList::new(&[(stand, layers)], eye, if ground { vec![block] } else { Vec::new() })
+    list.blocks.extend(ground.then_some(block));
+    list
+}
+
+/// The object alone, with colours at roots and tips.
+pub fn tinted(layers: u32, eye: Vec3, (root, tip): ([f32; 3], [f32; 3])) -> DrawList {
+    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root, tip };
+    DrawList::new(&[(stand, layers)], eye, Vec::new())
 }
 
 /// Draws the object into a file.
@@ -80,7 +87,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     let sun = sun(subject.radius, false);
     let mut points = Vec::new();
     let (w, h) = choices.size;
-    say(format_args!("{}, {w}x{h}, medians of {RUNS} frames\nlayers    ms", subject.name));
+    say(format_args!("{}, {w}x{h}, the quickest of {RUNS} frames\nlayers    ms", subject.name));
     for layers in TIMED {
         let list = list(subject, layers, camera.eye, true);
         let ms = shooter

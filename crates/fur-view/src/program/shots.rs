@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use casca_fur_view::error::FurViewError;
-use casca_fur_view::fit::median;
 use casca_fur_view::records::{DrawList, Sun};
 use casca_fur_view::renderer::Renderer;
 use casca_lab::world::Camera;
@@ -59,22 +58,23 @@ impl<'a> Shooter<'a> {
         Ok(Picture { size, pixels })
     }
 
-    /// The median of the milliseconds that `frame` takes until the device is done; the first run only warms up.
+    /// The milliseconds that `frame` takes until the device is done: the quickest of some runs after a first one, since other programs
+    /// interrupt.
     pub fn time(
         &self,
         runs: usize,
         frame: &mut dyn FnMut(&Canvas) -> Result<(), FurViewError>,
     ) -> Result<f64, FurViewError> {
-        let mut times = Vec::with_capacity(runs);
+        let mut quickest = f64::INFINITY;
         for run in 0..=runs {
             self.gpu.wait()?;
             let start = Instant::now();
             frame(&self.canvas)?;
             self.gpu.wait()?;
             if run > 0 {
-                times.push(start.elapsed().as_secs_f64() * 1e3);
+                quickest = quickest.min(start.elapsed().as_secs_f64() * 1e3);
             }
         }
-        Ok(median(&times))
+        Ok(quickest)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_fur_view::look::Look;
 use casca_fur_view::reference::{Reference, Tint};
@@ -26,6 +27,12 @@ const DENSITIES: [f32; 2] = [0.1, 0.3];
 const SMOOTH: u32 = 1;
 const SIZE: (u32, u32) = (240, 180);
 
+/// Layers at which gaps are measured: those that the thesis finds enough for fur of 2%.
+const GAP_LAYERS: u32 = 8;
+/// Light from everywhere and nothing else.
+const SHINING: Material =
+    Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
+
 /// One picture of shells: its parameters and its error.
 struct Row {
     height: f32,
@@ -33,6 +40,8 @@ struct Row {
     layers: u32,
     marched: bool,
     rmse: f64,
+    /// See [`gaps`]; not a number where it was not measured.
+    gaps: f64,
 }
 
 /// Looks at the shoulder and the head from so near that strands are some pixels wide.
@@ -69,7 +78,15 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let name = format!("study-{}-{}", height * 100.0, density * 100.0);
             save(choices, &format!("{name}-strands"), &truth)?;
             say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
-
+            // Strands shine by themselves, the more the nearer to the tip; skin and roots are black.
+            let shining = Look { material: SHINING, vary: 0.0, ..look };
+            let tips = Reference::new(mesh, &shining)?.picture(
+                &camera,
+                SIZE,
+                1 << SMOOTH,
+                &[Vec3::ZERO, Vec3::ONE],
+                TO_SUN.normalize(),
+            );
             for marched in [true, false] {
                 look.marched = marched;
                 renderer.set_look(gpu, &look)?;
@@ -81,7 +98,15 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                     let way = if marched { "followed" } else { "plain" };
                     say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
                     save(choices, &format!("{name}-{way}-{layers}"), &pixels)?;
-                    rows.push(Row { height, density, layers, marched, rmse });
+                    let mut row = Row { height, density, layers, marched, rmse, gaps: f64::NAN };
+                    if layers == GAP_LAYERS {
+                        renderer.set_look(gpu, &Look { marched, ..shining })?;
+                        let list = one::tinted(layers, camera.eye, ([0.0; 3], [1.0; 3]));
+                        let shells = shooter.shoot(&mut renderer, &camera, &list, &sun)?.pixels;
+                        row.gaps = gaps(&tips, &shells, &truth[..4]);
+                        renderer.set_look(gpu, &look)?;
+                    }
+                    rows.push(row);
                 }
             }
         }
@@ -96,9 +121,10 @@ fn save(choices: &Choices, name: &str, pixels: &[u8]) -> Result<(), Box<dyn Erro
 }
 
 fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-    let mut csv = String::from("height,density,layers,rays followed,RMSE\n");
+    let mut csv = String::from("height,density,layers,rays followed,RMSE,light of tips lost\n");
     for r in rows {
-        csv += &format!("{},{},{},{},{:.5}\n", r.height, r.density, r.layers, r.marched, r.rmse);
+        let gaps = if r.gaps.is_nan() { String::new() } else { format!("{:.4}", r.gaps) };
+        csv += &format!("{},{},{},{},{:.5},{gaps}\n", r.height, r.density, r.layers, r.marched, r.rmse);
     }
     let path = choices.out.join("study.csv");
     std::fs::write(&path, csv).map_err(PathError::write(&path))?;
@@ -124,25 +150,64 @@ fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
 
 /// Prints the trends that the thesis saw by eye.
 fn conclude(rows: &[Row]) {
-    let error = |height: f32, density: f32, layers: u32, marched: bool| {
-        let same =
-            |r: &&Row| (r.height, r.density, r.layers, r.marched) == (height, density, layers, marched);
-        rows.iter().find(same).map_or(f64::NAN, |r| r.rmse)
+    let curve = |height: f32, density: f32, marched: bool| -> Vec<(f64, f64)> {
+        let same = |r: &&Row| (r.height, r.density, r.marched) == (height, density, marched);
+        rows.iter().filter(same).map(|r| (f64::from(r.layers), r.rmse)).collect()
     };
     for marched in [false, true] {
         say(if marched { "rays followed:" } else { "plain shells:" });
         for density in DENSITIES {
-            for height in HEIGHTS {
-                let last = error(height, density, LAYERS[LAYERS.len() - 1], marched);
-                let enough = LAYERS.into_iter().find(|&n| error(height, density, n, marched) < 1.15 * last);
+            let short = curve(HEIGHTS[0], density, marched);
+            let Some(&(_, goal)) = short.iter().find(|p| p.0 == f64::from(GAP_LAYERS)) else { continue };
+            for height in &HEIGHTS[1..] {
+                let needed = layers_for_error(&curve(*height, density, marched), goal);
+                let needed = needed.map_or("more than 64".to_owned(), |n| format!("{n:.0}"));
                 say(format_args!(
-                    "  height {height:<4} density {density}: error {:.4} at {} layers, {last:.4} at {}; within 15% of that from {} layers",
-                    error(height, density, LAYERS[0], marched),
-                    LAYERS[0],
-                    LAYERS[LAYERS.len() - 1],
-                    enough.unwrap_or(0)
+                    "  density {density}: fur {}% high needs {needed} layers for the error of fur {}% high with {GAP_LAYERS}",
+                    height * 100.0,
+                    HEIGHTS[0] * 100.0
                 ));
             }
         }
+    }
+    say(format_args!("light of tips that gaps swallow, with {GAP_LAYERS} layers:"));
+    for r in rows.iter().filter(|r| r.layers == GAP_LAYERS) {
+        let way = if r.marched { "followed" } else { "plain" };
+        say(format_args!("  height {:<4} density {}: {way:<9}{:.3}", r.height, r.density, r.gaps));
+    }
+}
+
+/// Where a falling curve of errors, with the logarithm of the layers between its points, first reaches an error.
+fn layers_for_error(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
+    let pair = curve.windows(2).find(|w| w[0].1 >= goal && w[1].1 < goal)?;
+    let share = (pair[0].1 - goal) / (pair[0].1 - pair[1].1);
+    Some((pair[0].0.ln() * (1.0 - share) + pair[1].0.ln() * share).exp())
+}
+
+/// How much less of the tips a picture shows than another: the sums of the light in pixels that show the object.
+fn gaps(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+    let sum = |pixels: &[u8]| -> f64 {
+        let shown = pixels.chunks(4).filter(|p| *p != sky);
+        // Stored values are not linear in light.
+        shown.flat_map(|p| &p[..3]).map(|v| (f64::from(*v) / 255.0).powf(2.2)).sum()
+    };
+    1.0 - sum(got) / sum(want).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_taken_over_the_object_and_curves_are_read_between_their_points() {
+        let (sky, fur, dark) = ([9, 9, 9, 255], [200, 200, 200, 255], [100, 100, 100, 255]);
+        let want = [sky, fur, fur, sky].concat();
+        assert_eq!(rmse(&want, &want, &sky), 0.0);
+        let got = [sky, fur, dark, sky].concat();
+        assert!((rmse(&want, &got, &sky) - (0.5f64 * (100.0f64 / 255.0).powi(2)).sqrt()).abs() < 1e-12);
+        assert!((gaps(&want, &got, &sky) - 0.5 * (1.0 - 0.5f64.powf(2.2))).abs() < 1e-12);
+        let curve = [(4.0, 0.4), (16.0, 0.2), (64.0, 0.1)];
+        assert!((layers_for_error(&curve, 0.3).unwrap() - 8.0).abs() < 1e-9);
+        assert_eq!(layers_for_error(&curve, 0.05), None);
     }
 }
