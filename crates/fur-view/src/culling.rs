@@ -89,12 +89,10 @@ impl Herd {
         // Each animal a little lighter or darker, and warmer or colder.
         let tint = |i: usize| {
             let word = casca_fur::strands::hash([i as u32, 17, 4, 1]);
-            let [a, b] = [word[0], word[1]].map(|w| casca_fur::strands::unit(w));
-            let light = 0.75 + 0.5 * a;
-            [
-                [light * 0.8 * (0.9 + 0.2 * b), light * 0.8, light * 0.8],
-                [light * (0.9 + 0.2 * b), light, light],
-            ]
+            let [a, b] = [word[0], word[1]].map(casca_fur::strands::unit);
+            let light = 0.8 + 0.4 * a;
+            // Tips are bleached.
+            [0.85, 1.55].map(|share| [light * share * (0.95 + 0.1 * b), light * share, light * share])
         };
         let tints = (0..field.animals().len()).map(tint).collect();
         Ok(Self { field, soft, query: Query::new(), items: Vec::new(), tints })
@@ -113,6 +111,25 @@ impl Herd {
         self.field.walk(time)?;
         self.soft.follow(&self.field.scene)?;
         Ok(())
+    }
+
+    /// All animals and walls within a distance of a point, with so many layers: for shadow maps, which must not depend on what the
+    /// camera sees.
+    pub fn around(&self, center: Vec3, reach: f32, layers: u32) -> DrawList {
+        let near = |p: Vec3| p.distance(center) <= reach;
+        let animals = (0..self.field.animals().len())
+            .filter(|&i| near(self.field.animals()[i].placement.translation.into()))
+            .map(|i| (self.stand(i, 0), layers));
+        let animals: Vec<(Stand, u32)> = animals.collect();
+        let walls = self.field.walls().iter().filter(|w| near(center.clamp(w.min, w.max)));
+        DrawList::new(&animals, center, walls.map(|w| block(w, 1)).collect())
+    }
+
+    /// Where an animal stands, with a level of detail.
+    fn stand(&self, animal: usize, level: usize) -> Stand {
+        let resident = &self.field.animals()[animal];
+        let [root, tip] = self.tints[animal];
+        Stand { mesh: resident.species * LEVELS + level, place: resident.placement, root, tip }
     }
 
     /// What a camera draws, near to far.
@@ -147,12 +164,7 @@ impl Herd {
             }
             _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
         };
-        let stand = |&(animal, level, layers): &(usize, usize, u32)| {
-            let resident = &self.field.animals()[animal];
-            let [root, tip] = self.tints[animal];
-            let mesh = resident.species * LEVELS + level;
-            (Stand { mesh, place: resident.placement, root, tip }, layers)
-        };
+        let stand = |&(animal, level, layers): &(usize, usize, u32)| (self.stand(animal, level), layers);
         let vertices = chosen.iter().map(|&(animal, level, layers)| {
             let species = &self.field.species()[self.field.animals()[animal].species].0;
             species.levels()[level].vertices().len() as u64 * u64::from(layers + 1)

@@ -26,4 +26,4 @@ pub(crate) const FRACTION_RAYS: u32 = 16;
 /// The highlight of bald skin, for the reference; the same as in the shader. Eyes and noses look dull without one.
 pub(crate) const WET: f32 = 0.7;
 /// How narrow that highlight is.
-pub(crate) const WET_EXPONENT: f32 = 60.0;
+pub(crate) const WET_EXPONENT: f32 = 140.0;

@@ -2,7 +2,7 @@
 
 // The highlight of bald skin; as in the reference.
 const WET: f32 = 0.7;
-const WET_EXPONENT: f32 = 60.0;
+const WET_EXPONENT: f32 = 140.0;
 
 struct Record {
     // Object space to world space.

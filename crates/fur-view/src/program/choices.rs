@@ -41,6 +41,9 @@ pub struct Choices {
     /// Compares shells with ray-traced strands, by layers, height and density: study.csv and study.svg
     #[arg(long)]
     pub study: bool,
+    /// Draws short and long fur, sparse and dense, side by side
+    #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study"])]
+    pub coats: bool,
     /// Layers above the skin, up to 256
     #[arg(long, default_value_t = 24, value_parser = value_parser!(u32).range(0..=256))]
     pub layers: u32,

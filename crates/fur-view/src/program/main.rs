@@ -32,6 +32,7 @@ fn run(choices: &Choices) -> Result<Outcome, Box<dyn Error>> {
     match (choices.field, choices.time) {
         (_, true) => field::time(&gpu, choices, &subject)?,
         (Some(count), false) => return field::pictures(&gpu, choices, count),
+        (None, false) if choices.coats => one::coats(&gpu, choices, &subject)?,
         (None, false) => one::pictures(&gpu, choices, &subject)?,
     }
     Ok(Outcome::Well)

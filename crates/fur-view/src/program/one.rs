@@ -13,7 +13,7 @@ use casca_stage::gpu::{COLOUR, Gpu};
 use glam::{Affine3A, Vec3};
 
 use crate::choices::{Choices, Subject};
-use crate::shots::Shooter;
+use crate::shots::{Shooter, sheet};
 
 /// Numbers of layers whose times are fitted by a line.
 const TIMED: [u32; 6] = [4, 8, 16, 24, 32, 48];
@@ -26,6 +26,8 @@ pub const TO_SUN: Vec3 = Vec3::new(0.45, 0.75, 0.5);
 /// Colours that multiply those of the mesh, at roots and tips: tips of real fur are bleached.
 pub const ROOT: [f32; 3] = [0.85, 0.82, 0.8];
 pub const TIP: [f32; 3] = [1.6, 1.57, 1.55];
+/// Heights and densities: short and long, sparse and dense.
+const COATS: [(f32, f32); 4] = [(0.03, 0.12), (0.03, 0.6), (0.13, 0.12), (0.13, 0.6)];
 /// The haze of a way of one radius.
 pub const HAZE: f32 = 0.008;
 
@@ -76,6 +78,28 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
         mesh.vertices().len(),
         choices.layers
     ));
+    Ok(())
+}
+
+/// Draws short and long fur, sparse and dense, into one file.
+pub fn coats(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    let shooter = Shooter::new(gpu, (choices.size.0 / 2, choices.size.1 / 2), choices.smooth);
+    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    renderer.haze = HAZE / subject.radius;
+    let camera = camera(subject.radius, shooter.aspect());
+    let list = list(subject, choices.layers, camera.eye, true);
+    let sun = sun(subject.radius, true);
+    let mut pictures = Vec::new();
+    for (height, density) in COATS {
+        let look = Choices { height, density, ..choices.clone() }.look(subject.radius)?;
+        renderer.set_look(gpu, &look)?;
+        renderer.cast_shadows(gpu, &list, &sun)?;
+        pictures.push(shooter.shoot(&mut renderer, &camera, &list, &sun)?);
+    }
+    let path = choices.out.join(format!("{}-coats.png", subject.name));
+    let all = sheet(&pictures, 2);
+    write_png(&path, all.size, &all.pixels)?;
+    say(path.display());
     Ok(())
 }
 

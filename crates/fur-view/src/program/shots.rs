@@ -10,10 +10,25 @@ use casca_stage::canvas::{Canvas, halved};
 use casca_stage::gpu::Gpu;
 
 /// A picture and its size.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     pub size: (u32, u32),
     /// Red, green, blue, opacity, row by row.
     pub pixels: Vec<u8>,
+}
+
+/// Pictures of one size in rows of `columns`, from the left and from the top.
+pub fn sheet(pictures: &[Picture], columns: usize) -> Picture {
+    let Some(first) = pictures.first() else { return Picture { size: (0, 0), pixels: Vec::new() } };
+    let (width, height) = (first.size.0 as usize, first.size.1 as usize);
+    let mut pixels = Vec::new();
+    for row in pictures.chunks_exact(columns.max(1)) {
+        for y in 0..height {
+            row.iter().for_each(|p| pixels.extend(p.pixels.iter().skip(4 * width * y).take(4 * width)));
+        }
+    }
+    let rows = pictures.len() / columns.max(1);
+    Picture { size: (first.size.0 * columns as u32, first.size.1 * rows as u32), pixels }
 }
 
 /// Draws pictures of one size, larger by a power of two and halved as often.
@@ -58,23 +73,34 @@ impl<'a> Shooter<'a> {
         Ok(Picture { size, pixels })
     }
 
-    /// The milliseconds that `frame` takes until the device is done: the quickest of some runs after a first one, since other programs
-    /// interrupt.
+    /// The milliseconds that `frame` takes until the device is done: the quickest of some runs, since other programs interrupt.
     pub fn time(
         &self,
         runs: usize,
         frame: &mut dyn FnMut(&Canvas) -> Result<(), FurViewError>,
     ) -> Result<f64, FurViewError> {
         let mut quickest = f64::INFINITY;
-        for run in 0..=runs {
+        for _ in 0..runs {
             self.gpu.wait()?;
             let start = Instant::now();
             frame(&self.canvas)?;
             self.gpu.wait()?;
-            if run > 0 {
-                quickest = quickest.min(start.elapsed().as_secs_f64() * 1e3);
-            }
+            quickest = quickest.min(start.elapsed().as_secs_f64() * 1e3);
         }
         Ok(quickest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_has_its_pictures_side_by_side_and_below_each_other() {
+        let one = |v: u8| Picture { size: (1, 2), pixels: [[v; 4], [v + 1; 4]].concat() };
+        let made = sheet(&[one(0), one(10), one(20), one(30)], 2);
+        let values: Vec<u8> = made.pixels.chunks(4).map(|p| p[0]).collect();
+        assert_eq!((made.size, values), ((2, 4), vec![0, 10, 1, 11, 20, 30, 21, 31]));
+        assert_eq!(sheet(&[], 2).size, (0, 0));
     }
 }

@@ -17,7 +17,7 @@ use glam::Vec3;
 
 use crate::choices::{Choices, Subject};
 use crate::one::{self, TO_SUN};
-use crate::shots::{Picture, Shooter};
+use crate::shots::{Picture, Shooter, sheet};
 
 const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
 /// Heights as shares of the radius: the two of the thesis, and a taller one.
@@ -29,6 +29,8 @@ const SIZE: (u32, u32) = (240, 180);
 
 /// Layers at which gaps are measured: those that the thesis finds enough for fur of 2%.
 const GAP_LAYERS: u32 = 8;
+/// Layers of the shells shown beside the strands, and whether their rays are followed.
+const SHOWN: [(u32, bool); 3] = [(8, true), (32, true), (8, false)];
 /// Light from everywhere and nothing else.
 const SHINING: Material =
     Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
@@ -76,7 +78,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
             let name = format!("study-{}-{}", height * 100.0, density * 100.0);
-            save(choices, &format!("{name}-strands"), &truth)?;
+            let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
             say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
             // Strands shine by themselves, the more the nearer to the tip; skin and roots are black.
             let shining = Look { material: SHINING, vary: 0.0, ..look };
@@ -97,7 +99,9 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                     let rmse = rmse(&truth, &pixels, &truth[..4]);
                     let way = if marched { "followed" } else { "plain" };
                     say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
-                    save(choices, &format!("{name}-{way}-{layers}"), &pixels)?;
+                    if SHOWN.contains(&(layers, marched)) {
+                        shown.push(Picture { size: SIZE, pixels });
+                    }
                     let mut row = Row { height, density, layers, marched, rmse, gaps: f64::NAN };
                     if layers == GAP_LAYERS {
                         renderer.set_look(gpu, &Look { marched, ..shining })?;
@@ -109,15 +113,13 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                     rows.push(row);
                 }
             }
+            let beside = sheet(&shown, shown.len());
+            write_png(&choices.out.join(format!("{name}.png")), beside.size, &beside.pixels)?;
         }
     }
     write(choices, &rows)?;
     conclude(&rows);
     Ok(())
-}
-
-fn save(choices: &Choices, name: &str, pixels: &[u8]) -> Result<(), Box<dyn Error>> {
-    Ok(write_png(&choices.out.join(format!("{name}.png")), SIZE, pixels)?)
 }
 
 fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
