@@ -25,6 +25,10 @@ pub(crate) const NO_SUM: f32 = 1e-6;
 /// keeps all strands of a point within half a cell, so that eight cells are enough: 0.25² + 0.43² < 0.5².
 pub(crate) const HALF_SLAB: f32 = 0.25;
 
+/// Cells on the radius of a mesh, unless the caller sets another spacing: strands of an animal that fills a picture 700 pixels high are
+/// then about five pixels apart.
+pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;
+
 /// The greatest radius of a strand, in cells; see [`HALF_SLAB`].
 pub(crate) const MAX_RADIUS: f32 = 0.43;
 

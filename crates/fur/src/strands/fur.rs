@@ -6,7 +6,7 @@ use glam::{IVec3, Vec3};
 
 use super::hash::{hash, unit};
 use crate::error::{Error, range};
-use crate::numeric::{EXTRUSION_ERROR, HALF_SLAB, MAX_CELLS, MAX_PER_CELL, MAX_RADIUS};
+use crate::numeric::{CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, MAX_CELLS, MAX_PER_CELL, MAX_RADIUS};
 
 /// The fur of an object. All lengths are in its object space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ impl Fur {
         let fur = Self {
             height: height * radius,
             bend: Vec3::ZERO,
-            spacing: radius / 60.0,
+            spacing: radius / CELLS_ON_RADIUS,
             per_cell: 1,
             radius: MAX_RADIUS,
             taper: 0.8,

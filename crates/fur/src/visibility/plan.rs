@@ -285,6 +285,9 @@ mod tests {
         let mut random = dice(8);
         let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
         let bases: f64 = free.entries.iter().map(|e| e.weight / f64::from(1 + e.layers)).sum();
+        let furry = |e: &&Entry| e.layers > 0;
+        let one_each = bases
+            + free.entries.iter().filter(furry).map(|e| e.weight / f64::from(1 + e.layers)).sum::<f64>();
         let mut before: Option<(f64, Plan)> = None;
         for step in 0..60 {
             let budget = free.weight * (f64::from(step) / 50.0 + 0.01 * random.next());
@@ -299,6 +302,12 @@ mod tests {
                 assert_eq!(plan, free);
             } else if bases <= budget {
                 assert!(plan.weight > 0.8 * budget, "{} of {budget}", plan.weight);
+            }
+            if budget >= one_each {
+                assert!(
+                    plan.entries.iter().zip(&free.entries).all(|(e, f)| e.layers >= f.layers.min(1)),
+                    "step {step}"
+                );
             }
             if let Some((less, old)) = before {
                 assert!(less > budget || old.dropped.len() >= plan.dropped.len());
