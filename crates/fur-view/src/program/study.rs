@@ -77,7 +77,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
             let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
-            let name = format!("study-{}-{}", height * 100.0, density * 100.0);
+            let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
             let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
             say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
             // Strands shine by themselves, the more the nearer to the tip; skin and roots are black.
