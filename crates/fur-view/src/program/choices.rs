@@ -38,6 +38,9 @@ pub struct Choices {
     #[arg(long, value_delimiter = ',', default_value = "50,500,5000", requires = "time",
         value_parser = value_parser!(u32).range(1..=100_000))]
     pub animals: Vec<u32>,
+    /// Places along the path at which fields are timed
+    #[arg(long, default_value_t = 2, requires = "time", value_parser = value_parser!(u32).range(1..=1000))]
+    pub places: u32,
     /// Compares shells with ray-traced strands, by layers, height and density: study.csv and study.svg
     #[arg(long)]
     pub study: bool,

@@ -22,8 +22,7 @@ const SPECIES: usize = 4;
 const SHADOW_LAYERS: u32 = 3;
 /// The part of the path that pictures and times are taken from: at its very start one stands outside of the field.
 const PATH: (f32, f32) = (0.2, 0.8);
-/// Places along the path at which fields are timed, and frames at each.
-const PLACES: usize = 2;
+/// Frames at each place, of which the quickest counts.
 const RUNS: usize = 2;
 
 /// A field and its renderer.
@@ -138,15 +137,25 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     one::time(gpu, choices, subject)?;
     let shooter = Shooter::new(gpu, choices.size, 0);
     say(format_args!(
-        "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {PLACES} places; the shadow map is drawn before\n\
+        "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {} places; the shadow map is drawn before\n\
          {:>7} {:<9}{:>9}{:>12}{:>10}{:>8}",
-        choices.size.0, choices.size.1, choices.layers, "animals", "way", "drawn", "vertices", "ms", "ratio"
+        choices.size.0,
+        choices.size.1,
+        choices.layers,
+        choices.places,
+        "animals",
+        "way",
+        "drawn",
+        "vertices",
+        "ms",
+        "ratio"
     ));
+    let places = choices.places as usize;
     for &count in &choices.animals {
         let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
         let mut totals = [[0.0f64; 3]; 4];
-        for i in 0..PLACES {
-            let camera = camera_at(&stage.herd.field, place(i, PLACES), shooter.aspect());
+        for i in 0..places {
+            let camera = camera_at(&stage.herd.field, place(i, places), shooter.aspect());
             let sun = stage.cast_shadows(gpu, &camera)?;
             // In turns, so that what else the machine does slows all ways alike.
             let mut found = [[f64::INFINITY, 0.0, 0.0]; 4];
@@ -163,7 +172,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
                 }
             }
             let sums = totals.as_flattened_mut().iter_mut().zip(found.as_flattened());
-            sums.for_each(|(sum, value)| *sum += value / PLACES as f64);
+            sums.for_each(|(sum, value)| *sum += value / places as f64);
         }
         for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
             let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);

@@ -38,8 +38,8 @@ pub fn open(choices: &Choices, subject: Subject) -> Done {
 
 /// What is shown.
 enum Shown {
-    One(Subject, Renderer),
-    Many(Stage),
+    One(Subject, Box<Renderer>),
+    Many(Box<Stage>),
 }
 
 struct Viewer {
@@ -67,14 +67,14 @@ impl Viewer {
             Some(count) => {
                 let stage = Stage::new(gpu, format, &choices, count)?;
                 let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
-                (Shown::Many(stage), camera)
+                (Shown::Many(Box::new(stage)), camera)
             }
             None => {
                 let look = choices.look(subject.radius)?;
                 let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &look)?;
                 renderer.haze = one::HAZE / subject.radius;
                 let camera = one::camera(subject.radius, screen.aspect());
-                (Shown::One(subject, renderer), camera)
+                (Shown::One(subject, Box::new(renderer)), camera)
             }
         };
         Ok(Self {
@@ -168,7 +168,7 @@ impl Viewer {
         let (Shown::Many(stage), Some(count)) = (&mut self.shown, self.choices.field) else { return Ok(()) };
         let format = stage.renderer.format();
         match Stage::new(gpu, format, &self.choices, count) {
-            Ok(made) => *stage = made,
+            Ok(made) => **stage = made,
             Err(_) => self.choices = old,
         }
         self.sun = None;
