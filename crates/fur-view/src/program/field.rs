@@ -162,7 +162,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
             for _ in 0..RUNS {
                 for (way, [quickest, animals, vertices]) in Way::EVERY.into_iter().zip(&mut found) {
                     let demand = demand(choices, way, shooter.drawn_height());
-                    let ms = shooter.time(1, &mut |canvas| {
+                    let ms = shooter.time(&mut |canvas| {
                         let drawn = stage.herd.look(&camera, &demand)?;
                         (*animals, *vertices) = (drawn.animals as f64, drawn.vertices as f64);
                         stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;

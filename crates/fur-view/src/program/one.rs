@@ -116,7 +116,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
         for (list, (_, ms)) in lists.iter().zip(&mut points) {
             let draw =
                 &mut |canvas: &Canvas| Ok(renderer.draw(gpu, &canvas.picture(), &camera, list, &sun)?);
-            *ms = ms.min(shooter.time(1, draw)?);
+            *ms = ms.min(shooter.time(draw)?);
         }
     }
     let (w, h) = choices.size;
