@@ -4,7 +4,7 @@
 //! - [`renderer`]: shells, skins, ground and walls, and the shadow map of the sun.
 //! - [`look`]: the strands, how fragments find them, and how light falls on them.
 //! - [`records`]: places of objects, and lists of what to draw.
-//! - [`reference`]: the same strands as tubes, hit by rays.
+//! - [`mod@reference`]: the same strands as tubes, hit by rays.
 //! - [`culling`]: a field of animals as casca sees it, and what is drawn of it in four ways.
 //! - [`fit`]: lines through measured times.
 #![deny(missing_docs)]

@@ -23,7 +23,7 @@ const SHADOW_LAYERS: u32 = 3;
 /// The part of the path that pictures and times are taken from: at its very start one stands outside of the field.
 const PATH: (f32, f32) = (0.2, 0.8);
 /// Frames at each place, of which the quickest counts.
-const RUNS: usize = 2;
+const RUNS: usize = 3;
 
 /// A field and its renderer.
 pub struct Stage {
