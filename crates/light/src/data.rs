@@ -166,7 +166,35 @@ impl Geometry {
             new.moving.push((i, new.triangles.len()));
             put(&mut new, i);
         }
-        if new.triangles.is_empty() { Err(LightError::NoTriangles) } else { Ok(new) }
+        new.check(scene)?;
+        Ok(new)
+    }
+
+    /// Refuses scenes of which nothing is sound.
+    fn check(&self, scene: &LitScene) -> Result<(), LightError> {
+        if self.triangles.iter().any(|t| *t != NOWHERE) {
+            return Ok(());
+        }
+        let triangles = self.triangles.len();
+        if triangles == 0 {
+            return Err(LightError::NoTriangles);
+        }
+        let (mut corners, mut materials) = (0, 0);
+        for o in &scene.objects {
+            for (i, t) in o.mesh.triangles.iter().enumerate() {
+                let is_finite = |v: &u32| {
+                    let at = o.mesh.positions.get(*v as usize);
+                    at.is_some_and(|p| o.transform.transform_point3(*p).is_finite())
+                };
+                if !t.iter().all(is_finite) {
+                    corners += 1;
+                } else if o.materials.get(i).is_none_or(|m| *m >= self.materials) {
+                    materials += 1;
+                }
+            }
+        }
+        let far = triangles - corners - materials;
+        Err(LightError::NoSoundTriangles { triangles, corners, far, materials })
     }
 
     /// Moves an object; returns the numbers of its triangles. Those that have corners that are not finite become empty.
@@ -190,6 +218,12 @@ impl Geometry {
     }
 }
 
+/// A point outside of the grid.
+const NOWHERE: Triangle = {
+    let at = [-FARTHEST; 3];
+    Triangle { a: at, material: 0, b: at, pad_b: 0, c: at, pad_c: 0 }
+};
+
 /// The triangles of an object in cells. Those that are not sound are a point outside of the grid, so that the others keep their numbers.
 fn triangles_of(object: &LitObject, volume: &Volume, materials: u32) -> Vec<Triangle> {
     let mesh = &object.mesh;
@@ -203,9 +237,7 @@ fn triangles_of(object: &LitObject, volume: &Volume, materials: u32) -> Vec<Tria
         let [a, b, c] = [corner(t[0])?, corner(t[1])?, corner(t[2])?].map(|p| p.to_array());
         Some(Triangle { a, material, b, pad_b: 0, c, pad_c: 0 })
     };
-    let nowhere = [-FARTHEST; 3];
-    let empty = Triangle { a: nowhere, material: 0, b: nowhere, pad_b: 0, c: nowhere, pad_c: 0 };
-    mesh.triangles.iter().enumerate().map(|t| triangle(t).unwrap_or(empty)).collect()
+    mesh.triangles.iter().enumerate().map(|t| triangle(t).unwrap_or(NOWHERE)).collect()
 }
 
 /// Materials, and the greatest emission among them (at least a tiny number). There is at least one.

@@ -18,10 +18,10 @@ use glam::{Affine3A, Vec3};
 
 use crate::cones::{ConeCount, MOST_CONES};
 use crate::data::{Geometry, Triangle, lights_of, materials_of};
-use crate::error::LightError;
+use crate::error::{LightError, Part};
 use crate::kernel::filled;
 use crate::layers::Layers;
-use crate::numeric::{NARROWEST, WIDEST_REFLECTION};
+use crate::numeric::{LEAST_STEP, NARROWEST, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
 use crate::reach::{Mask, Reach, bricks_read};
 use crate::shading::{List, Shading};
@@ -62,7 +62,7 @@ impl Default for Settings {
 impl Settings {
     fn check(&self) -> Result<(), LightError> {
         for (name, value, low, high) in [
-            ("the step", self.step, 0.1, 5.0),
+            ("the step", self.step, LEAST_STEP, 5.0),
             ("the reach", self.reach, 0.01, 2.0),
             ("the aperture", self.aperture, 0.001, 1.0),
         ] {
@@ -119,6 +119,9 @@ struct Changes {
     moved: bool,
 }
 
+/// As errors name it.
+const LIGHTS: Part = Part { name: "lights", by: "lights" };
+
 /// A lit scene on the device.
 pub struct Renderer {
     /// How pictures are exposed: light times this is shown, and 1 is white.
@@ -163,10 +166,10 @@ impl Renderer {
             sky: scene.sky.max(Vec3::ZERO),
             brightest,
             light_count: lights.len() as u32,
-            uniform: filled(gpu, "grid", &[Uniform::zeroed()], BufferUsages::UNIFORM)?,
-            triangles: filled(gpu, "triangles", &geometry.triangles, BufferUsages::STORAGE)?,
-            materials: filled(gpu, "materials", &materials, BufferUsages::STORAGE)?,
-            lights: filled(gpu, "lights", &lights, BufferUsages::STORAGE)?,
+            uniform: filled(gpu, Part::of_cells("the grid"), &[Uniform::zeroed()], BufferUsages::UNIFORM)?,
+            triangles: filled(gpu, Part { name: "triangles", by: "triangles" }, &geometry.triangles, BufferUsages::STORAGE)?,
+            materials: filled(gpu, Part { name: "materials", by: "materials" }, &materials, BufferUsages::STORAGE)?,
+            lights: filled(gpu, LIGHTS, &lights, BufferUsages::STORAGE)?,
             layers,
             shading,
             picture: Picture::new(gpu)?,
@@ -241,7 +244,7 @@ impl Renderer {
     /// The adapter has no buffer for so many.
     pub fn set_lights(&mut self, gpu: &Gpu, lights: &[lit::Light]) -> Result<(), LightError> {
         let lights = lights_of(lights, &self.volume);
-        self.lights = filled(gpu, "lights", &lights, BufferUsages::STORAGE)?;
+        self.lights = filled(gpu, LIGHTS, &lights, BufferUsages::STORAGE)?;
         self.light_count = lights.len() as u32;
         self.write_uniform(gpu);
         self.light_changed();
@@ -269,8 +272,12 @@ impl Renderer {
     /// The bricks that a picture can read, if the boxes that its camera may see (in metres) are those that `sees` says.
     pub fn reach(&self, sees: &dyn Fn((Vec3, Vec3)) -> bool) -> Reach {
         let mut seen = vec![false; self.volume.brick_count()];
-        for &brick in self.layers.bricks() {
-            seen[brick as usize] = sees(self.volume.brick_box(brick));
+        let mut look = |brick: u32| seen[brick as usize] = sees(self.volume.brick_box(brick));
+        self.layers.bricks().iter().for_each(|&brick| look(brick));
+        // Slots follow moves only in the next update.
+        if self.changes.moved {
+            let moving = &self.geometry.triangles[self.geometry.fixed..];
+            moving.iter().for_each(|t| self.volume.bricks_of(t.corners(), &mut look));
         }
         let slope = self.settings.cones.cones().iter().map(|c| c.slope).fold(WIDEST_REFLECTION, f32::max);
         let away = bricks_read(self.settings.reach_cells(&self.volume), slope);

@@ -11,9 +11,10 @@
 fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
   let half = vec3f(0.5 + TOUCH);
   if (any(min(a, min(b, c)) > half) || any(max(a, max(b, c)) < -half)) { return false; }
-  let normal = cross(b - a, c - a);
-  if (abs(dot(normal, a)) > dot(abs(normal), half)) { return false; }
   var edges = array(b - a, c - b, a - c);
+  let normal = cross(edges[0], edges[2]);
+  let rounding = NORMAL_ROUNDING * length(edges[0]) * length(edges[2]) * dot(abs(a), vec3f(1.0));
+  if (abs(dot(normal, a)) > dot(abs(normal), half) + rounding) { return false; }
   for (var i = 0; i < 3; i++) {
     for (var j = 0; j < 3; j++) {
       var unit = vec3f(0.0);
