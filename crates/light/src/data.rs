@@ -119,6 +119,16 @@ impl Light {
     }
 }
 
+impl Light {
+    /// Where its light comes from, as seen from a point, in cells; `None` if it is black.
+    pub fn place(&self, from: Vec3) -> Option<Vec3> {
+        let at = Vec3::from_array(self.position);
+        let is_far = self.kind == LightKindNumber::Directional as u32;
+        let is_black = self.color.iter().all(|c| *c <= 0.0);
+        (!is_black).then_some(if is_far { from + at * FARTHEST } else { at })
+    }
+}
+
 /// Lights in the units of a grid. There is at least one, so that there is something to bind: it may be black.
 pub fn lights_of(lights: &[lit::Light], volume: &Volume) -> Vec<Light> {
     let black = lit::Light::point(Vec3::ZERO, Vec3::ZERO);

@@ -58,5 +58,8 @@ pub const NEAR_FADE: f32 = 99.0;
 /// The tangent of half the angle of the narrowest reflection: one degree, below which it costs only time (digest 2.4).
 pub const NARROWEST: f32 = 0.0175;
 
+/// So many pairs of bricks are looked at for shadows that change, a few dozen milliseconds; where there are more, all light is made anew.
+pub const MOST_SHADOW_PAIRS: usize = 1 << 22;
+
 /// The tangent of half the angle of the widest reflection, sqrt(5) / 2: that of an exponent of 2.
 pub const WIDEST_REFLECTION: f32 = 1.12;

@@ -11,9 +11,10 @@
 //! the same, bit by bit, as with all bricks up to date. Opacity is always up to date everywhere: shadows come from
 //! anywhere.
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
-use crate::numeric::PUSH_OFF;
+use crate::data::Light;
+use crate::numeric::{PUSH_OFF, TINY};
 use crate::volume::{BRICK, LEVELS, Volume};
 
 /// A mask of bricks by number.
@@ -53,8 +54,26 @@ impl Reach {
     }
 }
 
+/// Whether a shadow ray from a voxel of a brick to a light may pass one of the bricks `changed`: else the direct light in the brick stays
+/// as it is. Balls stand for bricks, so that it never says no in doubt. O(lights x changed).
+pub fn shadows_change(volume: &Volume, lights: &[Light], changed: &[u32], brick: u32) -> bool {
+    let centre = |number| (volume.brick(number).as_vec3() + 0.5) * BRICK as f32;
+    let from: Vec3 = centre(brick);
+    // Half a diagonal of each brick, how far rays start from their voxel, and a cell for all rounding.
+    let room = (BRICK as f32 + PUSH_OFF) * 3.0_f32.sqrt() + 1.0;
+    lights.iter().filter_map(|light| light.place(from)).any(|light| {
+        let way = light - from;
+        let is_near = |&other: &u32| {
+            let to = centre(other) - from;
+            let share = (to.dot(way) / way.length_squared().max(TINY)).clamp(0.0, 1.0);
+            (to - way * share).length_squared() <= room * room
+        };
+        changed.iter().any(is_near)
+    })
+}
+
 /// All bricks that are at most `away` from one of the mask along each axis. O(bricks).
-fn grown(mut mask: Mask, bricks: UVec3, away: u32) -> Mask {
+pub fn grown(mut mask: Mask, bricks: UVec3, away: u32) -> Mask {
     let strides = [1, bricks.x, bricks.x * bricks.y];
     for axis in 0..3 {
         let (length, stride) = (bricks[axis] as usize, strides[axis] as usize);
