@@ -31,7 +31,9 @@ pub enum LightError {
     #[error("the scene has no triangles")]
     NoTriangles,
     /// Each triangle of the scene has a flaw.
-    #[error("none of the scene's {triangles} triangles can be lit: {corners} have corners that do not exist or are not finite, {far} lie too far from the others, {materials} have no material")]
+    #[error(
+        "none of the scene's {triangles} triangles can be lit: {corners} have corners that do not exist or are not finite, {far} lie too far from the others, {materials} have no material"
+    )]
     NoSoundTriangles {
         /// Triangles in all.
         triangles: usize,

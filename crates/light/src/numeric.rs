@@ -37,6 +37,9 @@ pub const UNIT_EMISSION: f32 = 1_048_575.0;
 /// Triangles of a scene: 2^22 sums of 10 bits fit into 32.
 pub const MOST_TRIANGLES: usize = 1 << 22;
 
+/// Voxels of a convex body reach so far beyond it, in cells, on the mean: a cell counts as soon as it is touched. Seen along an axis, the cells
+/// that touch a disc of radius r cover 4 r + 1 cells more than the disc, its circumference times this number and a bit.
+pub const GROWTH: f32 = std::f32::consts::FRAC_2_PI;
 /// Normals whose mean is shorter face so many ways that none stands for the cell: a thin sheet with two sides.
 pub const CANCELLED: f32 = 0.2;
 /// The greatest number of a half float.

@@ -133,7 +133,11 @@ impl Frame {
             size,
             items: items.create_view(&Default::default()),
             depth: depth.create_view(&Default::default()),
-            light: zeros(gpu, Part { name: "the light of pixels", ..part }, u64::from(size.0) * u64::from(size.1) * 16)?,
+            light: zeros(
+                gpu,
+                Part { name: "the light of pixels", ..part },
+                u64::from(size.0) * u64::from(size.1) * 16,
+            )?,
         })
     }
 }
@@ -155,7 +159,8 @@ impl Picture {
     /// # Errors
     /// The adapter has no buffer as large.
     pub fn new(gpu: &Gpu) -> Result<Self, LightError> {
-        let layers = Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
+        let layers =
+            Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
         let shader = shader(gpu, "picture", &[&layers.concat(), include_str!("picture.wgsl")].concat());
         let depth = wgpu::DepthStencilState {
             format: DEPTH,
@@ -170,7 +175,12 @@ impl Picture {
             gather: Kernel::new(gpu, &shader, "gather", &bindings),
             shader,
             screen: None,
-            eye: filled(gpu, Part { name: "the camera", by: "pixels" }, &[Eye::zeroed()], BufferUsages::UNIFORM)?,
+            eye: filled(
+                gpu,
+                Part { name: "the camera", by: "pixels" },
+                &[Eye::zeroed()],
+                BufferUsages::UNIFORM,
+            )?,
             frame: Frame::new(gpu, (1, 1))?,
         })
     }

@@ -174,8 +174,18 @@ impl Renderer {
                 0.0
             },
             uniform: filled(gpu, Part::of_cells("the grid"), &[Uniform::zeroed()], BufferUsages::UNIFORM)?,
-            triangles: filled(gpu, Part { name: "the list of triangles", by: "triangles" }, &geometry.triangles, BufferUsages::STORAGE)?,
-            materials: filled(gpu, Part { name: "the list of materials", by: "materials" }, &materials, BufferUsages::STORAGE)?,
+            triangles: filled(
+                gpu,
+                Part { name: "the list of triangles", by: "triangles" },
+                &geometry.triangles,
+                BufferUsages::STORAGE,
+            )?,
+            materials: filled(
+                gpu,
+                Part { name: "the list of materials", by: "materials" },
+                &materials,
+                BufferUsages::STORAGE,
+            )?,
             lights: filled(gpu, LIGHTS, &lights, BufferUsages::STORAGE)?,
             shining: lights,
             layers,

@@ -68,7 +68,10 @@ fn texture(gpu: &Gpu, size: glam::UVec3, mip_level_count: u32) -> Result<wgpu::T
 /// Buffers for the light of this many slots.
 fn buffers(gpu: &Gpu, slots: usize) -> Result<[Buffer; 2], LightError> {
     let size = slots as u64 * u64::from(BRICK_CELLS) * 8;
-    Ok([zeros(gpu, Part::of_cells("direct light"), size)?, zeros(gpu, Part::of_cells("light that bounces"), size)?])
+    Ok([
+        zeros(gpu, Part::of_cells("direct light"), size)?,
+        zeros(gpu, Part::of_cells("light that bounces"), size)?,
+    ])
 }
 
 impl Shading {

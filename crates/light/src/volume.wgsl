@@ -16,7 +16,7 @@ struct Volume {
 // Directional: position is where it comes from. Angles are cosines; radius is that of the ball, or the tangent of half the angle.
 struct Light { position: vec3f, kind: u32, color: vec3f, radius: f32, axis: vec3f, inner: f32, falloff: vec3f, outer: f32 }
 
-struct Triangle { a: vec3f, material: u32, b: vec3f, pad_b: u32, c: vec3f, pad_c: u32 }
+struct Triangle { a: vec3f, material: u32, b: vec3f, share: f32, c: vec3f, pad_c: u32 }
 struct Material { albedo: vec3f, gloss: f32, specular: vec3f, pad: f32, emission: vec3f, pad_e: f32 }
 
 @group(0) @binding(0) var<uniform> volume: Volume;

@@ -28,9 +28,9 @@ fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
   return true;
 }
 
-fn add(cell: u32, material: Material, normal: vec3f) {
+fn add(cell: u32, material: Material, share: f32, normal: vec3f) {
   let albedo = vec3u(round(clamp(material.albedo, vec3f(0.0), vec3f(1.0)) * UNIT));
-  let emission = vec3u(round(clamp(material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
+  let emission = vec3u(round(clamp(share * material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
   // Negative numbers are added as what they are modulo 2^32.
   let direction = bitcast<vec3u>(vec3i(round(normal * UNIT_NORMAL)));
   for (var i = 0u; i < 3u; i++) {
@@ -59,7 +59,7 @@ fn voxelize(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups
     for (var x = low.x; x <= high.x; x++) {
       let centre = corner + vec3f(f32(x), f32(y), f32(z)) + 0.5;
       if (touches(triangle.a - centre, triangle.b - centre, triangle.c - centre)) {
-        add(pair.y * 512u + local_number(vec3u(u32(x), u32(y), u32(z))), materials[triangle.material], normal);
+        add(pair.y * 512u + local_number(vec3u(u32(x), u32(y), u32(z))), materials[triangle.material], triangle.share, normal);
       }
     }
   }

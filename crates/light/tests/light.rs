@@ -6,8 +6,8 @@ mod common;
 use std::f32::consts::PI;
 
 use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
-use casca_light::cones::ConeCount;
 use casca_lab::world::Camera;
+use casca_light::cones::ConeCount;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings, Updated};
@@ -206,17 +206,12 @@ fn culled_pictures_are_the_same_bit_by_bit_while_objects_move_and_the_camera_tur
     let scene = common::long_hall();
     let start = Vec3::from(scene.objects.last().unwrap().transform.translation);
     // In the last frames only the camera turns: what it did not see is still to be done.
-    let frames = [0, 1, 2, 3].map(|i| {
-        ((i < 2).then_some(start + Vec3::X * 0.7 * i as f32), common::hall_camera(i))
-    });
-    let mut shaded = Vec::new();
-    for (updated, share) in culled(&gpu, &scene, Settings { reach: 0.08, ..settings(192) }, &frames) {
-        println!("{updated:?}, {share}");
-        assert!(updated.bricks > 200 && share < HALL_READ, "{share} of {updated:?}");
-        shaded.push(updated.shaded);
-    }
-    // When the ball moves, only bricks are lit again in which its shadow may fall.
-    assert!(shaded[1] > 0 && shaded[1] < shaded[0] / 2, "{shaded:?}");
+    let frames =
+        [0, 1, 2, 3].map(|i| ((i < 2).then_some(start + Vec3::X * 0.7 * i as f32), common::hall_camera(i)));
+    let done = culled(&gpu, &scene, Settings { reach: 0.08, ..settings(192) }, &frames);
+    done.iter().for_each(|(updated, share)| println!("{updated:?}, may be read: {share:.2}"));
+    // From the first two, the camera sees one room of six; from the others, it looks through a row of doors.
+    assert!(done[..2].iter().all(|(updated, share)| updated.bricks > 200 && *share < HALL_READ));
 }
 
 #[test]
@@ -227,7 +222,14 @@ fn what_jumps_into_sight_is_lit_where_it_lands() {
     // Three bricks of 8 cells.
     let jump = 24.0 * Renderer::new(&gpu, &scene, settings(64)).unwrap().volume().cell;
     let frames = [0.0, 1.0].map(|i| (Some(Vec3::new(1.2 + i * jump, 4.2, 2.0)), scene.camera));
-    culled(&gpu, &scene, Settings { reach: 0.01, ..settings(64) }, &frames);
+    let done = culled(&gpu, &scene, Settings { reach: 0.01, ..settings(64) }, &frames);
+    // Of what may be read, only bricks are lit again in which the ball's shadow may fall.
+    let (updated, share) = done[1];
+    println!("{updated:?}, may be read: {share:.2}");
+    assert!(
+        updated.shaded > 0 && (updated.shaded as f64) < 0.9 * share * updated.bricks as f64,
+        "{updated:?}"
+    );
 }
 
 #[test]
@@ -276,6 +278,24 @@ fn rooms_are_as_bright_as_by_the_path_tracer() {
     }
 }
 
+/// How bright the room is that a ball lights, beside the path tracer's: the command of the next test.
+#[test]
+#[ignore = "prints measurements"]
+fn a_room_lit_by_a_ball() {
+    let Some(gpu) = gpu() else { return };
+    let scene = Kind::Emissive.build();
+    let mean = |image: &[Vec3]| image.iter().map(|p| p.x).sum::<f32>() / image.len() as f32;
+    let expected = mean(&common::truth(&scene, 128));
+    for (resolution, cones) in
+        [32, 64, 128].into_iter().flat_map(|n| [(n, ConeCount::Six), (n, ConeCount::Sixteen)])
+    {
+        let mut renderer = updated(&gpu, &scene, Settings { cones, ..settings(resolution) });
+        let image = draw(&gpu, &mut renderer, &scene, Layer::Picture);
+        let image: Vec<Vec3> = image.iter().map(|p| Vec3::from_slice(p)).collect();
+        println!("{resolution} cells, {cones:?}: {:.4}, by the path tracer {expected:.4}", mean(&image));
+    }
+}
+
 /// What an update saves in a large scene: `cargo test --release -p casca-light --test light -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints measurements"]
@@ -312,7 +332,9 @@ fn sponza_with_twenty_moving_balls() {
             let reached = cull.then(|| renderer.reach(&|b| may_see(&sight, b)));
             let mut clock = Clock::on();
             let done = renderer.update(&gpu, reached.as_ref(), &mut clock).unwrap();
-            let ms = |name: &str| clock.stages().iter().filter(|s| s.0 == name).map(|s| s.1.as_secs_f64() * 1e3).sum::<f64>();
+            let ms = |name: &str| {
+                clock.stages().iter().filter(|s| s.0 == name).map(|s| s.1.as_secs_f64() * 1e3).sum::<f64>()
+            };
             let times = ["shade", "bounce", "write voxels", "mips"].map(|name| (name, ms(name).round()));
             println!("reach {reach}, all light {all_light}, culled {cull}: {done:?}; ms {times:?}");
         }

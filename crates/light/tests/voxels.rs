@@ -56,7 +56,8 @@ fn no_cell_that_a_sliver_touches_is_missing() {
     let Some(gpu) = gpu() else { return };
     let mut scene = Kind::Cornell.build();
     // A sequence without a pattern (R3, Roberts 2018), as points of the box.
-    let point = |i: usize| 5.4 * (Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * (i as f32 + 0.5)).fract();
+    let point =
+        |i: usize| 5.4 * (Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * (i as f32 + 0.5)).fract();
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..40 {
         let (a, b) = (point(2 * i), point(2 * i + 1));
