@@ -307,7 +307,7 @@ fn rooms_that_surfaces_light() {
     }
 }
 
-/// What an update saves in a large scene: `cargo test --release -p casca-light --test light -- --ignored --nocapture`.
+/// What an update saves in a large scene: `cargo test --release -p casca-light-view --test light -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints measurements"]
 fn sponza_with_twenty_moving_balls() {
