@@ -102,6 +102,14 @@ impl Case {
         Ok(case)
     }
 
+    /// The same with every n-th receiver only.
+    #[must_use]
+    pub fn thinned(mut self, n: usize) -> Self {
+        self.receivers = self.receivers.iter().step_by(n.max(1)).copied().collect();
+        self.truth = self.truth.iter().step_by(n.max(1)).copied().collect();
+        self
+    }
+
     /// The true occlusion at receivers of a view.
     pub fn rays(&self, view: &View, receivers: &[Receiver], effort: &Effort) -> Vec<f64> {
         let one = |(i, (_, f)): (usize, &Receiver)| {
