@@ -2,6 +2,7 @@
 
 mod agreement;
 mod case;
+mod clock;
 mod cost;
 mod parallel;
 mod samples;
@@ -31,7 +32,7 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
         canvas: lab.pick(512, 96),
         receivers: lab.pick(3000, 150),
         rays: lab.pick(20, 4),
-        repeats: lab.pick(3, 1),
+        seconds: lab.pick(0.4, 0.0),
         seed: lab.seed,
     };
     let mut section = Section::new("Ambient occlusion of lines");
@@ -69,7 +70,7 @@ mod tests {
 
     #[test]
     fn the_optical_depth_is_near_to_rays_and_nearer_than_the_thesis() {
-        let effort = Effort { canvas: 160, receivers: 300, rays: 12, repeats: 1, seed: 2 };
+        let effort = Effort { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
         let case = Case::new(Family::PomPom, &effort).unwrap();
         let rows = compare(Family::PomPom, &case, &effort).unwrap();
         let of = |way: Way| rows.iter().filter(move |r| r.way == way.name());
@@ -84,13 +85,13 @@ mod tests {
 
     #[test]
     fn lines_along_the_view_fail_in_columns_of_a_pixel_and_are_mended_by_wide_ones() {
-        let effort = Effort { canvas: 160, receivers: 300, rays: 12, repeats: 1, seed: 2 };
+        let effort = Effort { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
         let case = Case::new(Family::Parallel, &effort).unwrap();
         let samples = Case::samples(case::SAMPLES, 1).unwrap();
         let score = |way: Way, rows: u32| {
             let grid = case.grid(rows, Slices::S128).unwrap();
             let options = case.fitted(&grid, &samples, way).unwrap();
-            let (values, _) = Case::estimate(&grid, &samples, options, &case.receivers, 1).unwrap();
+            let (values, _) = Case::estimate(&grid, &samples, options, &case.receivers, 0.0).unwrap();
             Score::of(&values, &case.truth)
         };
         let (fails, mended) = (score(Way::MeanOfRatios, 160), score(Way::OpticalDepth, 20));

@@ -70,7 +70,7 @@ fn estimates(
 ) -> Result<Vec<f64>, LabError> {
     let coarse = view.with_height(method.rows.unwrap_or(view.size()[1]))?;
     let grid = SlabGrid::of_lines(&case.lines, &coarse, Slices::S128, SpanRule::Span);
-    Ok(Case::estimate(&grid, &Case::samples(SAMPLES, seed)?, method.options, receivers, 1)?.0)
+    Ok(Case::estimate(&grid, &Case::samples(SAMPLES, seed)?, method.options, receivers, 0.0)?.0)
 }
 
 /// Receivers that two views show, in both.
@@ -113,7 +113,7 @@ fn by_grid(
     for (height, slices) in grids {
         let grid = case.grid(height, slices)?;
         let of = |m: &Method| -> Result<f64, LabError> {
-            Ok(mean(&Case::estimate(&grid, &samples, m.options, &case.receivers, 1)?.0))
+            Ok(mean(&Case::estimate(&grid, &samples, m.options, &case.receivers, 0.0)?.0))
         };
         let both = [of(&methods[0])?, of(&methods[2])?];
         let cells = [height.to_string(), slices.count().to_string()];
