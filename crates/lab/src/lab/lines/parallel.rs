@@ -73,7 +73,8 @@ pub fn by_rows(
     }
     section.text(format!(
         "The known failure: lines along the view. Each lies in one column of the grid; columns of a pixel are so narrow that few \
-         samples meet a line. Wider columns mend it. Pearson and RMSE on these lines, by the rows of the grid (the thesis' factor is fitted anew for each grid): **{}**. The other set \
+         samples meet a line. Wider columns mend it. Pearson and RMSE on these lines, by the rows of the grid (the thesis' factor is fitted \
+         anew for each grid): **{}**. The other set \
          shows what wider columns cost where lines run in all directions.",
         said.join("; ")
     ));
