@@ -239,10 +239,15 @@ fn flicker(
         }
         drawn.push(Line::new(method.name, palette::other(number), points));
     }
+    section.text(
+        "The change since the first frame while the picture slides sideways by quarters of a pixel. The thesis chooses the set of \
+         samples by the pixel: a line that reaches the next pixel gets another set, and its noise changes. Chosen by the line and the \
+         place along it, the set stays. Between whole pixels the grid cuts lines anew; that change is left in all methods.",
+    );
     section.rows("the change of each step of a slow motion", table);
     line_chart(
         &lab.folder.join("lines_flicker.svg"),
-        "Samples chosen by the pixel flicker under motion; samples chosen by the line do not",
+        "Samples chosen by the pixel keep changing; samples chosen by the line repeat at whole pixels",
         "Spiral. Change of the occlusion since the first frame at the same points, while the picture slides sideways.",
         (&Axis::linear("pixels"), &Axis::linear("RMS change")),
         &drawn,
