@@ -99,6 +99,12 @@ proptest! {
             let run = column >> column.trailing_zeros();
             prop_assert_eq!(run & (run + 1), 0, "column {} {} has a gap", x, y);
             prop_assert!(column.count_ones() as usize <= slices.len() + 2);
+            for (group, &length) in grid.lengths(x, y).iter().enumerate() {
+                let bits = (column >> (16 * group)) & 0xffff;
+                prop_assert!(length == 0.0 || bits != 0, "group {} of {} {} has length without bits", group, x, y);
+                let few = bits.count_ones() < 3;
+                prop_assert!(length > 0.0 || few, "group {} of {} {} has bits without length", group, x, y);
+            }
         }
         if all != 0 {
             let run = all >> all.trailing_zeros();
