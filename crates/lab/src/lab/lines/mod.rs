@@ -32,7 +32,7 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
         canvas: lab.pick(512, 96),
         receivers: lab.pick(3000, 150),
         rays: lab.pick(20, 4),
-        seconds: lab.pick(0.4, 0.0),
+        seconds: lab.pick(0.6, 0.0),
         seed: lab.seed,
     };
     let mut section = Section::new("Ambient occlusion of lines");

@@ -144,7 +144,7 @@ fn by_grid(
     );
     line_chart(
         &lab.folder.join("lines_mean_by_rows.svg"),
-        "Shares of set slices fade with a finer grid; lengths do not",
+        "Shares of set slices fade with a finer grid; lengths hardly do",
         "Spiral. Mean occlusion at the same points, 128 slices; the factor of the thesis' shares is fitted at one grid.",
         (&Axis::log("rows of the grid"), &Axis::linear("mean occlusion")),
         &[line(0, "thesis"), line(1, "optical depth"), rays],
