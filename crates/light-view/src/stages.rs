@@ -1,7 +1,7 @@
-//! The time of each stage, beside the thesis' ratios.
+//! The time of each stage, beside the thesis' ratios, and what culling saves.
 
 use std::error::Error;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use casca_lab::command_line::say;
 use casca_light::culling::{Culling, may_see};
@@ -15,108 +15,133 @@ use crate::headless::told;
 use crate::options::Options;
 use crate::scene::Start;
 
-/// Frames of which times are the median.
-const FRAMES: usize = 5;
+/// Frames of which times are the median, if no other number is given.
+const FRAMES: u32 = 5;
+/// Seconds that balls move between frames.
+const SECONDS: f32 = 0.1;
 /// Step factors of the thesis, as shares of a cone's diameter, and its times relative to that of 0.5 (table 4.6, mean of four scenes).
 const STEP_FACTORS: [(f32, f32); 4] = [(0.1, 3.99), (0.25, 1.73), (0.5, 1.0), (2.5, 0.38)];
-/// What the thesis' table 4.4 gives for a doubling of the resolution, from 128 to 256 or 256 to 512.
+/// The thesis' ratios for a doubling of the resolution, from 128 to 256 or 256 to 512 (table 4.4).
 const DOUBLINGS: [(&str, &str); 4] =
     [("mips", "5.3 to 7.9"), ("cones", "1.1"), ("bounce", "5.2 to 6.6"), ("shade", "4.8 to 6.1")];
+/// The culler's part of a frame: the query, and the bricks that the picture can read.
+const CULLER: &str = "culler";
+
+/// A frame: its stages, and the times of the culler.
+type Frame = Vec<(&'static str, Duration)>;
+
+/// Prints the time of each stage at several resolutions, and that of cones by step; or what culling saves.
+pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
+    let (width, height) = options.size;
+    say(format_args!(
+        "{}, {width}x{height}, {} balls move; medians of {} frames, in each of which all lights change",
+        start.scene.name,
+        start.balls_at(0.0).count(),
+        options.frames.unwrap_or(FRAMES)
+    ));
+    let canvas = Canvas::new(gpu, options.size);
+    if options.cull {
+        return culled(gpu, start, options, &canvas);
+    }
+    by_resolution(gpu, start, options, &canvas)?;
+    by_step(gpu, start, options, &canvas)
+}
+
+fn by_resolution(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
+    let mut columns = Vec::new();
+    for &resolution in &options.times {
+        let mut renderer =
+            match Renderer::new(gpu, &start.scene, Settings { resolution, ..options.settings() }) {
+                Ok(renderer) => renderer,
+                // The resolutions that fit are told nevertheless.
+                Err(why) if !columns.is_empty() => {
+                    say(format_args!("{resolution} cells: {why}"));
+                    continue;
+                }
+                Err(why) => return Err(why.into()),
+            };
+        let (frames, updated) = frames(gpu, start, options, &mut renderer, canvas)?;
+        say(told(&renderer, &updated));
+        columns.push((resolution, medians(&frames)));
+    }
+    let heads: String = columns.iter().map(|(n, _)| format!("{n:>10}")).collect();
+    say(format_args!("{:<16}{heads} cells; ms", ""));
+    for (name, _) in columns.first().map_or(&[][..], |c| &c.1) {
+        let times: Vec<f64> = columns.iter().map(|(_, stages)| of(stages, &[*name])).collect();
+        let row: String = times.iter().map(|t| format!("{t:10.2}")).collect();
+        let ratios: Vec<String> = times.windows(2).map(|w| format!("x{:.1}", w[1] / w[0])).collect();
+        let thesis = DOUBLINGS.iter().find(|d| d.0 == *name);
+        let thesis = thesis.map_or(String::new(), |d| format!("; thesis x{} for a doubling", d.1));
+        say(format_args!("{name:<16}{row}   {}{thesis}", ratios.join(" ")));
+    }
+    Ok(())
+}
 
 /// Stages in the order in which they first ran, with the median over frames of their time in a frame.
-fn medians(clocks: &[Clock]) -> Vec<(&'static str, Duration)> {
+fn medians(frames: &[Frame]) -> Frame {
     let mut names: Vec<&'static str> = Vec::new();
-    for (name, _) in clocks.iter().flat_map(Clock::stages) {
+    for (name, _) in frames.iter().flatten() {
         if !names.contains(name) {
             names.push(name);
         }
     }
-    let time_of = |name: &str, clock: &Clock| -> Duration {
-        clock.stages().iter().filter(|s| s.0 == name).map(|s| s.1).sum()
-    };
+    let in_frame = |name: &str, frame: &Frame| frame.iter().filter(|s| s.0 == name).map(|s| s.1).sum();
     let median = |name: &'static str| {
-        let mut times: Vec<Duration> = clocks.iter().map(|clock| time_of(name, clock)).collect();
+        let mut times: Vec<Duration> = frames.iter().map(|frame| in_frame(name, frame)).collect();
         times.sort_unstable();
         (name, times[times.len() / 2])
     };
     names.into_iter().map(median).collect()
 }
 
-fn ms(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
+/// The sum of some stages in milliseconds.
+fn of(stages: &Frame, wanted: &[&str]) -> f64 {
+    stages.iter().filter(|s| wanted.contains(&s.0)).map(|s| s.1.as_secs_f64() * 1e3).sum()
 }
 
-/// Prints the time of each stage at several resolutions, then that of the cones by step, and what culling saves.
-pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
-    let (width, height) = options.size;
-    say(format_args!(
-        "{}, {width}x{height}, {} balls move; medians of {FRAMES} frames, all light in each",
-        start.scene.name,
-        start.balls_at(0.0).count()
-    ));
-    let canvas = Canvas::new(gpu, options.size);
-    let mut columns = Vec::new();
-    for &resolution in &options.times {
-        let mut renderer = Renderer::new(gpu, &start.scene, Settings { resolution, ..options.settings() })?;
-        columns.push(medians(&frames(gpu, start, &mut renderer, &canvas, false)?.0));
-    }
-    let heads: Vec<String> = options.times.iter().map(|n| format!("{n:>9}")).collect();
-    say(format_args!("{:<16}{} cells; ms", "", heads.concat()));
-    for (i, (name, _)) in columns.first().into_iter().flatten().enumerate() {
-        let times: Vec<f64> = columns.iter().map(|c| c.get(i).map_or(0.0, |s| ms(s.1))).collect();
-        let row: String = times.iter().map(|t| format!("{t:9.2}")).collect();
-        let ratios: Vec<String> = times.windows(2).map(|w| format!("x{:.1}", w[1] / w[0])).collect();
-        let theirs =
-            DOUBLINGS.iter().find(|d| d.0 == *name).map_or(String::new(), |d| format!("; thesis x{}", d.1));
-        say(format_args!("{name:<16}{row}   {}{theirs}", ratios.join(" ")));
-    }
-    steps(gpu, start, options, &canvas)?;
-    culled(gpu, start, options, &canvas)
-}
-
-/// Draws frames in which the balls move and all light changes; their clocks, and what the last update did.
+/// Draws frames in which the balls move and all light changes, the first one not counted; and what the last update did.
 fn frames(
     gpu: &Gpu,
     start: &Start,
+    options: &Options,
     renderer: &mut Renderer,
     canvas: &Canvas,
-    cull: bool,
-) -> Result<(Vec<Clock>, Updated), Box<dyn Error>> {
+) -> Result<(Vec<Frame>, Updated), Box<dyn Error>> {
     let camera = start.camera(canvas.size());
     let mut culling = Culling::new(&start.scene, renderer.volume())?;
     let mut first = Clock::on();
-    renderer.update(gpu, None, &mut first)?;
-    let (mut clocks, mut updated) = (Vec::new(), Updated::default());
-    for frame in 0..FRAMES {
-        for (ball, place) in start.balls_at(frame as f32 * 0.1) {
+    let mut updated = renderer.update(gpu, None, &mut first)?;
+    // The layer that stays is voxelized once.
+    if let Some((name, time)) = first.stages().first() {
+        let cells = renderer.settings().resolution;
+        say(format_args!("{cells} cells: {name} {:.2} ms, once", time.as_secs_f64() * 1e3));
+    }
+    renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut Clock::off())?;
+    let mut frames = Vec::new();
+    for number in 1..=options.frames.unwrap_or(FRAMES) {
+        for (ball, place) in start.balls_at(number as f32 * SECONDS) {
             renderer.move_object(gpu, ball, place)?;
             culling.move_object(ball, place)?;
         }
         renderer.set_lights(gpu, &start.scene.lights)?;
-        let mut clock = Clock::on();
-        let reach = if cull {
+        let mut frame = Frame::new();
+        let mut reach = None;
+        if options.cull {
+            let begun = Instant::now();
             let sight = culling.look(&camera)?.ok_or("the query has not run")?;
-            Some(renderer.reach(&|b| may_see(&sight, b)))
-        } else {
-            None
-        };
+            reach = Some(renderer.reach(&|b| may_see(&sight, b)));
+            frame.push((CULLER, begun.elapsed()));
+        }
+        let mut clock = Clock::on();
         updated = renderer.update(gpu, reach.as_ref(), &mut clock)?;
         renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut clock)?;
-        clocks.push(clock);
+        frame.extend_from_slice(clock.stages());
+        frames.push(frame);
     }
-    // The layer that stays is voxelized once.
-    if let Some(fixed) = first.stages().first() {
-        say(format_args!(
-            "{} cells: {} {:.2} ms, once",
-            renderer.settings().resolution,
-            fixed.0,
-            ms(fixed.1)
-        ));
-    }
-    Ok((clocks, updated))
+    Ok((frames, updated))
 }
 
-fn steps(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
+fn by_step(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
     let camera = start.camera(canvas.size());
     let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
     renderer.update(gpu, None, &mut Clock::off())?;
@@ -124,13 +149,13 @@ fn steps(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result
     for (factor, _) in STEP_FACTORS {
         // The thesis measures steps in diameters, of two texels.
         renderer.set_settings(gpu, Settings { step: 2.0 * factor, ..options.settings() })?;
-        let mut clocks = Vec::new();
-        for _ in 0..FRAMES {
+        let mut frames = Vec::new();
+        for _ in 0..options.frames.unwrap_or(FRAMES) {
             let mut clock = Clock::on();
             renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut clock)?;
-            clocks.push(clock);
+            frames.push(clock.stages().to_vec());
         }
-        times.push(medians(&clocks).iter().find(|s| s.0 == "cones").map_or(0.0, |s| ms(s.1)));
+        times.push(of(&medians(&frames), &["cones"]));
     }
     say(format_args!("cones at {} cells by step factor, relative to 0.5:", options.resolution));
     for (time, (factor, theirs)) in times.iter().zip(STEP_FACTORS) {
@@ -139,23 +164,44 @@ fn steps(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result
     Ok(())
 }
 
+/// The time of light in voxels for an update of everything, and for one of what the picture can read.
 fn culled(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
+    let mut totals = Vec::new();
     for cull in [false, true] {
         let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
-        let (clocks, updated) = frames(gpu, start, &mut renderer, canvas, cull)?;
-        let stages = medians(&clocks);
-        let of = |wanted: &[&str]| -> f64 {
-            stages.iter().filter(|s| wanted.contains(&s.0)).map(|s| ms(s.1)).sum()
-        };
+        let options = Options { cull, ..options.clone() };
+        let (frames, updated) = frames(gpu, start, &options, &mut renderer, canvas)?;
+        let stages = medians(&frames);
+        let light = ["shade", "bounce", "write voxels", "mips"];
+        totals.push(of(&stages, &light) + of(&stages, &[CULLER]));
         say(format_args!(
-            "{}: light in voxels {:.2} ms (shade {:.2}, bounce {:.2}, writing and mips {:.2}); {}",
+            "{}: light in voxels {:.2} ms (shade {:.2}, bounce {:.2}, writing and mips {:.2}), culler {:.2} ms; {}",
             if cull { "culled" } else { "all bricks" },
-            of(&["shade", "bounce", "write voxels", "mips"]),
-            of(&["shade"]),
-            of(&["bounce"]),
-            of(&["write voxels", "mips"]),
+            of(&stages, &light),
+            of(&stages, &light[..1]),
+            of(&stages, &light[1..2]),
+            of(&stages, &light[2..]),
+            of(&stages, &[CULLER]),
             told(&renderer, &updated)
         ));
     }
+    let saved = 100.0 * (1.0 - totals[1] / totals[0]);
+    say(format_args!("culling saves {saved:.1} % of that time, its own included"));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_is_that_of_the_sums_of_each_frame() {
+        let ms = Duration::from_millis;
+        let frames: Vec<Frame> =
+            [3, 90, 4, 5, 1].map(|t| vec![("mips", ms(t)), ("cones", ms(7)), ("mips", ms(1))]).into();
+        let stages = medians(&frames);
+        assert_eq!(stages, [("mips", ms(5)), ("cones", ms(7))]);
+        assert_eq!(of(&stages, &["mips", "cones", "none"]), 12.0);
+        assert!(medians(&[]).is_empty());
+    }
 }
