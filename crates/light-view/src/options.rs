@@ -70,13 +70,14 @@ pub struct Options {
     #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number(text, EXPOSURES))]
     pub exposure: f32,
     /// Adds a sun that shines along x,y,z, with an irradiance of 10
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_direction)]
+    // Points may start with a minus, and are no single negative number.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_direction)]
     pub sun: Option<Vec3>,
     /// Looks from x,y,z
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_eye, requires = "to")]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_eye, requires = "to")]
     pub from: Option<Vec3>,
     /// Looks to x,y,z
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_eye, requires = "from")]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_eye, requires = "from")]
     pub to: Option<Vec3>,
     /// Draws pictures without a window
     #[arg(long)]
