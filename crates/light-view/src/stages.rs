@@ -26,6 +26,8 @@ const DOUBLINGS: [(&str, &str); 4] =
     [("mips", "5.3 to 7.9"), ("cones", "1.1"), ("bounce", "5.2 to 6.6"), ("shade", "4.8 to 6.1")];
 /// The culler's part of a frame: the query, and the bricks that the picture can read.
 const CULLER: &str = "culler";
+/// The stages that culling makes shorter.
+const LIGHT: [&str; 4] = ["shade", "bounce", "write voxels", "mips"];
 
 /// A frame: its stages, and the times of the culler.
 type Frame = Vec<(&'static str, Duration)>;
@@ -48,22 +50,19 @@ pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn E
 }
 
 fn by_resolution(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
-    let mut columns = Vec::new();
+    let mut runs = Vec::new();
     for &resolution in &options.times {
-        let mut renderer =
-            match Renderer::new(gpu, &start.scene, Settings { resolution, ..options.settings() }) {
-                Ok(renderer) => renderer,
-                // The resolutions that fit are told nevertheless.
-                Err(why) if !columns.is_empty() => {
-                    say(format_args!("{resolution} cells: {why}"));
-                    continue;
-                }
-                Err(why) => return Err(why.into()),
-            };
-        let (frames, updated) = frames(gpu, start, options, &mut renderer, canvas)?;
-        say(told(&renderer, &updated));
-        columns.push((resolution, medians(&frames)));
+        match Run::new(gpu, start, Settings { resolution, ..options.settings() }, false, canvas) {
+            Ok(run) => runs.push(run),
+            // The resolutions that fit are told nevertheless.
+            Err(why) if !runs.is_empty() => say(format_args!("{resolution} cells: {why}")),
+            Err(why) => return Err(why),
+        }
     }
+    run_frames(gpu, start, options, canvas, &mut runs)?;
+    let columns: Vec<(u32, Frame)> =
+        runs.iter().map(|run| (run.renderer.settings().resolution, medians(&run.frames))).collect();
+    runs.iter().for_each(|run| say(told(&run.renderer, &run.updated)));
     let heads: String = columns.iter().map(|(n, _)| format!("{n:>10}")).collect();
     say(format_args!("{:<16}{heads} cells; ms", ""));
     for (name, _) in columns.first().map_or(&[][..], |c| &c.1) {
@@ -96,49 +95,86 @@ fn medians(frames: &[Frame]) -> Frame {
 
 /// The sum of some stages in milliseconds.
 fn of(stages: &Frame, wanted: &[&str]) -> f64 {
-    stages.iter().filter(|s| wanted.contains(&s.0)).map(|s| s.1.as_secs_f64() * 1e3).sum()
+    let time: Duration = stages.iter().filter(|s| wanted.contains(&s.0)).map(|s| s.1).sum();
+    time.as_secs_f64() * 1e3
 }
 
-/// Draws frames in which the balls move and all light changes, the first one not counted; and what the last update did.
-fn frames(
-    gpu: &Gpu,
-    start: &Start,
-    options: &Options,
-    renderer: &mut Renderer,
-    canvas: &Canvas,
-) -> Result<(Vec<Frame>, Updated), Box<dyn Error>> {
-    let camera = start.camera(canvas.size());
-    let mut culling = Culling::new(&start.scene, renderer.volume())?;
-    let mut first = Clock::on();
-    let mut updated = renderer.update(gpu, None, &mut first)?;
-    // The layer that stays is voxelized once.
-    if let Some((name, time)) = first.stages().first() {
-        let cells = renderer.settings().resolution;
-        say(format_args!("{cells} cells: {name} {:.2} ms, once", time.as_secs_f64() * 1e3));
-    }
-    renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut Clock::off())?;
-    let mut frames = Vec::new();
-    for number in 1..=options.frames.unwrap_or(FRAMES) {
-        for (ball, place) in start.balls_at(number as f32 * SECONDS) {
-            renderer.move_object(gpu, ball, place)?;
-            culling.move_object(ball, place)?;
+/// A renderer whose frames are timed.
+struct Run {
+    renderer: Renderer,
+    /// For updates of what the picture can read.
+    culling: Option<Culling>,
+    frames: Vec<Frame>,
+    updated: Updated,
+}
+
+impl Run {
+    /// Draws a first frame, which is not counted.
+    fn new(
+        gpu: &Gpu,
+        start: &Start,
+        settings: Settings,
+        cull: bool,
+        canvas: &Canvas,
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut renderer = Renderer::new(gpu, &start.scene, settings)?;
+        let mut clock = Clock::on();
+        let updated = renderer.update(gpu, None, &mut clock)?;
+        // The layer that stays is voxelized once.
+        if let Some((name, time)) = clock.stages().first() {
+            let ms = time.as_secs_f64() * 1e3;
+            say(format_args!("{} cells: {name} {ms:.2} ms, once", settings.resolution));
         }
-        renderer.set_lights(gpu, &start.scene.lights)?;
-        let mut frame = Frame::new();
-        let mut reach = None;
-        if options.cull {
+        let camera = start.camera(canvas.size());
+        renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut Clock::off())?;
+        let culling = if cull { Some(Culling::new(&start.scene, renderer.volume())?) } else { None };
+        Ok(Self { renderer, culling, frames: Vec::new(), updated })
+    }
+
+    /// Draws a frame in which the balls move and all light changes.
+    fn frame(
+        &mut self,
+        gpu: &Gpu,
+        start: &Start,
+        canvas: &Canvas,
+        number: u32,
+    ) -> Result<(), Box<dyn Error>> {
+        let camera = start.camera(canvas.size());
+        for (ball, place) in start.balls_at(number as f32 * SECONDS) {
+            self.renderer.move_object(gpu, ball, place)?;
+            if let Some(culling) = &mut self.culling {
+                culling.move_object(ball, place)?;
+            }
+        }
+        self.renderer.set_lights(gpu, &start.scene.lights)?;
+        let (mut frame, mut reach) = (Frame::new(), None);
+        if let Some(culling) = &mut self.culling {
             let begun = Instant::now();
             let sight = culling.look(&camera)?.ok_or("the query has not run")?;
-            reach = Some(renderer.reach(&|b| may_see(&sight, b)));
+            reach = Some(self.renderer.reach(&|b| may_see(&sight, b)));
             frame.push((CULLER, begun.elapsed()));
         }
         let mut clock = Clock::on();
-        updated = renderer.update(gpu, reach.as_ref(), &mut clock)?;
-        renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut clock)?;
+        self.updated = self.renderer.update(gpu, reach.as_ref(), &mut clock)?;
+        self.renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut clock)?;
         frame.extend_from_slice(clock.stages());
-        frames.push(frame);
+        self.frames.push(frame);
+        Ok(())
     }
-    Ok((frames, updated))
+}
+
+/// Draws the frames of all runs in turn, so that other work on the machine slows down all alike.
+fn run_frames(
+    gpu: &Gpu,
+    start: &Start,
+    options: &Options,
+    canvas: &Canvas,
+    runs: &mut [Run],
+) -> Result<(), Box<dyn Error>> {
+    for number in 1..=options.frames.unwrap_or(FRAMES) {
+        runs.iter_mut().try_for_each(|run| run.frame(gpu, start, canvas, number))?;
+    }
+    Ok(())
 }
 
 fn by_step(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
@@ -166,23 +202,24 @@ fn by_step(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Resu
 
 /// The time of light in voxels for an update of everything, and for one of what the picture can read.
 fn culled(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
-    let mut totals = Vec::new();
+    let mut runs = Vec::new();
     for cull in [false, true] {
-        let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
-        let options = Options { cull, ..options.clone() };
-        let (frames, updated) = frames(gpu, start, &options, &mut renderer, canvas)?;
-        let stages = medians(&frames);
-        let light = ["shade", "bounce", "write voxels", "mips"];
-        totals.push(of(&stages, &light) + of(&stages, &[CULLER]));
+        runs.push(Run::new(gpu, start, options.settings(), cull, canvas)?);
+    }
+    run_frames(gpu, start, options, canvas, &mut runs)?;
+    let mut totals = Vec::new();
+    for run in &runs {
+        let stages = medians(&run.frames);
+        totals.push(of(&stages, &LIGHT) + of(&stages, &[CULLER]));
         say(format_args!(
             "{}: light in voxels {:.2} ms (shade {:.2}, bounce {:.2}, writing and mips {:.2}), culler {:.2} ms; {}",
-            if cull { "culled" } else { "all bricks" },
-            of(&stages, &light),
-            of(&stages, &light[..1]),
-            of(&stages, &light[1..2]),
-            of(&stages, &light[2..]),
+            if run.culling.is_some() { "culled" } else { "all bricks" },
+            of(&stages, &LIGHT),
+            of(&stages, &LIGHT[..1]),
+            of(&stages, &LIGHT[1..2]),
+            of(&stages, &LIGHT[2..]),
             of(&stages, &[CULLER]),
-            told(&renderer, &updated)
+            told(&run.renderer, &run.updated)
         ));
     }
     let saved = 100.0 * (1.0 - totals[1] / totals[0]);
