@@ -4,24 +4,24 @@
 //! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient occlusion for the rendering of lines;
 //! master's thesis, PUC-Rio 2015). Nothing is precomputed: lines may move in every frame.
 //!
-//! - [`lines`]: sets of polylines; [`generate`]: seeded ones.
-//! - [`files`]: text, OBJ, PLY, TCK and TRK.
 //! - [`view`]: orthographic and perspective views.
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can be used alone.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
+//! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
+//! - [`sets`]: the crate `casca-line-sets`, with sets of polylines, generators and files.
 //!
 //! Results are estimates, the same for any number of threads.
 
 pub mod buffers;
-pub mod files;
-pub mod generate;
-pub mod lines;
-mod numeric;
+pub mod numeric;
 pub mod occlusion;
 pub mod samples;
 pub mod slabs;
 #[cfg(test)]
 mod testing;
 pub mod view;
+
+pub use casca_line_sets as sets;
+pub use casca_line_sets::LineSet;

@@ -1,49 +1,61 @@
-//! All floating-point margins of the crate, each with its reason, and the one hash.
+//! All margins and constants of the estimate, each with its reason. A twin on another processor reads them here.
 
 /// The matrix of a view may differ from a rotation by this much in each entry of its product with its transpose: matrices
 /// built in single precision do, by some roundings.
-pub(crate) const NOT_RIGID: f64 = 1e-4;
+pub const NOT_RIGID: f64 = 1e-4;
 
 /// The least sine of an angle to the tangent that the thesis' ratio of sines divides by: it keeps a single prism, whose far end
 /// lies on the line's own direction, from outweighing all others.
-pub(crate) const LEAST_SINE: f32 = 1e-3;
+pub const LEAST_SINE: f32 = 1e-3;
 
 /// A base plane whose normal has a component along the column below this is parallel to it: the crossing would lie thousands of
 /// radii away, so that the column is wholly above the plane or wholly below.
-pub(crate) const PARALLEL: f32 = 1e-6;
+pub const PARALLEL: f32 = 1e-6;
 
 /// A tangent this close to the direction of view (the sine of the angle) leaves no direction towards the eye that is normal to it:
 /// single precision would give noise.
-pub(crate) const ALONG_VIEW: f32 = 1e-4;
+pub const ALONG_VIEW: f32 = 1e-4;
 
 /// The share of a solid angle that must be known for an estimate: below it one column would speak for a whole hemisphere.
-pub(crate) const LEAST_KNOWN: f32 = 1e-3;
+pub const LEAST_KNOWN: f32 = 1e-3;
 
-/// A pseudo-random number from a number (SplitMix64, Steele et al. 2014, "Fast splittable pseudorandom number generators").
-pub(crate) fn hash(state: u64) -> u64 {
-    let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+/// The mean sine of the angle between a line and a ray, if all directions are alike: pi / 4.
+pub const MEAN_SINE: f32 = std::f32::consts::FRAC_PI_4;
+
+/// Parts of the disc of samples, see [`crate::occlusion::sector_of`]. Lines on one side do not hide light from the other: each part
+/// is a medium of its own. More parts would hold too few samples each.
+pub const SECTORS: usize = 8;
+
+/// The slices that share one sum of lengths in a column: with one sum for a whole column, what lies far off blurs what is near; one
+/// for each slice would take four times the memory of this.
+pub const GROUP: u32 = 16;
+
+/// The room, as a share of the greatest coordinate, that a view gives to a set whose vertices are all one point.
+pub const DOT_ROOM: f64 = 1e-3;
+
+/// A pseudo-random number from two (the permutation RXS-M-XS of O'Neill 2014, "PCG", once for each). It needs 32 bits only, so that
+/// shaders can compute it.
+pub fn hash(a: u32, b: u32) -> u32 {
+    let permuted = |value: u32| {
+        let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+        (word >> 22) ^ word
+    };
+    permuted(a ^ permuted(b))
 }
 
-/// Seeded pseudo-random numbers: the same on every machine.
-#[derive(Debug, Clone)]
-pub(crate) struct Random(u64);
+#[cfg(test)]
+mod tests {
+    use super::hash;
 
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(hash(seed))
-    }
-
-    /// Evenly spread in 0 to 1, without 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(1);
-        (hash(self.0) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Evenly spread in `lo` to `hi`.
-    pub(crate) fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
+    #[test]
+    fn hashes_of_neighbours_are_spread_evenly() {
+        let mut counts = [0; 16];
+        let pairs = (0..64).flat_map(|y| (0..64).map(move |x| (x, y)));
+        pairs.for_each(|(x, y)| counts[(hash(x, y) % 16) as usize] += 1);
+        // 256 in each on average; the root of the variance is 16.
+        assert!(counts.iter().all(|n| (192..320).contains(n)), "{counts:?}");
+        let same = (0..4096).filter(|&i| hash(i, 7) % 16 == hash(i + 1, 7) % 16).count();
+        assert!((160..360).contains(&same), "{same}");
     }
 }

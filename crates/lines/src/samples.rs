@@ -4,9 +4,8 @@
 //! the lines are that darken most. Points of one disc keep apart: Mitchell 1991, "Spectrally optimal sampling for distribution ray
 //! tracing" (best candidates).
 
+use casca_line_sets::random::{Random, hash};
 use glam::Vec2;
-
-use crate::numeric::{Random, hash};
 
 /// The radii of the discs.
 pub const RADII: [f32; 3] = [0.2, 0.5, 1.0];
@@ -48,7 +47,7 @@ pub struct SampleSets {
 }
 
 impl SampleSets {
-    /// Makes `sets` sets of `samples` points. Time: 4 `sets * samples^2` distances.
+    /// Makes `sets` sets of `samples` points. Time: 2 `sets * samples^2` distances. Memory: 12 bytes a point.
     ///
     /// # Errors
     /// If one of them is 0, or there are too many.
@@ -78,6 +77,11 @@ impl SampleSets {
     /// The number of sets.
     pub fn count(&self) -> usize {
         self.sets
+    }
+
+    /// The points of all sets, one set after the other.
+    pub fn all(&self) -> &[Sample] {
+        &self.samples
     }
 
     /// The points of a set; sets repeat.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
 
-use crate::numeric::NOT_RIGID;
+use crate::numeric::{DOT_ROOM, NOT_RIGID};
 
 /// The greatest number of pixels of a view in one direction.
 pub const MOST_PIXELS: u32 = 8192;
@@ -107,8 +107,18 @@ impl View {
         size: [u32; 2],
     ) -> Result<Self, ViewError> {
         let [eye, target, up] = [eye, target, up].map(Vec3::as_dvec3);
+        Self::towards([eye, eye - target, up], lens, depths, size)
+    }
+
+    /// A view from an eye against the direction `back`.
+    fn towards(
+        [eye, back, up]: [DVec3; 3],
+        lens: Lens,
+        depths: [f64; 2],
+        size: [u32; 2],
+    ) -> Result<Self, ViewError> {
         let no = ViewError::NoDirection;
-        let back = (eye - target).try_normalize().ok_or(no)?;
+        let back = back.try_normalize().ok_or(no)?;
         let right = up.cross(back).try_normalize().ok_or(no)?;
         let turn = DMat3::from_cols(right, back.cross(right), back).transpose();
         Self::new(DMat4::from_mat3_translation(turn, turn * -eye), lens, depths, size)
@@ -124,18 +134,21 @@ impl View {
         fov_y: Option<f64>,
         size: [u32; 2],
     ) -> Result<Self, ViewError> {
-        let (middle, radius) = ((min + max) * 0.5, ((max - min).length() * 0.5).max(1e-3));
-        let away = from.try_normalize().ok_or(ViewError::NoDirection)?;
-        let up = if away.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
-        let r = f64::from(radius) * 1.02;
+        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+        let (middle, radius) = ((min + max) / 2.0, (max - min).length() / 2.0);
+        let room = middle.abs().max_element() * DOT_ROOM;
+        let radius = [radius, room, DOT_ROOM].into_iter().find(|&r| r > 0.0).unwrap_or(DOT_ROOM);
+        let away = from.as_dvec3().try_normalize().ok_or(ViewError::NoDirection)?;
+        let up = if away.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z };
+        let r = radius * 1.02;
         let aspect = (f64::from(size[0]) / f64::from(size[1].max(1))).min(1.0);
         let (lens, distance) = match fov_y {
             None => (Lens::Orthographic { half_height: r / aspect }, r),
             Some(fov_y) => (Lens::Perspective { fov_y }, r / ((fov_y / 2.0).tan() * aspect).atan().sin()),
         };
-        let eye = middle + away * distance as f32;
         let least = if fov_y.is_some() { r * 1e-3 } else { -r * 1e-3 };
-        Self::look_at([eye, middle, up], lens, [(distance - r).max(least), distance + r], size)
+        let depths = [(distance - r).max(least), distance + r];
+        Self::towards([middle + away * distance, away, up], lens, depths, size)
     }
 
     /// The same view with a picture of another height in pixels, and of the same shape to a pixel.
@@ -202,17 +215,16 @@ impl View {
 
     /// The direction away from the viewer at a point of eye space, of length 1.
     pub fn away(&self, eye: Vec3) -> Vec3 {
-        let along = if self.is_perspective() { eye.normalize_or(Vec3::NEG_Z) } else { Vec3::NEG_Z };
+        let along = match self.is_perspective() {
+            // The squares of small and large coordinates fit into double precision only.
+            true => eye.as_dvec3().normalize_or(DVec3::NEG_Z).as_vec3(),
+            false => Vec3::NEG_Z,
+        };
         if along.z > 0.0 { Vec3::NEG_Z } else { along }
     }
 
-    /// How a point of eye space moves along its column when its depth grows by 1.
-    pub fn per_depth(&self, eye: Vec3) -> Vec3 {
-        if self.is_perspective() { eye / -eye.z } else { Vec3::NEG_Z }
-    }
-
     /// Homogeneous pixel coordinates (x, y, w): the point is at (x / w, y / w) if w > 0.
-    pub(crate) fn project(&self, eye: DVec3) -> DVec3 {
+    pub fn project(&self, eye: DVec3) -> DVec3 {
         let w = if self.is_perspective() { -eye.z } else { 1.0 };
         let [middle_x, middle_y] = self.size.map(|s| f64::from(s) / 2.0);
         DVec3::new(middle_x * w + self.scale * eye.x, middle_y * w - self.scale * eye.y, w)
@@ -261,6 +273,23 @@ mod tests {
             [[Vec3::X, Vec3::X, Vec3::Y], [Vec3::Y, Vec3::ZERO, Vec3::Y], [Vec3::NAN, Vec3::ZERO, Vec3::Y]]
         {
             assert_eq!(View::look_at(triple, lens, depths, [9, 9]), Err(ViewError::NoDirection));
+        }
+    }
+
+    #[test]
+    fn boxes_of_any_unit_fill_their_picture() {
+        for unit in [1e-30, 1e-12, 1.0, 1e12, 1e30] {
+            for fov_y in [None, Some(0.8)] {
+                let side = Vec3::splat(unit as f32);
+                let view = View::around([-side, side], Vec3::ONE, fov_y, [40, 30]).unwrap();
+                let corner = view.pixel(view.to_eye(Vec3::new(side.x, -side.y, -side.z)).as_vec3()).unwrap();
+                assert!(corner[0] > 25 || corner[1] > 25, "{unit}: {corner:?}");
+                assert!(view.away(Vec3::splat(-unit as f32)).z < -0.5 && view.depths()[1] < 12.0 * unit);
+            }
+        }
+        for place in [Vec3::ZERO, Vec3::splat(1e-20), Vec3::splat(1e20)] {
+            let view = View::around([place; 2], Vec3::Z, None, [9, 9]).unwrap();
+            assert_eq!(view.pixel(view.to_eye(place).as_vec3()), Some([4, 4]));
         }
     }
 

@@ -9,6 +9,7 @@
 //! a radius r and a length L in a volume V hide 2 r L sin(angle) / V of a ray for each unit of its way, and a share exp(-sum) of the
 //! rays passes. L comes from the columns' lengths, so nothing depends on the grid but the noise.
 
+mod options;
 mod prism;
 #[cfg(test)]
 mod tests;
@@ -17,132 +18,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::buffers::{Fragment, LineBuffer};
-use crate::numeric::{LEAST_KNOWN, LEAST_SINE, hash};
+use crate::numeric::{GROUP, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, SECTORS, hash};
 use crate::samples::{Sample, SampleSets};
-use crate::slabs::SlabGrid;
+use crate::slabs::{SlabGrid, mask};
+pub use options::{AoOptions, BasePlane, Estimator, OptionsError, SetChoice};
 use prism::{Hemisphere, Prism};
-
-/// The mean sine of the angle between a line and a ray, if all directions are alike: pi / 4.
-const MEAN_SINE: f32 = std::f32::consts::FRAC_PI_4;
-
-/// How the counts of the columns become an occlusion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Estimator {
-    /// The mean of the columns' shares of set slices, times a factor; the thesis' table 3.1.
-    MeanOfRatios {
-        /// The thesis uses 4.
-        factor: f32,
-    },
-    /// All set slices over all slices of the columns, weighted alike, times a factor; the thesis' equation 3.4.
-    RatioOfSums {
-        /// As above.
-        factor: f32,
-    },
-    /// 1 - exp(-k x), where x is the mean of ratios: the share of the light that a medium of density x takes.
-    Extinction {
-        /// About 10 for the thesis' grids; it depends on the grid.
-        k: f32,
-    },
-    /// The share of cosine-weighted rays that the lines stop, as tubes of a radius. Only noise and blur depend on the grid: finer
-    /// columns hold thin lines more rarely, so that fewer samples meet one; coarser ones and few slices blur dense bundles. Lines
-    /// along the view need coarse columns, a third to an eighth of the picture's rows.
-    OpticalDepth {
-        /// The radius of the tubes, in units of the scene.
-        line_radius: f32,
-    },
-}
-
-/// Which slices of a column lie in the hemisphere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BasePlane {
-    /// Those above the plane that is tangent to the line.
-    #[default]
-    Tangent,
-    /// Those above that plane mirrored in depth, as the sign in the thesis' equation 3.17 has it. For comparison only.
-    ThesisSign,
-}
-
-/// Which set of samples a pixel takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SetChoice {
-    /// The same for all: patterns show.
-    One,
-    /// By the pixel, as in the thesis: noise stands still on the screen while lines move under it, so they flicker.
-    Screen,
-    /// By the line and the place along it, in steps of this length in units of the scene: noise moves with the line.
-    Surface {
-        /// Greater than 0.
-        step: f32,
-    },
-}
-
-/// What an estimate is told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AoOptions {
-    /// The radius of the hemisphere in units of the scene. The thesis takes 0.13 of the scene's extent.
-    pub radius: f32,
-    /// How counts become an occlusion.
-    pub estimator: Estimator,
-    /// Whether near columns count more (by the inverse square of the distance over the radius). Only for the first three estimators;
-    /// the last one weighs each slice by its solid angle.
-    pub by_distance: bool,
-    /// Whether columns beside the line count more than those along it, likewise.
-    pub by_angle: bool,
-    /// Which slices lie in the hemisphere.
-    pub plane: BasePlane,
-    /// Which samples a pixel takes.
-    pub choice: SetChoice,
-}
-
-/// Why options were refused.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum OptionsError {
-    /// The radius of the hemisphere.
-    #[error(
-        "a radius of {0}: it must be greater than 0 and finite, and its square must be neither 0 nor infinite"
-    )]
-    Radius(f32),
-    /// The factor, k or line radius of the estimator.
-    #[error("an estimator with {0}: it must be 0 or more and finite")]
-    Estimator(f32),
-    /// The step of [`SetChoice::Surface`].
-    #[error("a step of {0} along lines: it must be greater than 0")]
-    Step(f32),
-}
-
-impl AoOptions {
-    /// The best estimator, for tubes of a radius; samples are fixed to the lines.
-    pub fn new(radius: f32, line_radius: f32) -> Self {
-        let estimator = Estimator::OpticalDepth { line_radius };
-        let choice = SetChoice::Surface { step: radius / 8.0 };
-        Self { radius, estimator, by_distance: true, by_angle: true, plane: BasePlane::Tangent, choice }
-    }
-
-    /// The thesis' own method: table 3.1 with its factor, samples by the pixel.
-    pub fn thesis(radius: f32) -> Self {
-        let estimator = Estimator::MeanOfRatios { factor: 4.0 };
-        Self { estimator, choice: SetChoice::Screen, ..Self::new(radius, 0.0) }
-    }
-
-    fn check(&self) -> Result<(), OptionsError> {
-        let square = self.radius * self.radius;
-        if !(self.radius > 0.0 && square.is_normal()) {
-            return Err(OptionsError::Radius(self.radius));
-        }
-        let value = match self.estimator {
-            Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => factor,
-            Estimator::Extinction { k } => k,
-            Estimator::OpticalDepth { line_radius } => line_radius,
-        };
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(OptionsError::Estimator(value));
-        }
-        match self.choice {
-            SetChoice::Surface { step } if step.is_nan() || step <= 0.0 => Err(OptionsError::Step(step)),
-            _ => Ok(()),
-        }
-    }
-}
 
 /// An estimate of the occlusion at points of lines: 0 in the open, 1 where nothing gets through.
 #[derive(Debug, Clone, Copy)]
@@ -181,10 +61,10 @@ impl<'a> Occlusion<'a> {
     pub fn set_of(&self, fragment: &Fragment, pixel: [u32; 2]) -> usize {
         let key = match self.options.choice {
             SetChoice::One => return 0,
-            SetChoice::Screen => u64::from(pixel[0]) << 32 | u64::from(pixel[1]),
-            SetChoice::Surface { step } => u64::from(fragment.line) << 32 | (fragment.along / step) as u64,
+            SetChoice::Screen => hash(pixel[0], pixel[1]),
+            SetChoice::Surface { step } => hash(fragment.line, (fragment.along / step) as u32),
         };
-        (hash(key) % self.samples.count() as u64) as usize
+        key as usize % self.samples.count()
     }
 
     /// The occlusion at a fragment, by a set of samples.
@@ -207,9 +87,8 @@ impl<'a> Occlusion<'a> {
     /// The prism of a sample, its column, and the range of its depths; `None` where there is nothing or nothing is known.
     fn prism(&self, above: &Hemisphere, sample: &Sample) -> Option<(Prism, [u32; 2], [f64; 2])> {
         let prism = above.prism(sample.at, self.options.plane, 0.0)?;
-        let column = self.grid.view().pixel(above.middle + prism.start)?;
-        let base = above.depth(&prism);
-        Some((prism, column, [base + prism.from, base + prism.to].map(f64::from)))
+        let column = self.grid.view().pixel(above.place(prism.start))?;
+        Some((prism, column, above.depths(&prism)))
     }
 
     /// The set slices of the columns and all slices, weighted as the thesis does.
@@ -224,8 +103,8 @@ impl<'a> Occlusion<'a> {
             let ends = [prism.at(prism.from), prism.at(prism.to)];
             let (mut near, mut sine) = (1.0, [1.0; 2]);
             if self.options.by_distance {
-                // Over the radius: the thesis' units would make the result depend on the size of the scene.
-                let mean = (ends[0].length() + ends[1].length()) / (2.0 * above.radius);
+                // In radii: the thesis' units would make the result depend on the size of the scene.
+                let mean = (ends[0].length() + ends[1].length()) / 2.0;
                 near = 1.0 / (mean * mean);
             }
             if self.options.by_angle {
@@ -247,63 +126,65 @@ impl<'a> Occlusion<'a> {
         let mut all = 0.0;
         let view = self.grid.view();
         let [near, far] = view.depths();
-        let slice = (far - near) as f32 / self.grid.slices().count() as f32;
-        let pixel = view.pixel_size(f64::from(-above.middle.z)) as f32;
+        // All lengths are in radii from here on.
+        let radius = f64::from(above.radius);
+        let side = |depth: f64| (view.pixel_size(depth) / radius) as f32;
+        let slice = ((far - near) / (f64::from(self.grid.slices().count()) * radius)) as f32;
+        let pixel = side(f64::from(-above.middle.z));
         let pole = above.pole.abs();
         // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the receiver's own line. They are
         // taken as unknown: the cells above them stand for them, too.
         let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
         for sample in set {
             let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };
-            let weight = prism.weight(above.pole) * sample.area * above.radius * above.radius;
+            let weight = prism.weight(above.pole) * sample.area;
             all += weight;
-            let base = above.depth(&prism);
-            let Some([x, y]) = view.pixel(above.middle + prism.start) else { continue };
-            let range = [base + prism.from, base + prism.to].map(f64::from);
-            let Some(slices) = self.grid.slices_in(range) else { continue };
+            let Some([x, y]) = view.pixel(above.place(prism.start)) else { continue };
+            let Some(slices) = self.grid.slices_in(above.depths(&prism)) else { continue };
             let sector = &mut sectors[sector_of(sample)];
             sector.weight += weight;
+            let base = above.base(&prism);
             let lines = self.in_column([x, y], slices, |depth| {
-                let from = prism.at(depth - base);
-                let (height, distance) = (above.pole.dot(from), from.length());
-                let side = view.pixel_size(f64::from(depth)) as f32;
-                let inside = height > lift && distance < above.radius;
+                let from = prism.at(((depth - base) / radius) as f32);
+                let (height, distance, side) = (above.pole.dot(from), from.length(), side(depth));
+                let inside = height > lift && distance < 1.0;
                 if inside { height / (std::f32::consts::PI * distance.powi(3) * side * side) } else { 0.0 }
             });
-            sector.stopped += sample.area * above.radius * above.radius * lines;
+            sector.stopped += sample.area * (lines / radius) as f32;
         }
         let known: f32 = sectors.iter().map(|s| s.weight).sum();
         if known <= all * LEAST_KNOWN {
             return 0.0;
         }
         let hidden = |s: &Sector| {
-            let depth = 2.0 * line_radius * MEAN_SINE * above.radius * s.stopped / s.weight;
+            let width = (2.0 * f64::from(line_radius) / radius) as f32;
+            let depth = width * MEAN_SINE * s.stopped / s.weight;
             if s.weight > 0.0 { s.weight * (1.0 - (-depth).exp()) } else { 0.0 }
         };
         sectors.iter().map(hidden).sum::<f32>() / known
     }
 
-    /// The sum over the set slices of a column of the length of lines in each times a weight of its depth.
-    fn in_column(&self, [x, y]: [u32; 2], [first, last]: [u32; 2], weight: impl Fn(f32) -> f32) -> f32 {
-        let column = self.grid.column(x, y);
-        let on = column[0].count_ones() + column[1].count_ones();
-        if on == 0 {
-            return 0.0;
-        }
+    /// The sum over the set slices of a column of the length of lines in each times a weight of its depth. The length of a group of
+    /// slices is spread evenly over those that are set.
+    fn in_column(&self, [x, y]: [u32; 2], [first, last]: [u32; 2], weight: impl Fn(f64) -> f32) -> f64 {
+        let (column, lengths) = (self.grid.column(x, y), self.grid.lengths(x, y));
         let mut sum = 0.0;
-        for (mut word, i) in column.into_iter().zip(0..) {
-            word &= crate::slabs::mask(first, last, i);
-            while word != 0 {
-                sum += weight(self.grid.slice_depth(i * 128 + word.trailing_zeros()) as f32);
-                word &= word - 1;
+        for (group, &length) in (first / GROUP..=last / GROUP).zip(&lengths[(first / GROUP) as usize..]) {
+            let (word, at) = (column[(group * GROUP / 128) as usize], group * GROUP % 128);
+            let on = (word & mask(at, at + GROUP - 1, 0)).count_ones();
+            let mut left = word & mask(at, at + GROUP - 1, 0) & mask(first, last, group * GROUP / 128);
+            let mut weights = 0.0;
+            while left != 0 {
+                weights += weight(self.grid.slice_depth(group * GROUP / 128 * 128 + left.trailing_zeros()));
+                left &= left - 1;
+            }
+            if weights > 0.0 {
+                sum += f64::from(length) * f64::from(weights) / f64::from(on);
             }
         }
-        sum * self.grid.length(x, y) / on as f32
+        sum
     }
 }
-
-/// Parts of the disc of samples. Lines on one side do not hide light from the other: each part is a medium of its own.
-const SECTORS: usize = 8;
 
 /// Sums over the columns of a part.
 #[derive(Debug, Clone, Copy, Default)]
@@ -314,8 +195,8 @@ struct Sector {
     stopped: f32,
 }
 
-/// The part of a sample: an eighth of the circle.
-fn sector_of(sample: &Sample) -> usize {
+/// The part of the disc that a sample lies in: an eighth of the circle.
+pub fn sector_of(sample: &Sample) -> usize {
     let p = sample.at;
     usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0) + 4 * usize::from(p.x.abs() > p.y.abs())
 }

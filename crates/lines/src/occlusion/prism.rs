@@ -1,8 +1,10 @@
 //! Columns clipped to the hemisphere of a receiver (Benevides 2015, sections 3.3.1 and 3.3.2).
+//!
+//! Lengths are in radii of the hemisphere, so that no product under- or overflows in scenes of very small or very large units.
 
 use glam::{Vec2, Vec3};
 
-use super::BasePlane;
+use super::options::BasePlane;
 use crate::buffers::Fragment;
 use crate::numeric::{ALONG_VIEW, PARALLEL};
 use crate::view::View;
@@ -10,8 +12,10 @@ use crate::view::View;
 /// The hemisphere around a point of a line: its base is tangent to the line, its pole is turned to the viewer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hemisphere {
+    /// The receiver in eye space, in units of the scene.
     pub(crate) middle: Vec3,
     pub(crate) pole: Vec3,
+    /// In units of the scene.
     pub(crate) radius: f32,
     /// Directions of the disc of samples, normal to the direction of view.
     across: [Vec3; 2],
@@ -47,13 +51,16 @@ impl Hemisphere {
 
     /// The column through a sample of the disc; `None` where it lies outside of the hemisphere. The base is raised by `lift`.
     pub(crate) fn prism(&self, sample: Vec2, plane: BasePlane, lift: f32) -> Option<Prism> {
-        let start = (self.across[0] * sample.x + self.across[1] * sample.y) * self.radius;
+        let start = self.across[0] * sample.x + self.across[1] * sample.y;
         let step = match self.perspective {
-            true => (self.middle + start) / -(self.middle + start).z,
+            true => {
+                let place = self.place(start);
+                place / -place.z
+            }
             false => Vec3::NEG_Z,
         };
         let (a, b) = (step.length_squared(), step.dot(start));
-        let root = b * b - a * (start.length_squared() - self.radius * self.radius);
+        let root = b * b - a * (start.length_squared() - 1.0);
         if root.is_nan() || root <= 0.0 {
             return None;
         }
@@ -75,9 +82,19 @@ impl Hemisphere {
         (from < to).then_some(Prism { start, step, from, to })
     }
 
-    /// The depth from which the parameters of a prism are counted.
-    pub(crate) fn depth(&self, prism: &Prism) -> f32 {
-        -(self.middle + prism.start).z
+    /// The place in eye space, in units of the scene, of a point that is given from the receiver.
+    pub(crate) fn place(&self, from: Vec3) -> Vec3 {
+        self.middle + from * self.radius
+    }
+
+    /// The range of depths of a prism, in units of the scene.
+    pub(crate) fn depths(&self, prism: &Prism) -> [f64; 2] {
+        [prism.from, prism.to].map(|t| self.base(prism) + f64::from(t) * f64::from(self.radius))
+    }
+
+    /// The depth from which the parameters of a prism are counted, in units of the scene.
+    pub(crate) fn base(&self, prism: &Prism) -> f64 {
+        -f64::from(self.middle.z) - f64::from(prism.start.z) * f64::from(self.radius)
     }
 }
 
@@ -88,7 +105,7 @@ impl Prism {
     }
 
     /// The integral of cos(angle to the pole) / (pi distance^2) along the column: with the area across, the share of all
-    /// cosine-weighted directions times the way that they have in the column. The shares of a hemisphere add up to its radius.
+    /// cosine-weighted directions times the way that they have in the column. The shares of a hemisphere add up to 1.
     pub(crate) fn weight(&self, pole: Vec3) -> f32 {
         // The integral of (g + m t) / (c + 2 b t + a t^2)^(3/2).
         let (g, m) = (pole.dot(self.start), pole.dot(self.step));

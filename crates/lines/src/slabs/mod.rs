@@ -1,13 +1,14 @@
 //! A grid of bits along the view: a column of 128 or 256 slices behind each pixel.
 //!
 //! Eisemann and Décoret 2008, "Single-pass GPU solid voxelization for real-time applications", for solids; for lines with the
-//! depth spans of Benevides 2015, section 3.2. Each column also holds the length of the lines in it. The bits say where in depth
-//! lines are, the length says how much of them: so sums over a column depend neither on its width nor on the number of slices,
+//! depth spans of Benevides 2015, section 3.2. Each column also holds the length of the lines in each group of 16 slices. The bits
+//! say where in depth lines are, the lengths say how much of them: so sums over a column depend neither on its width nor on the number of slices,
 //! and many lines in one slice count as many. (Groß and Gumhold 2021 keep line densities in isotropic voxels to the same end.)
 //!
 //! Columns keep every layer, so they also answer whether anything lies before a depth. Lines fill a fraction of a pixel: a column
 //! that is set by lines never hides objects behind it. Columns of solids are sampled at the pixel's centre: not conservative.
 
+mod slices;
 mod solid;
 #[cfg(test)]
 mod tests;
@@ -15,13 +16,16 @@ mod walk;
 
 use std::ops::Range;
 
+use casca_line_sets::{LineSet, Segment};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+pub use slices::Slices;
+pub(crate) use slices::mask;
+use slices::{MOST_GROUPS, slice_of};
 pub use solid::SolidError;
 pub(crate) use walk::{Part, walk};
 
-use crate::lines::{LineSet, Segment};
 use crate::view::View;
 
 /// The side of a tile in pixels. Tiles without any bit take no memory but an index.
@@ -30,27 +34,6 @@ const TILE: u32 = 8;
 const TILE_PIXELS: usize = (TILE * TILE) as usize;
 /// The index of a tile without bits.
 const EMPTY: u32 = u32::MAX;
-
-/// The number of slices of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Slices {
-    /// 128, one word.
-    #[default]
-    S128,
-    /// 256, two words.
-    S256,
-}
-
-impl Slices {
-    /// The number of slices.
-    pub fn count(self) -> u32 {
-        self.words() as u32 * 128
-    }
-
-    fn words(self) -> usize {
-        if self == Self::S128 { 1 } else { 2 }
-    }
-}
 
 /// Which slices of a column a line sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,17 +62,8 @@ pub struct SlabGrid {
     /// For each tile its number among those with bits, or [`EMPTY`].
     tiles: Vec<u32>,
     words: Vec<u128>,
+    /// For each column the length of the lines in each of its groups of slices.
     lengths: Vec<f32>,
-}
-
-/// The words with the slices `first` to `last` set, both inclusive; `word` is the first or second 128 of them.
-pub(crate) fn mask(first: u32, last: u32, word: u32) -> u128 {
-    let (base, top) = (word * 128, word * 128 + 127);
-    if first > top || last < base || first > last {
-        return 0;
-    }
-    let (first, last) = (first.max(base) - base, last.min(top) - base);
-    (u128::MAX << first) & (u128::MAX >> (127 - last))
 }
 
 /// Indices of primitives by the row of tiles that they touch.
@@ -167,25 +141,26 @@ impl Band {
         Self { slices, tiles, words: Vec::new(), lengths: Vec::new() }
     }
 
-    /// The words and the length of a column.
-    fn column(&mut self, x: u32, y: u32) -> (&mut [u128], &mut f32) {
+    /// The words and the lengths of a column.
+    fn column(&mut self, x: u32, y: u32) -> (&mut [u128], &mut [f32]) {
+        let (words, groups) = (self.slices.words(), self.slices.groups());
         let tile = &mut self.tiles[(x / TILE) as usize];
         if *tile == EMPTY {
-            *tile = (self.lengths.len() / TILE_PIXELS) as u32;
-            self.lengths.resize(self.lengths.len() + TILE_PIXELS, 0.0);
-            self.words.resize(self.lengths.len() * self.slices.words(), 0);
+            let tiles = self.words.len() / (TILE_PIXELS * words);
+            *tile = tiles as u32;
+            self.words.resize((tiles + 1) * TILE_PIXELS * words, 0);
+            self.lengths.resize((tiles + 1) * TILE_PIXELS * groups, 0.0);
         }
         let at = *tile as usize * TILE_PIXELS + ((y % TILE) * TILE + x % TILE) as usize;
-        let words = self.slices.words();
-        (&mut self.words[at * words..][..words], &mut self.lengths[at])
+        (&mut self.words[at * words..][..words], &mut self.lengths[at * groups..][..groups])
     }
 }
 
 impl SlabGrid {
     /// The columns that lines cross, with the slices and the length of the lines in each.
     ///
-    /// Time: proportional to the vertices and to the columns that lines cross. Memory: 16 bytes a pixel and 128 slices in tiles of
-    /// 8 x 8 pixels with lines, and 4 for each pixel of them.
+    /// Time: proportional to the vertices and to the columns that lines cross. Memory: 48 bytes a pixel with 128 slices, 96 with 256,
+    /// in tiles of 8 x 8 pixels that lines cross, and 4 bytes a tile; while it is made, as much again and about 60 bytes a vertex.
     pub fn of_lines(lines: &LineSet, view: &View, slices: Slices, rule: SpanRule) -> Self {
         let placed = Placed::new(lines, view);
         let bands = placed.bands(view, |rows, segments| {
@@ -195,15 +170,15 @@ impl SlabGrid {
                 let long = a.distance(b);
                 walk(view, [a, b], &rows, |x, y, part| {
                     let depth = |t: f64| -(a.z + (b.z - a.z) * t);
-                    let (mut first, mut last) = (depth(part.from), depth(part.to));
+                    let mut ends = [depth(part.from), depth(part.to)];
+                    ends.sort_by(f64::total_cmp);
                     if rule == SpanRule::Middle {
-                        first = (first + last) / 2.0;
-                        last = first;
+                        ends = [(ends[0] + ends[1]) / 2.0; 2];
                     }
-                    let [first, last] = [first.min(last), first.max(last)].map(|d| slice_of(view, slices, d));
-                    let (words, length) = band.column(x, y);
+                    let [first, last] = ends.map(|d| slice_of(view, slices, d));
+                    let (words, lengths) = band.column(x, y);
                     words.iter_mut().zip(0..).for_each(|(w, i)| *w |= mask(first, last, i));
-                    *length += (long * (part.to - part.from)) as f32;
+                    slices::spread(view, slices, ends, long * (part.to - part.from), lengths);
                 });
             }
             band
@@ -249,7 +224,7 @@ impl SlabGrid {
         let mut grid =
             Self { view: *view, slices, tiles: Vec::new(), words: Vec::new(), lengths: Vec::new() };
         for band in bands {
-            let base = (grid.lengths.len() / TILE_PIXELS) as u32;
+            let base = grid.tiles() as u32;
             grid.tiles.extend(band.tiles.iter().map(|&t| if t == EMPTY { EMPTY } else { t + base }));
             grid.words.extend(band.words);
             grid.lengths.extend(band.lengths);
@@ -269,7 +244,7 @@ impl SlabGrid {
 
     /// The tiles of 8 x 8 pixels that have memory.
     pub fn tiles(&self) -> usize {
-        self.lengths.len() / TILE_PIXELS
+        self.words.len() / (TILE_PIXELS * self.slices.words())
     }
 
     /// Where a column is in the arrays.
@@ -292,9 +267,17 @@ impl SlabGrid {
         }
     }
 
+    /// The length of the lines in each group of [`GROUP`](crate::numeric::GROUP) slices of a column, in units of the scene; no
+    /// group has any outside of the picture.
+    pub fn lengths(&self, x: u32, y: u32) -> &[f32] {
+        static NONE: [f32; MOST_GROUPS] = [0.0; MOST_GROUPS];
+        let groups = self.slices.groups();
+        self.place(x, y).map_or(&NONE[..groups], |at| &self.lengths[at * groups..][..groups])
+    }
+
     /// The length of the lines in a column, in units of the scene; 0 outside of the picture.
     pub fn length(&self, x: u32, y: u32) -> f32 {
-        self.place(x, y).map_or(0.0, |at| self.lengths[at])
+        self.lengths(x, y).iter().sum()
     }
 
     /// The slice of a depth, clamped to those that there are.
@@ -347,12 +330,4 @@ impl SlabGrid {
         }
         if total == 0 { 0.0 } else { on as f64 / total as f64 }
     }
-}
-
-/// The slice of a depth, clamped to those that there are.
-fn slice_of(view: &View, slices: Slices, depth: f64) -> u32 {
-    let [near, far] = view.depths();
-    let count = f64::from(slices.count());
-    // Conversion saturates.
-    (((depth - near) / (far - near) * count) as u32).min(slices.count() - 1)
 }

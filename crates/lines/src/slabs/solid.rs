@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::Slices;
+use super::slices::Slices;
 use crate::view::View;
 
 /// Why a solid was refused.

@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
+use casca_line_sets::random::Random;
 use glam::{DVec3, Vec3, vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::numeric::Random;
 use crate::testing::cases;
 use crate::view::Lens;
 
@@ -149,12 +149,16 @@ fn a_line_along_the_view_sets_its_whole_range_in_one_column_and_one_slice_withou
     let set = |rule| {
         let grid = SlabGrid::of_lines(&lines, &view, Slices::S128, rule);
         let columns: Vec<u128> = (0..81).map(|i| grid.column(i % 9, i / 9)[0]).filter(|&c| c != 0).collect();
-        (columns.len(), columns[0].count_ones(), grid.length(4, 4))
+        (columns.len(), columns[0].count_ones(), grid.length(4, 4), grid.lengths(4, 4).to_vec())
     };
     let [near, far] = view.depths();
     let slices = 1.3 / (far - near) * 128.0;
-    let (columns, on, length) = set(SpanRule::Span);
+    let (columns, on, length, groups) = set(SpanRule::Span);
     assert!(columns == 1 && (f64::from(on) - slices).abs() <= 1.0 && (length - 1.3).abs() < 1e-5, "{on}");
+    // Groups in the middle of the line hold as much of it as they are deep.
+    let group = ((far - near) / 8.0) as f32;
+    assert!(groups.len() == 8 && groups[3..5].iter().all(|l| (l - group).abs() < 1e-5), "{groups:?}");
+    assert_eq!(groups[7] + groups[0], 0.0, "{groups:?}");
     assert_eq!((set(SpanRule::Middle).0, set(SpanRule::Middle).1), (1, 1));
 }
 

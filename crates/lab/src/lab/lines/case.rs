@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
+use casca_lines::LineSet;
 use casca_lines::buffers::{Fragment, LineBuffer};
-use casca_lines::generate::{Family, Recipe};
-use casca_lines::lines::LineSet;
 use casca_lines::occlusion::{AoOptions, Estimator, Occlusion};
 use casca_lines::samples::SampleSets;
+use casca_lines::sets::generate::{Family, Recipe};
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
 use casca_lines::view::View;
 use glam::{DVec3, Vec3};

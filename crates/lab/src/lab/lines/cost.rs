@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use casca_lines::buffers::LineBuffer;
-use casca_lines::generate::{Family, Recipe};
 use casca_lines::occlusion::{AoOptions, Occlusion};
+use casca_lines::sets::generate::{Family, Recipe};
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
 use casca_lines::view::View;
 

@@ -3,11 +3,13 @@
 mod agreement;
 mod case;
 mod cost;
+mod parallel;
+mod samples;
 mod score;
 mod stability;
 mod truth;
 
-use casca_lines::generate::Family;
+use casca_lines::sets::generate::Family;
 
 use super::{Lab, LabError, Section};
 use case::{Case, Effort};
@@ -43,7 +45,7 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
     section.table(agreement::table(&rows));
     if let Some(case) = spiral {
         (lab.progress)("samples");
-        agreement::by_samples(lab, &case, &effort, &mut section)?;
+        samples::by_samples(lab, &case, &effort, &mut section)?;
         (lab.progress)("stability");
         stability::stability(&case, &effort, &mut section)?;
     }

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use casca_lines::lines::LineSet;
+use casca_lines::LineSet;
 use glam::{DMat3, DVec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;

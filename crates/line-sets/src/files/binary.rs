@@ -1,6 +1,7 @@
 //! Tractograms: lines through the white matter of brains, from diffusion imaging.
 
-use super::{Bytes, FileError, Lines, broken};
+use super::bytes::Bytes;
+use super::error::{FileError, Lines, broken};
 
 /// MRtrix: a text header with `datatype` and `file: . OFFSET`, triples of floats, NaN after each line, infinity at the end.
 /// <https://mrtrix.readthedocs.io/en/latest/getting_started/image_data.html#tracks-file-format-tck>
@@ -34,12 +35,12 @@ pub(super) fn tck(bytes: &[u8]) -> Lines {
     loop {
         let place = file.at;
         let point = file.point()?;
-        match (point.is_finite(), point.is_nan()) {
-            (true, _) => line.push(point),
-            (false, true) => lines.push(std::mem::take(&mut line)),
-            // All three are infinite at the end.
-            _ if line.is_empty() && point.to_array().iter().all(|x| x.is_infinite()) => return Ok(lines),
-            _ => return Err(broken("byte", place, "an infinite vertex within a line")),
+        // Marks fill all three coordinates; a vertex that lacks one is damaged.
+        match point.to_array() {
+            _ if point.is_finite() => line.push(point),
+            mark if mark.iter().all(|x| x.is_nan()) => lines.push(std::mem::take(&mut line)),
+            mark if line.is_empty() && mark.iter().all(|x| x.is_infinite()) => return Ok(lines),
+            _ => return Err(broken("byte", place, format!("vertex {point} of a line is not finite"))),
         }
     }
 }

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::{Bytes, FileError, Lines, Words, broken};
+use super::bytes::Bytes;
+use super::error::{FileError, Lines, broken};
+use super::words::{Words, parse, words};
 
 /// Bytes of a number, and whether it is a float or has a sign.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +45,9 @@ struct Element {
     properties: Vec<Property>,
 }
 
+/// What a number of an edge or a list of indices stands for, in errors.
+const VERTEX: &str = "the number of a vertex";
+
 /// The numbers of the body, as text or bytes.
 enum Body<'a> {
     Text(Words<'a>),
@@ -67,6 +72,20 @@ impl Body<'_> {
         })
     }
 
+    /// A number that must be whole and fit into 32 bits without a sign.
+    fn whole(&mut self, kind: Kind, what: &str) -> Result<u32, FileError> {
+        let number = self.number(kind)?;
+        self.is_whole(number, what)
+    }
+
+    fn is_whole(&self, number: f64, what: &str) -> Result<u32, FileError> {
+        let whole = number as u32;
+        match f64::from(whole) == number {
+            true => Ok(whole),
+            false => Err(self.fail(format!("{number} cannot be {what}"))),
+        }
+    }
+
     fn fail(&self, why: String) -> FileError {
         match self {
             Self::Text(words) => broken("line", words.line, why),
@@ -85,15 +104,18 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
             return Err(body.fail(format!("the element {} has no properties", element.name)));
         }
         for _ in 0..element.count {
-            let (mut named, mut list) = (HashMap::new(), Vec::new());
+            let (mut named, mut list) = (HashMap::new(), None);
             for property in &element.properties {
                 let Some(length) = property.list else {
                     named.insert(property.name.as_str(), body.number(property.kind)?);
                     continue;
                 };
-                list.clear();
-                for _ in 0..body.number(length)? as u64 {
-                    list.push(body.number(property.kind)? as u32);
+                let length = body.whole(length, "the length of a list")?;
+                if ["vertex_indices", "vertex_index"].contains(&property.name.as_str()) {
+                    let mut next = || body.whole(property.kind, VERTEX);
+                    list = Some((0..length).map(|_| next()).collect::<Result<Vec<u32>, FileError>>()?);
+                } else {
+                    (0..length).try_for_each(|_| body.number(property.kind).map(drop))?;
                 }
             }
             let get = |name: &str| named.get(name).copied();
@@ -104,11 +126,22 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
                         [coordinate("x")?, coordinate("y")?, coordinate("z")?].map(|c| c as f32),
                     ));
                 }
-                ("edge", Some(a), Some(b)) => match lines.last_mut() {
-                    Some(line) if line.last() == Some(&(a as u32)) => line.push(b as u32),
-                    _ => lines.push(vec![a as u32, b as u32]),
+                ("edge" | "line" | "polyline", a, b) => match (list, a.zip(b)) {
+                    (Some(list), _) => lines.push(list),
+                    (None, Some((a, b))) => {
+                        let [a, b] = [body.is_whole(a, VERTEX)?, body.is_whole(b, VERTEX)?];
+                        match lines.last_mut() {
+                            Some(line) if line.last() == Some(&a) => line.push(b),
+                            _ => lines.push(vec![a, b]),
+                        }
+                    }
+                    (None, None) => {
+                        let name = &element.name;
+                        return Err(body.fail(format!(
+                            "the element {name} has neither a list vertex_indices nor vertex1 and vertex2"
+                        )));
+                    }
                 },
-                ("edge" | "line" | "polyline", ..) if !list.is_empty() => lines.push(list),
                 _ => {}
             }
         }
@@ -129,7 +162,7 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
             return Err(broken("line", number + 1, "the header does not end"));
         };
         (at, number) = (at + end + 1, number + 1);
-        let words = super::words(&rest[..end]);
+        let words = words(&rest[..end]);
         let fail = |why: &str| broken("line", number, why);
         let kind = |name: &str| Kind::named(name).ok_or_else(|| fail("a property of unknown type"));
         let mut property = |p: Property| -> Result<(), FileError> {
@@ -145,7 +178,7 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
             ["format", "binary_big_endian", _] => binary = Some(Some(true)),
             ["element", name, count] => elements.push(Element {
                 name: name.to_owned(),
-                count: super::parse(count, "a number of elements", number)?,
+                count: parse(count, "a number of elements", number)?,
                 properties: Vec::new(),
             }),
             ["property", "list", length, of, name] => {

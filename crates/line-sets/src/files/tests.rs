@@ -1,5 +1,6 @@
 use std::fmt::Write;
 
+use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
@@ -139,11 +140,55 @@ fn errors_name_place_and_cause() {
         let why = fail(text.as_bytes(), format);
         assert!(why.contains(said), "{text}: {why}");
     }
+    let ply = |list: &str, row: &str| {
+        let vertices = "element vertex 2\nproperty float x\nproperty float y\nproperty float z";
+        format!(
+            "ply\nformat ascii 1.0\n{vertices}\nelement line 1\n{list}\nend_header\n0 0 0\n1 1 1\n{row}\n"
+        )
+    };
+    let (pair, list) =
+        ("property float vertex1\nproperty float vertex2", "property list float double vertex_index");
+    for (head, row, said) in [
+        (pair, "0 -1", "line 13: -1 cannot be the number of a vertex"),
+        (pair, "nan 1", "line 13: NaN cannot be"),
+        (pair, "0 2", "a line names vertex 2 of 2"),
+        (list, "2 0 1.7", "line 12: 1.7 cannot be the number of a vertex"),
+        (list, "1 4294967296", "line 12: 4294967296 cannot be"),
+        (list, "-2 0 1", "line 12: -2 cannot be the length of a list"),
+        (
+            "property list int int near",
+            "1 0",
+            "the element line has neither a list vertex_indices nor vertex1",
+        ),
+        ("property float vertex1", "1", "the element line has neither"),
+    ] {
+        let why = fail(ply(head, row).as_bytes(), Format::Ply);
+        assert!(why.contains(said), "{row}: {why}");
+    }
+    let two = format!("{list}\nproperty list int int near");
+    let lines = read(ply(&two, "2 1 0 3 0 0 0").as_bytes(), Format::Ply).unwrap();
+    assert_eq!(lines, LineSet::new([[Vec3::ONE, Vec3::ZERO]]).unwrap(), "only the list of that name counts");
     let mut long = written(&[vec![Vec3::ONE]], Format::Trk);
     long[1000..1004].copy_from_slice(&i32::MAX.to_le_bytes());
     assert!(
         fail(&long, Format::Trk).contains("byte 1000: a line of 2147483647 vertices is longer than the file")
     );
+    for (damaged, said) in [
+        (Vec3::new(1.0, f32::NAN, 2.0), "vertex [1, NaN, 2] of a line"),
+        (Vec3::new(f32::NAN, f32::INFINITY, f32::NAN), "byte 73: vertex [NaN, inf, NaN]"),
+        (Vec3::INFINITY, "byte 73: vertex [inf, inf, inf]"),
+    ] {
+        let why = fail(&written(&[vec![Vec3::ONE, damaged, Vec3::X]], Format::Tck), Format::Tck);
+        assert!(why.contains(said), "{why}");
+    }
+    let path = std::env::temp_dir().join(format!("casca-line-sets-{}.txt", std::process::id()));
+    for (text, said) in [("1 x", "line 1: \"x\" is not"), ("1 1 nan 1 1", "vertex 0 of line 0 is not finite")]
+    {
+        std::fs::write(&path, text).unwrap();
+        let why = open(&path).unwrap_err().to_string();
+        assert!(why.starts_with(&format!("{}: {said}", path.display())), "{why}");
+    }
+    std::fs::remove_file(&path).unwrap();
     assert!(matches!(open(Path::new("nothing.txt")), Err(FileError::Io { .. })));
     assert!(matches!(open(Path::new("hair.doc")), Err(FileError::Unknown(_))));
 }

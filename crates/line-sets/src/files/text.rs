@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{FileError, Lines, Words, broken, parse, words};
+use super::error::{FileError, Lines, broken};
+use super::words::{Words, parse, words};
 
 /// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
 pub(super) fn thesis(bytes: &[u8]) -> Lines {

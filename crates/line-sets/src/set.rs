@@ -90,7 +90,7 @@ impl LineSet {
 
     /// For each segment its line and the index of its first vertex in [`Self::points`]; a dot is a segment without length, whose
     /// two ends are one vertex.
-    pub(crate) fn segments(&self) -> impl Iterator<Item = Segment> {
+    pub fn segments(&self) -> impl Iterator<Item = Segment> {
         self.starts.windows(2).enumerate().flat_map(|(line, w)| {
             let (from, to) = (w[0], w[1]);
             let last = if to - from == 1 { to } else { to.saturating_sub(1) };
@@ -129,12 +129,15 @@ impl LineSet {
     }
 }
 
-/// A segment of a line: the indices of its ends.
+/// A segment of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Segment {
-    pub(crate) line: u32,
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+pub struct Segment {
+    /// The line, counted from 0.
+    pub line: u32,
+    /// The index of its first end in [`LineSet::points`].
+    pub a: u32,
+    /// The index of its second end; that of the first one on dots.
+    pub b: u32,
 }
 
 #[cfg(test)]

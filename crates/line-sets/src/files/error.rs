@@ -1,0 +1,51 @@
+//! Why files are refused.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+
+use crate::set::LineError;
+
+/// Why a file was not read.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The file could not be opened or read.
+    #[error("cannot read {path}: {why}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        why: std::io::Error,
+    },
+    /// The ending is none of .txt, .obj, .ply, .tck and .trk.
+    #[error("{0}: the ending must be .txt, .obj, .ply, .tck or .trk")]
+    Unknown(PathBuf),
+    /// A file was read, and what it holds was refused.
+    #[error("{path}: {why}")]
+    In {
+        /// The file.
+        path: PathBuf,
+        /// The cause: [`Self::Broken`] or [`Self::Lines`].
+        why: Box<FileError>,
+    },
+    /// The bytes break the format.
+    #[error("{unit} {at}: {why}")]
+    Broken {
+        /// How places are counted: "line" or "byte".
+        unit: &'static str,
+        /// The place: lines from 1, bytes from 0.
+        at: usize,
+        /// The cause.
+        why: String,
+    },
+    /// The lines were refused.
+    #[error(transparent)]
+    Lines(#[from] LineError),
+}
+
+/// The vertices of each line.
+pub(super) type Lines = Result<Vec<Vec<Vec3>>, FileError>;
+
+pub(super) fn broken(unit: &'static str, at: usize, why: impl Into<String>) -> FileError {
+    FileError::Broken { unit, at, why: why.into() }
+}
