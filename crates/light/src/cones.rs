@@ -6,8 +6,7 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// Cones at most.
-pub const MOST_CONES: usize = 16;
+pub use crate::numeric::MOST_CONES;
 
 /// How many cones gather diffuse light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -16,7 +16,7 @@
 //! - [`shading`]: light in voxels, and the directional mips.
 //! - [`picture`]: the light of each pixel.
 //! - [`renderer`]: all passes, and which of them run again after a change.
-//! - [`timing`]: the time of each stage.
+//! - `timing`: the time of each stage, from `casca-stage`.
 //! - [`culling`]: a scene of the library for a lit scene.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
@@ -32,5 +32,6 @@ pub mod picture;
 pub mod reach;
 pub mod renderer;
 pub mod shading;
-pub mod timing;
 pub mod volume;
+
+pub use casca_stage::timing;
