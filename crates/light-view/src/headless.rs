@@ -12,9 +12,9 @@ use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::reach::Reach;
 use casca_light::renderer::{Renderer, Updated};
-use casca_light::timing::Clock;
 use casca_stage::canvas::{Canvas, write_png};
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 use glam::Vec3;
 
 use crate::options::Options;

@@ -7,9 +7,9 @@ use casca_lab::command_line::say;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings, Updated};
-use casca_light::timing::Clock;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 
 use crate::headless::told;
 use crate::options::Options;
