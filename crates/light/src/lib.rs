@@ -10,7 +10,7 @@
 //! - [`volume`]: the grid of voxels and its bricks.
 //! - [`data`]: triangles, materials and lights as the shaders take them.
 //! - [`kernel`]: compute passes and their bindings.
-//! - [`cones`]: the cones that cover a hemisphere.
+//! - [`cones`]: the cones for a hemisphere, and how they march.
 //! - [`layers`]: triangles into voxels, in a fixed and a moving layer.
 //! - [`reach`]: which bricks a picture can read: the culler's part.
 //! - [`shading`]: light in voxels, and the directional mips.
@@ -18,6 +18,8 @@
 //! - [`renderer`]: all passes, and which of them run again after a change.
 //! - `timing`: the time of each stage, from `casca-stage`.
 //! - [`culling`]: a scene of the library for a lit scene.
+//!
+//! Voxels and pictures are tested in `crates/light-view/tests`.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -17,67 +17,17 @@ use casca_stage::timing::Clock;
 use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages};
 use glam::{Affine3A, Vec3};
 
-use crate::cones::{ConeCount, MOST_CONES};
+use crate::cones::MOST_CONES;
+pub use crate::cones::Settings;
 use crate::data::{Geometry, Light, Triangle, lights_of, materials_of};
 use crate::error::{LightError, Part};
 use crate::kernel::filled;
 use crate::layers::Layers;
-use crate::numeric::{LEAST_STEP, MOST_SHADOW_PAIRS, NARROWEST, WIDEST_REFLECTION};
+use crate::numeric::{MOST_SHADOW_PAIRS, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
 use crate::reach::{Mask, Reach, bricks_read, grown, shadows_change};
 use crate::shading::{List, Shading};
 use crate::volume::Volume;
-
-/// How light is gathered.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Cells along the longest axis: 16 to 512.
-    pub resolution: u32,
-    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis' step factor, in diameters, is half
-    /// of it. Light leaks through thin walls above 1.
-    pub step: f32,
-    /// How far cones gather, as a share of the grid's longest edge: 0.01 to 2.
-    pub reach: f32,
-    /// Cones of diffuse light.
-    pub cones: ConeCount,
-    /// Tangent of half the angle of the narrowest reflection: 0.001 to 1.
-    pub aperture: f32,
-    /// Whether voxels get light from other voxels: the second bounce.
-    pub bounce: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            resolution: 128,
-            step: 1.0,
-            reach: 1.0,
-            cones: ConeCount::Six,
-            aperture: NARROWEST,
-            bounce: true,
-        }
-    }
-}
-
-impl Settings {
-    fn check(&self) -> Result<(), LightError> {
-        for (name, value, low, high) in [
-            ("the step", self.step, LEAST_STEP, 5.0),
-            ("the reach", self.reach, 0.01, 2.0),
-            ("the aperture", self.aperture, 0.001, 1.0),
-        ] {
-            if !(low..=high).contains(&value) {
-                return Err(LightError::Setting { name, value, low, high });
-            }
-        }
-        Ok(())
-    }
-
-    /// How far cones gather, in cells.
-    fn reach_cells(&self, volume: &Volume) -> f32 {
-        self.reach * volume.dims.max_element() as f32
-    }
-}
 
 /// The grid and the settings as the shaders take them.
 #[repr(C)]

@@ -12,6 +12,7 @@ use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings, Updated};
 use casca_light::timing::Clock;
+use casca_light::volume::Volume;
 use casca_stage::gpu::Gpu;
 use common::{ball, draw, gpu, light, texels, wall_scene};
 use glam::{Affine3A, Vec3};
@@ -214,15 +215,22 @@ fn culled_pictures_are_the_same_bit_by_bit_while_objects_move_and_the_camera_tur
     assert!(done[..2].iter().all(|(updated, share)| updated.bricks > 200 && *share < HALL_READ));
 }
 
+/// A Cornell box with a small ball, in a grid whose cones read bricks next to theirs; and places in it by cells.
+fn box_with_ball(radius: f32) -> (LitScene, Settings, impl Fn([f32; 3]) -> Vec3) {
+    let mut scene = Kind::CornellPoint.build();
+    let volume = Volume::new(scene.bounds(), 96).unwrap();
+    scene.objects.push(ball(0, Vec3::splat(2.0), radius));
+    let at = move |cells: [f32; 3]| volume.origin + Vec3::from(cells) * volume.cell;
+    (scene, Settings { reach: 0.01, ..settings(96) }, at)
+}
+
 #[test]
 fn what_jumps_into_sight_is_lit_where_it_lands() {
     let Some(gpu) = gpu() else { return };
-    let mut scene = Kind::CornellPoint.build();
-    scene.objects.push(ball(0, Vec3::new(1.2, 4.2, 2.0), 0.3));
-    // Three bricks of 8 cells.
-    let jump = 24.0 * Renderer::new(&gpu, &scene, settings(64)).unwrap().volume().cell;
-    let frames = [0.0, 1.0].map(|i| (Some(Vec3::new(1.2 + i * jump, 4.2, 2.0)), scene.camera));
-    let done = culled(&gpu, &scene, Settings { reach: 0.01, ..settings(64) }, &frames);
+    let (scene, how, at) = box_with_ball(0.15);
+    // From the middle of a brick to that of the third one beside it, far from all other bricks in sight.
+    let frames = [28.0, 52.0].map(|x| (Some(at([x, 60.0, 12.0])), scene.camera));
+    let done = culled(&gpu, &scene, how, &frames);
     // Of what may be read, only bricks are lit again in which the ball's shadow may fall.
     let (updated, share) = done[1];
     println!("{updated:?}, may be read: {share:.2}");
@@ -235,18 +243,16 @@ fn what_jumps_into_sight_is_lit_where_it_lands() {
 #[test]
 fn what_leaves_a_brick_that_nobody_reads_casts_no_shadow_from_there() {
     let Some(gpu) = gpu() else { return };
-    let mut scene = Kind::CornellPoint.build();
+    let (mut scene, how, at) = box_with_ball(0.2);
     scene.lights[0].kind = LightKind::Point { position: Vec3::new(2.78, 5.2, 2.8), radius: 0.3 };
-    scene.objects.push(ball(0, Vec3::splat(2.0), 0.25));
-    let volume = *Renderer::new(&gpu, &scene, settings(64)).unwrap().volume();
-    let at = |cells: Vec3| volume.origin + cells * volume.cell;
     // From the middle of one brick between lamp and block to a corner of eight, for which there is no memory yet.
-    let (from, to) = (at(Vec3::new(28.0, 44.0, 28.0)), at(Vec3::new(40.0, 48.0, 48.0)));
+    let (from, to) = (at([44.0, 68.0, 44.0]), at([80.0, 72.0, 72.0]));
+    // Voxels exist from the first frame on, so that there is memory for one brick.
     scene.objects.last_mut().unwrap().transform.translation = from.into();
     let camera =
-        Camera::look_at(Vec3::new(1.4, 2.6, -0.5), Vec3::new(1.5, 1.6, 1.5), 40.0, 4.0 / 3.0, 0.01, 20.0);
-    let frames = [(Some(from), camera), (Some(to), camera)];
-    culled(&gpu, &scene, Settings { reach: 0.01, ..settings(64) }, &frames);
+        Camera::look_at(Vec3::new(1.4, 2.6, -0.5), Vec3::new(1.8, 1.6, 1.7), 40.0, 4.0 / 3.0, 0.01, 20.0);
+    let done = culled(&gpu, &scene, how, &[(Some(from), camera), (Some(to), camera)]);
+    assert!(done[1].1 < 1.0 && done[1].0.merged == done[1].0.bricks + 1, "{done:?}");
 }
 
 #[test]
@@ -301,7 +307,7 @@ fn rooms_that_surfaces_light() {
     }
 }
 
-/// What an update saves in a large scene: `cargo test --release -p casca-light --test light -- --ignored --nocapture`.
+/// What an update saves in a large scene: `cargo test --release -p casca-light-view --test light -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints measurements"]
 fn sponza_with_twenty_moving_balls() {

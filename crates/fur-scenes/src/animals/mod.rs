@@ -1,0 +1,7 @@
+//! Generated animals: closed meshes with coats, so that fur needs no files.
+
+mod animal;
+mod body;
+mod polygons;
+
+pub use animal::{Animal, LEVELS};

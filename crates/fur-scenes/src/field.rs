@@ -1,0 +1,344 @@
+//! Many furry animals among walls: a scene of casca for tests and programs.
+
+use std::f32::consts::TAU;
+
+use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
+use casca_fur::Error;
+use casca_fur::strands::Fur;
+use casca_fur::visibility::{base_occluder, furry_object, inner_ball};
+use glam::{Affine3A, Quat, UVec3, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::animals::Animal;
+
+/// What an object of a field is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An animal, by its number.
+    Animal(usize),
+    /// A wall, by its number.
+    Wall(usize),
+    /// The ground.
+    Ground,
+}
+
+/// What hides others besides walls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Hiding {
+    /// Walls only.
+    Walls,
+    /// A ball inside all levels of detail of each animal, and walls.
+    #[default]
+    Balls,
+    /// The finest mesh of each animal, and walls. Draw that level only.
+    Meshes,
+}
+
+/// An animal in a field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resident {
+    /// Its object in the scene.
+    pub id: ObjectId,
+    /// The number of its species: its meshes and its fur.
+    pub species: usize,
+    /// From the space of its meshes to the world.
+    pub placement: Affine3A,
+    walk: Walk,
+}
+
+/// How an animal moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Walk {
+    /// The middle of its walk, on the ground.
+    center: Vec3,
+    /// The radius of its walk; 0 for those that stand.
+    radius: f32,
+    /// Radians per second, and where it starts.
+    turn: [f32; 2],
+    scale: f32,
+}
+
+/// A square field of lots with walls between some of them, and animals on the lots. y is up, the ground is at 0; one unit is the
+/// length of an animal.
+pub struct Field {
+    /// The scene, for queries.
+    pub scene: Scene,
+    species: Vec<(Animal, Fur)>,
+    animals: Vec<Resident>,
+    walls: Vec<Aabb>,
+    ground: Aabb,
+}
+
+/// The edge of a lot, in units.
+const LOT: f32 = 4.0;
+
+/// Animals on each lot, on average.
+const CROWD: usize = 2;
+
+/// The thickness and the height of walls: higher than animals and eyes.
+const WALL: [f32; 2] = [0.25, 2.0];
+
+/// The share of the borders between lots that have a wall.
+const WALLED: f64 = 0.4;
+
+/// The most animals: walls and animals then fit a scene of casca.
+const MOST: usize = 100_000;
+
+/// The detail of the animals' meshes.
+const DETAIL: u32 = 48;
+
+impl Field {
+    /// A field of `count` animals of `species` different kinds (1 to 16). `fur` is the fur for an animal of a given radius.
+    ///
+    /// # Errors
+    /// Refuses counts out of range (1 to 100,000), and what casca and the animals refuse.
+    pub fn new(
+        count: usize,
+        species: usize,
+        seed: u64,
+        hiding: Hiding,
+        fur: impl Fn(f32) -> Result<Fur, Error>,
+    ) -> Result<Self, Error> {
+        Error::check_range("the number of animals", count as f64, 1.0, MOST as f64)?;
+        Error::check_range("the number of species", species as f64, 1.0, 16.0)?;
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let make = |i: usize| {
+            let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
+            let fur = fur(animal.radius())?;
+            Ok((animal, fur))
+        };
+        let species = (0..species).map(make).collect::<Result<Vec<(Animal, Fur)>, Error>>()?;
+        let hides =
+            species.iter().map(|(animal, _)| occluder(animal, hiding)).collect::<Result<Vec<_>, Error>>()?;
+        let lots = (count.div_ceil(CROWD) as f64).sqrt().ceil() as usize;
+        let edge = lots as f32 * LOT;
+        let ground = Aabb::new(Vec3::new(-LOT, -0.5, -LOT), Vec3::new(edge + LOT, 0.0, edge + LOT));
+        let refused = |what| move |source| Error::Scene { what, source };
+        // Cells of half a unit, or coarser for large fields.
+        let cell = 0.5 * (edge / 200.0).max(1.0);
+        let min = Vec3::new(-LOT - 1.0, -1.0, -LOT - 1.0);
+        let size = Vec3::new(edge + 2.0 * LOT + 2.0, WALL[1] + 2.0, edge + 2.0 * LOT + 2.0);
+        let dims = (size / cell).ceil().as_uvec3().max(UVec3::ONE);
+        let mut scene = Scene::new(&GridSpec { min, cell, dims }).map_err(refused("grid of the field"))?;
+        let solid = |scene: &mut Scene, aabb: Aabb, number: u64, what| {
+            let desc = ObjectDesc::fixed(aabb).occluder(aabb).user_data(number);
+            scene.insert(desc).map_err(refused(what))
+        };
+        solid(&mut scene, ground, u64::MAX, "ground")?;
+        let mut walls = Vec::new();
+        for (x, z) in (0..=lots).flat_map(|x| (0..=lots).map(move |z| (x, z))) {
+            let corner = Vec3::new(x as f32 * LOT, 0.0, z as f32 * LOT);
+            let half = Vec3::new(WALL[0] * 0.5, 0.0, WALL[0] * 0.5);
+            for (along, room) in [(Vec3::X, x < lots), (Vec3::Z, z < lots)] {
+                if room && random.random_bool(WALLED) {
+                    let wall = Aabb::new(corner - half, corner + half + along * LOT + Vec3::Y * WALL[1]);
+                    solid(&mut scene, wall, (1 << 32) + walls.len() as u64, "wall")?;
+                    walls.push(wall);
+                }
+            }
+        }
+        let mut animals = Vec::with_capacity(count);
+        for number in 0..count {
+            let lot = number / CROWD;
+            let kind = random.random_range(0..species.len());
+            let (animal, fur) = &species[kind];
+            // Each in its half of the lot.
+            let side = LOT * (0.27 + 0.46 * (number % CROWD) as f32);
+            let center =
+                Vec3::new((lot % lots) as f32 * LOT + side, 0.0, (lot / lots) as f32 * LOT + LOT * 0.5);
+            let walks = random.random_bool(0.5);
+            let walk = Walk {
+                center,
+                radius: if walks { 0.3 } else { 0.0 },
+                turn: [random.random_range(0.5..1.5), random.random_range(0.0..TAU)],
+                scale: random.random_range(0.75..1.0),
+            };
+            let placement = walk.at(0.0, animal);
+            let desc = furry_object(animal.aabb(), fur, hides[kind].clone(), placement, walks)?;
+            let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
+            animals.push(Resident { id, species: kind, placement, walk });
+        }
+        Ok(Self { scene, species, animals, walls, ground })
+    }
+
+    /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they were made.
+    ///
+    /// # Errors
+    /// Refuses times that are not finite.
+    pub fn walk(&mut self, time: f64) -> Result<(), Error> {
+        Error::check_range("the time in seconds", time, -1e9, 1e9)?;
+        for resident in self.animals.iter_mut().filter(|r| r.walk.radius > 0.0) {
+            resident.placement = resident.walk.at(time, &self.species[resident.species].0);
+            let moved = self.scene.set_transform(resident.id, resident.placement);
+            moved.map_err(|source| Error::Scene { what: "step of an animal", source })?;
+        }
+        Ok(())
+    }
+
+    /// The species: meshes and fur.
+    pub fn species(&self) -> &[(Animal, Fur)] {
+        &self.species
+    }
+
+    /// The animals.
+    pub fn animals(&self) -> &[Resident] {
+        &self.animals
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> &[Aabb] {
+        &self.walls
+    }
+
+    /// The ground.
+    pub fn ground(&self) -> Aabb {
+        self.ground
+    }
+
+    /// What an object of the scene is; `None` for ids that are not of this field.
+    pub fn kind(&self, id: ObjectId) -> Option<Kind> {
+        let number = self.scene.user_data(id).ok()?;
+        Some(match number {
+            u64::MAX => Kind::Ground,
+            wall if wall >> 32 == 1 => Kind::Wall((wall - (1 << 32)) as usize),
+            animal => Kind::Animal(animal as usize),
+        })
+    }
+
+    /// The height of an animal's fur in world units.
+    pub fn fur_height(&self, animal: usize) -> f32 {
+        self.animals.get(animal).map_or(0.0, |a| self.species[a.species].1.height * a.walk.scale)
+    }
+
+    /// An eye on a path through the field and the direction in which it looks, for a share of the path, 0 to 1.
+    pub fn eye(&self, share: f32) -> (Vec3, Vec3) {
+        let edge = self.ground.max.x - LOT;
+        let share = if share.is_finite() { share } else { 0.0 };
+        let (start, end) = (Vec3::new(-LOT * 0.6, 1.3, -LOT * 0.6), Vec3::new(edge * 0.5, 1.3, edge * 0.45));
+        let angle = std::f32::consts::FRAC_PI_4 + 0.5 * (share * TAU).sin();
+        (start.lerp(end, share), Vec3::new(angle.cos(), -0.12, angle.sin()).normalize())
+    }
+}
+
+impl Walk {
+    /// The placement at a time: on its circle, looking ahead.
+    fn at(&self, time: f64, animal: &Animal) -> Affine3A {
+        let angle =
+            (f64::from(self.turn[1]) + time * f64::from(self.turn[0])).rem_euclid(f64::from(TAU)) as f32;
+        let (sin, cos) = angle.sin_cos();
+        let up = -animal.aabb().min.y * self.scale;
+        let place = self.center + Vec3::new(cos * self.radius, up, sin * self.radius);
+        // Along the tangent (-sin, cos).
+        let turn = Quat::from_rotation_y(-angle - TAU / 4.0);
+        Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), turn, place)
+    }
+}
+
+fn occluder(animal: &Animal, hiding: Hiding) -> Result<Option<Occluder>, Error> {
+    Ok(match hiding {
+        Hiding::Walls => None,
+        Hiding::Balls => {
+            let levels: Vec<_> = animal.levels().iter().collect();
+            inner_ball(&levels)?.map(Occluder::from)
+        }
+        Hiding::Meshes => Some(base_occluder(&animal.levels()[0])?.into()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use casca::{Query, View};
+
+    use super::*;
+
+    fn fur(radius: f32) -> Result<Fur, Error> {
+        Fur::for_radius(radius, 0.08, 0.2)
+    }
+
+    /// Whether a segment meets a box.
+    fn meets(from: Vec3, to: Vec3, aabb: &Aabb) -> bool {
+        let way = to - from;
+        let (a, b) = ((aabb.min - from) / way, (aabb.max - from) / way);
+        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        enter <= leave && leave >= 0.0 && enter <= 1.0
+    }
+
+    #[test]
+    fn walls_hide_most_animals_and_no_tip_in_sight() {
+        for hiding in [Hiding::Walls, Hiding::Balls, Hiding::Meshes] {
+            let mut field = Field::new(200, 2, 3, hiding, fur).unwrap();
+            let mut query = Query::new();
+            let (mut seen, mut tips) = (0, 0);
+            for frame in 0..4 {
+                field.scene.begin_frame(f64::from(frame)).unwrap();
+                field.walk(f64::from(frame)).unwrap();
+                let (eye, _) = field.eye(frame as f32 / 4.0);
+                let visible =
+                    query.run(&field.scene, &View::omnidirectional(eye).unwrap()).visible().to_vec();
+                field.scene.end_frame([query.pvs()]).unwrap();
+                let animal = |id: &&ObjectId| matches!(field.kind(**id), Some(Kind::Animal(_)));
+                seen += visible.iter().filter(animal).count();
+                for resident in &field.animals {
+                    let (animal, fur) = &field.species[resident.species];
+                    for v in animal.levels()[3].vertices() {
+                        let tip =
+                            resident.placement.transform_point3(fur.extruded(v.position, v.normal, 1.0));
+                        let hidden = |aabb: &Aabb| meets(eye, tip, aabb);
+                        // In sight if no wall and no whole animal is in the way.
+                        let others = field.animals.iter().filter(|a| a.id != resident.id);
+                        let near = |a: &&Resident| {
+                            let way = tip - eye;
+                            let middle = Vec3::from(a.placement.translation);
+                            let t = ((middle - eye).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                            (eye + way * t).distance(middle) < 1.2
+                        };
+                        if !field.walls.iter().any(hidden)
+                            && !hidden(&field.ground)
+                            && !others.clone().any(|a| near(&a))
+                        {
+                            tips += 1;
+                            assert!(visible.contains(&resident.id), "{hiding:?}: a tip at {tip} is lost");
+                        }
+                    }
+                }
+            }
+            println!("{hiding:?}: {seen} of 800 animals found visible, {tips} tips in sight");
+            assert!(seen < 400 && tips > 300);
+        }
+    }
+
+    #[test]
+    fn fields_repeat_and_know_their_objects() {
+        let make = |seed| Field::new(31, 3, seed, Hiding::Walls, fur).unwrap();
+        let (a, b, c) = (make(1), make(1), make(2));
+        let places = |f: &Field| f.animals.iter().map(|a| a.placement).collect::<Vec<_>>();
+        assert!(places(&a) == places(&b) && a.walls == b.walls);
+        assert!(places(&a) != places(&c));
+        assert_eq!(a.scene.len(), 31 + 1 + a.walls().len());
+        let kinds: Vec<_> = a.scene.ids().map(|id| a.kind(id).unwrap()).collect();
+        let count = |f: fn(&Kind) -> bool| kinds.iter().filter(|k| f(k)).count();
+        assert_eq!(count(|k| matches!(k, Kind::Animal(_))), 31);
+        assert_eq!(count(|k| matches!(k, Kind::Wall(_))), a.walls().len());
+        for (number, resident) in a.animals().iter().enumerate() {
+            assert_eq!(a.kind(resident.id), Some(Kind::Animal(number)));
+            // Feet on the ground, within the lot.
+            let (animal, _) = &a.species()[resident.species];
+            let feet = resident.placement.transform_point3(Vec3::Y * animal.aabb().min.y);
+            assert!(feet.y.abs() < 1e-5 && feet.x > 0.0 && feet.z > 0.0);
+            assert!(a.fur_height(number) > 0.0);
+        }
+        assert_eq!((c.kind(a.animals()[0].id), a.fur_height(99)), (None, 0.0));
+    }
+
+    #[test]
+    fn bad_fields_are_refused() {
+        for (count, species) in [(0, 1), (MOST + 1, 1), (1, 0), (1, 17)] {
+            assert!(matches!(Field::new(count, species, 1, Hiding::Walls, fur), Err(Error::Range { .. })));
+        }
+        assert!(Field::new(1, 1, 1, Hiding::Walls, |r| Fur::for_radius(-r, 0.1, 0.1)).is_err());
+        let mut field = Field::new(2, 1, 1, Hiding::Walls, fur).unwrap();
+        assert!(field.walk(f64::NAN).is_err());
+        assert!(field.eye(f32::NAN).0.is_finite());
+    }
+}

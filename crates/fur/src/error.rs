@@ -1,0 +1,117 @@
+//! Every error of the crate.
+
+use glam::Vec3;
+
+/// Why something was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A triangle list whose length is no multiple of three.
+    #[error(
+        "a triangle list has {vertices} vertices, which is no multiple of 3: give three for each triangle"
+    )]
+    Corners {
+        /// The vertices given.
+        vertices: usize,
+    },
+    /// No triangle.
+    #[error("the mesh has no triangles: give at least one")]
+    Empty,
+    /// A list that does not fit another one.
+    #[error("{what}: {found} given, {expected} needed, one for each vertex")]
+    Count {
+        /// The list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that it must have.
+        expected: usize,
+    },
+    /// A triangle with a vertex that does not exist.
+    #[error("triangle {triangle} uses vertex {vertex} of {vertices}: indices start at 0")]
+    Index {
+        /// The number of the triangle.
+        triangle: usize,
+        /// The index.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A vertex that is not finite or too far away.
+    #[error("vertex {vertex} has the {what} {value}: its components must be finite and at most {max}")]
+    Vertex {
+        /// The number of the vertex.
+        vertex: usize,
+        /// Position, normal or coat.
+        what: &'static str,
+        /// The value.
+        value: Vec3,
+        /// The greatest component allowed.
+        max: f32,
+    },
+    /// More than memory or indices are planned for.
+    #[error("{count:.0} {what}, more than {max}: simplify the mesh, or make the spacing of strands wider")]
+    TooMany {
+        /// Triangles or strands.
+        what: &'static str,
+        /// The number given or expected.
+        count: f64,
+        /// The most allowed.
+        max: usize,
+    },
+    /// An open mesh where a closed one is needed.
+    #[error(
+        "the mesh is not closed: {edges} edges do not belong to exactly two triangles that run along them in opposite \
+         directions. Close its holes, or give no occluder"
+    )]
+    Open {
+        /// The edges at fault.
+        edges: usize,
+    },
+    /// A number out of its range.
+    #[error("{what} is {value}: it must be from {least} to {most}")]
+    Range {
+        /// The parameter.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value allowed.
+        least: f64,
+        /// The greatest value allowed.
+        most: f64,
+    },
+    /// A fur map that cannot hold as many hairs: each hair forbids cells around it.
+    #[error(
+        "the fur map jammed at a coverage of {coverage:.3}, below the density {density:.3}: ask for less, or for a smaller \
+         neighbourhood"
+    )]
+    Jammed {
+        /// The share of texels with a hair when no texel was free any more.
+        coverage: f64,
+        /// The share asked for.
+        density: f64,
+    },
+    /// casca refused bounds, an occluder or a scene.
+    #[error("casca refused the {what}: {source}")]
+    Scene {
+        /// The object or the step.
+        what: &'static str,
+        /// Its reason.
+        source: casca::Error,
+    },
+}
+
+impl Error {
+    /// Refuses a number outside of its range; NaN is outside.
+    ///
+    /// # Errors
+    /// [`Error::Range`].
+    pub fn check_range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Self> {
+        if (least..=most).contains(&value) { Ok(()) } else { Err(Self::Range { what, value, least, most }) }
+    }
+}
+
+/// [`Error::check_range`].
+pub(crate) fn range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
+    Error::check_range(what, value, least, most)
+}

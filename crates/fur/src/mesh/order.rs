@@ -1,0 +1,162 @@
+//! The order of triangles and vertices, and coarser meshes, by meshoptimizer.
+
+use std::collections::HashSet;
+
+use meshopt::{SimplifyOptions, VertexDataAdapter};
+
+use super::types::{Coat, Mesh, Vertex};
+use crate::error::{Error, range};
+use crate::numeric::MAX_COORDINATE;
+
+impl Mesh {
+    /// The average cache miss ratio: vertices that a first-in-first-out cache of `cache` vertices must compute, for each triangle. At least
+    /// about 0.5 for large closed meshes, at most 3. The size is taken as 3 to 1024.
+    pub fn acmr(&self, cache: u32) -> f32 {
+        let indices = self.triangles().as_flattened();
+        // No warps and no groups of primitives: a plain cache.
+        meshopt::analyze_vertex_cache(indices, self.vertices().len(), cache.clamp(3, 1024), 0, 0).acmr
+    }
+
+    /// The same mesh in an order that graphics processors compute fastest: triangles for the cache of computed vertices, then vertices in
+    /// the order of use. Vertices that no triangle uses are dropped. Linear in the mesh.
+    pub fn ordered(&self) -> Self {
+        let count = self.vertices().len();
+        let order = meshopt::optimize_vertex_cache(self.triangles().as_flattened(), count);
+        self.used(&order)
+    }
+
+    /// A coarser mesh of about `triangles` triangles, whose vertices are vertices of this one (edge collapse by quadrics, Garland &
+    /// Heckbert 1997). More are left where the shape cannot become simpler. The result is [ordered](Mesh::ordered), and comes with the
+    /// greatest distance to this mesh that the quadrics estimate, in units.
+    ///
+    /// Vertices at one position must share normal and coat, else seams keep apart what they part.
+    ///
+    /// # Errors
+    /// Refuses 0 triangles. If nothing is left, it says that the mesh is empty.
+    pub fn simplified(&self, triangles: usize) -> Result<(Self, f32), Error> {
+        range("the number of triangles to leave", triangles as f64, 1.0, self.triangles().len() as f64)?;
+        let positions: Vec<[f32; 3]> = self.vertices().iter().map(|v| v.position.to_array()).collect();
+        let bytes: Vec<u8> = positions.as_flattened().iter().flat_map(|c| c.to_ne_bytes()).collect();
+        let Ok(adapter) = VertexDataAdapter::new(&bytes, 12, 0) else { return Err(Error::Empty) };
+        let mut error = 0.0;
+        // Errors as distances; regular triangles, since layers of thin ones would show their edges.
+        let options = SimplifyOptions::ErrorAbsolute | SimplifyOptions::RegularizeLight;
+        let left = meshopt::simplify(
+            self.triangles().as_flattened(),
+            &adapter,
+            3 * triangles,
+            MAX_COORDINATE,
+            options,
+            Some(&mut error),
+        );
+        let left = without_fins(left.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect());
+        if left.is_empty() {
+            return Err(Error::Empty);
+        }
+        let order = meshopt::optimize_vertex_cache(left.as_flattened(), self.vertices().len());
+        Ok((self.used(&order), error))
+    }
+
+    /// The mesh of some corners, with its vertices in the order of use.
+    fn used(&self, corners: &[u32]) -> Self {
+        let mut number = vec![u32::MAX; self.vertices().len()];
+        let mut vertices: Vec<Vertex> = Vec::new();
+        let mut coats: Vec<Coat> = Vec::new();
+        let mut renumber = |v: u32| {
+            let slot = &mut number[v as usize];
+            if *slot == u32::MAX {
+                *slot = vertices.len() as u32;
+                vertices.push(self.vertices()[v as usize]);
+                coats.push(self.coats()[v as usize]);
+            }
+            *slot
+        };
+        let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(&mut renumber)).collect();
+        Self::from_checked(vertices, coats, triangles)
+    }
+}
+
+/// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave such pairs: they enclose nothing, but
+/// their edges would belong to four triangles.
+fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    for t in &mut triangles {
+        let first = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
+        t.rotate_left(first);
+    }
+    let all: HashSet<[u32; 3]> = triangles.iter().copied().collect();
+    triangles.retain(|&[a, b, c]| !all.contains(&[a, c, b]));
+    triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use rand::{SeedableRng, seq::SliceRandom};
+
+    use super::*;
+    use crate::samples::{ball, torus_mesh};
+
+    /// The triangles as sorted positions, whatever their order and their first corners.
+    fn faces(mesh: &Mesh) -> Vec<[[u32; 3]; 3]> {
+        let face = |t: &[u32; 3]| {
+            let mut f = t.map(|v| mesh.vertices()[v as usize].position.to_array().map(f32::to_bits));
+            let first = (0..3).min_by_key(|&i| f[i]).unwrap();
+            f.rotate_left(first);
+            f
+        };
+        let mut faces: Vec<_> = mesh.triangles().iter().map(face).collect();
+        faces.sort_unstable();
+        faces
+    }
+
+    #[test]
+    fn ordered_meshes_are_the_same_and_cheaper() {
+        for (name, mesh) in [("torus", torus_mesh(24)), ("large torus", torus_mesh(96)), ("ball", ball(32))] {
+            let mut triangles = mesh.triangles().to_vec();
+            triangles.shuffle(&mut rand_pcg::Pcg64Mcg::seed_from_u64(1));
+            let random = Mesh::new(mesh.vertices().to_vec(), mesh.coats().to_vec(), triangles).unwrap();
+            let ordered = random.ordered();
+            let (n, v) = (mesh.triangles().len(), mesh.vertices().len());
+            for cache in [16, 32] {
+                let [given, before, after] = [&mesh, &random, &ordered].map(|m| m.acmr(cache));
+                println!(
+                    "{name}, {n} triangles, cache of {cache}: ACMR {given:.3} as made, {before:.3} shuffled, {after:.3} ordered"
+                );
+                // Each vertex is computed once at least, and three times a triangle at most.
+                assert!(after >= v as f32 / n as f32 - 1e-4 && before <= 3.0);
+                assert!(after < 0.85 && after < 0.5 * before, "{name}: {after}");
+            }
+            assert_eq!((faces(&ordered), ordered.open_edges()), (faces(&mesh), 0));
+            assert_eq!(ordered.triangles()[0], [0, 1, 2], "vertices in the order of use");
+        }
+    }
+
+    #[test]
+    fn a_cache_of_three_misses_as_counted_by_hand() {
+        let vertex = |i: u32| Vertex::at(Vec3::new(i as f32, (i * i) as f32, 0.0));
+        let strip = vec![[0, 1, 2], [2, 1, 3], [2, 3, 4], [0, 1, 2]];
+        let mesh = Mesh::new((0..6).map(vertex).collect(), Vec::new(), strip).unwrap();
+        // 3 misses, 1, 1, and 3 of the last triangle: its own vertices push out the one that was there.
+        assert_eq!([0, 3, 6].map(|cache| mesh.acmr(cache)), [2.0, 2.0, 1.25]);
+        // The vertex that no triangle uses is gone.
+        assert_eq!(mesh.ordered().vertices().len(), 5);
+    }
+
+    #[test]
+    fn simplified_meshes_keep_vertices_of_the_finest() {
+        let mesh = ball(24);
+        for target in [3000, 700, 100] {
+            let (simple, error) = mesh.simplified(target).unwrap();
+            assert!(simple.triangles().len() <= target && simple.triangles().len() * 10 > target * 9);
+            assert!(simple.vertices().iter().all(|v| mesh.vertices().contains(v)));
+            // A sphere of n equal triangles is off by about 5 / n; these are not equal.
+            assert!(error > 0.0 && error < 40.0 / target as f32, "{error}");
+        }
+        assert!([0, usize::MAX].iter().all(|&n| matches!(mesh.simplified(n), Err(Error::Range { .. }))));
+        let flat = Mesh::new(vec![Vertex::default(); 3], Vec::new(), vec![[0, 1, 2], [0, 0, 0]]).unwrap();
+        let _ = (flat.simplified(1), flat.ordered(), flat.acmr(16));
+        // Two triangles back to back go away, others stay.
+        let left = without_fins(vec![[0, 1, 2], [5, 3, 4], [2, 1, 0], [3, 4, 6]]);
+        assert_eq!(left, [[3, 4, 5], [3, 4, 6]]);
+    }
+}

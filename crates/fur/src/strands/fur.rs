@@ -1,0 +1,228 @@
+//! The parameters of fur, and the strand at a point.
+
+use std::f32::consts::PI;
+
+use glam::{IVec3, Vec3};
+
+use super::hash::{hash, unit};
+use crate::error::{Error, range};
+use crate::numeric::{CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, MAX_CELLS, MAX_PER_CELL, MAX_RADIUS};
+
+/// The fur of an object. All lengths are in its object space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fur {
+    /// The length of the longest strands, before they bend.
+    pub height: f32,
+    /// How far the tips of the longest strands are moved along the surface, in multiples of the height: the part along the surface of this
+    /// vector, times the square of the relative height. For gravity and combing; its length is at most 4.
+    pub bend: Vec3,
+    /// The edge of the hash cells. There are `per_cell / (2 * spacing²)` strands on a square unit.
+    pub spacing: f32,
+    /// Points in each cell: 1 to 4.
+    pub per_cell: u32,
+    /// The radius of a strand at its root, as a share of the spacing: above 0, at most 0.43.
+    pub radius: f32,
+    /// How much thinner the tip is: 0 for cylinders, 1 for needles.
+    pub taper: f32,
+    /// How much shorter the shortest strands are than the longest: 0 to 1.
+    pub variation: f32,
+    /// Another seed places other strands.
+    pub seed: u32,
+}
+
+/// A strand of fur, as a fragment meets it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strand {
+    /// A random word of the strand, the same in all its fragments: for its colour.
+    pub id: u32,
+    /// The distance from the middle of the strand, 0 to 1: its share of the strand's radius at this height.
+    pub offset: f32,
+    /// The place along the strand: 0 at the root, 1 at the tip.
+    pub along: f32,
+}
+
+impl Fur {
+    /// Fur for a mesh of a radius, as the thesis gives it: the height is a share of the radius (it uses 0.02 and 0.05), the density the
+    /// share of the skin that roots cover, if they did not overlap (0.1 and 0.2). The other parameters have usual values and may be set
+    /// afterwards: 60 cells on a radius, one point each up to the density of 0.29 and more above.
+    ///
+    /// # Errors
+    /// Refuses a radius that is not above 0, heights outside of 0 to 1 and densities outside of 0.001 to 1.
+    pub fn for_radius(radius: f32, height: f32, density: f32) -> Result<Self, Error> {
+        range("the radius of the mesh", radius.into(), 1e-9, 1e9)?;
+        range("the height of the fur as a share of the radius", height.into(), 0.0, 1.0)?;
+        let fur = Self {
+            height: height * radius,
+            bend: Vec3::ZERO,
+            spacing: radius / CELLS_ON_RADIUS,
+            per_cell: 1,
+            radius: MAX_RADIUS,
+            taper: 0.8,
+            variation: 0.3,
+            seed: 1,
+        };
+        fur.with_density(density)
+    }
+
+    /// The same fur with another density: sets the radius of strands, and more points for each cell if strands would be too wide.
+    ///
+    /// # Errors
+    /// Refuses densities outside of 0.001 to 1.
+    pub fn with_density(mut self, density: f32) -> Result<Self, Error> {
+        range("the density of the fur", density.into(), 0.001, 1.0)?;
+        self.per_cell = self.per_cell.clamp(1, MAX_PER_CELL);
+        loop {
+            // density = per_cell / 2 * pi * radius²
+            self.radius = (2.0 * density / (PI * self.per_cell as f32)).sqrt();
+            if self.radius <= MAX_RADIUS {
+                return Ok(self);
+            }
+            self.per_cell += 1;
+        }
+    }
+
+    /// The share of the skin that roots cover, if they did not overlap.
+    pub fn density(&self) -> f32 {
+        0.5 * self.per_cell as f32 * PI * self.radius * self.radius
+    }
+
+    /// Strands on a square unit of any surface.
+    pub fn strands_per_area(&self) -> f64 {
+        0.5 * f64::from(self.per_cell) / (f64::from(self.spacing) * f64::from(self.spacing))
+    }
+
+    /// Checks all parameters, for a mesh of a radius.
+    ///
+    /// # Errors
+    /// Names the first parameter that is out of its range.
+    pub fn check(&self, mesh_radius: f32) -> Result<(), Error> {
+        range("the height of the fur", self.height.into(), 0.0, 1e9)?;
+        range("the bend of the fur", self.bend.length().into(), 0.0, 4.0)?;
+        range(
+            "the spacing of strands",
+            self.spacing.into(),
+            f64::from(mesh_radius / MAX_CELLS).max(1e-9),
+            1e9,
+        )?;
+        range("the points of a cell", self.per_cell.into(), 1.0, MAX_PER_CELL.into())?;
+        range("the radius of a strand in cells", self.radius.into(), 1e-3, MAX_RADIUS.into())?;
+        range("the taper", self.taper.into(), 0.0, 1.0)?;
+        range("the variation of lengths", self.variation.into(), 0.0, 1.0)
+    }
+
+    /// The greatest distance of a point of the fur from the point of the base mesh below it, rounded up. `magnitude` is the greatest
+    /// absolute coordinate of the mesh, for the rounding of shaders.
+    pub fn reach(&self, magnitude: f32) -> f32 {
+        let exact = self.height * (1.0 + self.bend.length_squared()).sqrt();
+        exact + EXTRUSION_ERROR * (magnitude + 2.0 * exact)
+    }
+
+    /// Where the point of the base mesh at `position` with the unit normal `normal` is in the layer at `height`, 0 to 1. All layers of a
+    /// mesh are this function of its vertices.
+    #[inline]
+    pub fn extruded(&self, position: Vec3, normal: Vec3, height: f32) -> Vec3 {
+        position + (normal * height + self.side(normal) * (height * height)) * self.height
+    }
+
+    /// The unit direction of the strands at a height: the derivative of [`Fur::extruded`].
+    #[inline]
+    pub fn tangent(&self, normal: Vec3, height: f32) -> Vec3 {
+        (normal + self.side(normal) * (2.0 * height)).normalize_or(normal)
+    }
+
+    /// The part of the bend that lies along the surface, so that layers never cut into the base.
+    #[inline]
+    fn side(&self, normal: Vec3) -> Vec3 {
+        self.bend - normal * self.bend.dot(normal)
+    }
+
+    /// The length of the strand with this random word, as a share of the length of the coat.
+    #[inline]
+    pub fn share(&self, id: u32) -> f32 {
+        1.0 - self.variation * unit(id)
+    }
+
+    /// The radius of a strand at a place along it, 0 to 1, in units of object space.
+    #[inline]
+    pub fn radius_along(&self, along: f32) -> f32 {
+        self.spacing * self.radius * (1.0 - self.taper * along)
+    }
+
+    /// The strand at a point of a layer, or none. `position` and the unit `normal` are of the base mesh, `height` is that of the layer as
+    /// a share of the greatest height, and `length` the length of the coat there ([`crate::mesh::Coat`]); both are 0 to 1.
+    ///
+    /// Of several strands it is the one whose middle is relatively nearest; of those equally near, the one in the cell found first: least z,
+    /// then y, then x. Costs `8 * per_cell` hashes. NaN has no strand.
+    pub fn strand_at(&self, position: Vec3, normal: Vec3, height: f32, length: f32) -> Option<Strand> {
+        let place = position * (1.0 / self.spacing);
+        let first = (place - 0.5).floor();
+        let mut best: Option<Strand> = None;
+        for corner in 0..8 {
+            let cell = first + Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
+            for k in 0..self.per_cell.min(MAX_PER_CELL) {
+                let (point, id) = self.point(cell.as_ivec3(), k);
+                // Relative to the cell, which loses fewer bits than world coordinates.
+                let way = (cell - place) + point;
+                let above = way.dot(normal);
+                let side = way - normal * above;
+                let along = height / (length * self.share(id));
+                let radius = self.radius * (1.0 - self.taper * along);
+                let offset = side.length() / radius;
+                let within = above.abs() < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < 1.0;
+                if within && best.is_none_or(|b| offset < b.offset) {
+                    best = Some(Strand { id, offset, along });
+                }
+            }
+        }
+        best
+    }
+
+    /// The point `k` of a cell, relative to the cell's least corner and in cells, and its random word.
+    #[inline]
+    pub fn point(&self, cell: IVec3, k: u32) -> (Vec3, u32) {
+        let [x, y, z, id] = hash([
+            cell.x as u32,
+            cell.y as u32,
+            cell.z as u32,
+            self.seed.wrapping_mul(MAX_PER_CELL).wrapping_add(k),
+        ]);
+        (Vec3::new(unit(x), unit(y), unit(z)), id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{ball, dice};
+
+    #[test]
+    fn layers_of_a_ball_are_balls_and_strands_stand_in_them() {
+        let fur = Fur::for_radius(1.0, 0.3, 0.25).unwrap();
+        assert!((fur.density() - 0.25).abs() < 1e-6 && fur.per_cell == 1);
+        assert_eq!(fur.with_density(1.0).unwrap().per_cell, 4);
+        for v in ball(8).vertices() {
+            // The normals of a ball of triangles are off by its corners' rounding.
+            let up = v.position;
+            for layer in 0..=16 {
+                let height = layer as f32 / 16.0;
+                let at = fur.extruded(v.position, up, height);
+                assert!((at.length() - (1.0 + 0.3 * height)).abs() < 1e-5);
+                assert!(fur.tangent(up, height).distance(up) < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn bent_strands_follow_their_tangents_and_stay_outside() {
+        let mut random = dice(6);
+        for _ in 0..1000 {
+            let fur = Fur { bend: random.point() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
+            let (p, n, h) = (random.point(), random.direction(), random.next() as f32);
+            let step = fur.extruded(p, n, h + 1e-2) - fur.extruded(p, n, h - 1e-2);
+            assert!(step.normalize().distance(fur.tangent(n, h)) < 1e-3);
+            // Each layer is as high above the surface as a straight one, and no farther than the reach.
+            let way = fur.extruded(p, n, h) - p;
+            assert!((way.dot(n) - 0.3 * h).abs() < 1e-5 && way.length() <= fur.reach(1.0));
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! How many layers each object gets, by its size, by what can be seen of it, and by a budget.
+
+use casca::{DrawItem, ObjectId};
+
+use crate::error::{Error, range};
+use crate::numeric::{FLAT_FUR, LAYER_GAP, MAX_LAYERS, PIXELS_PER_VERTEX};
+
+/// A length in the picture: `length` world units at `distance`, in pixels. `focal` is the number of pixels under which a length at its
+/// own distance appears, `height / (2 tan(field_of_view / 2))`. At distance 0 or below it is infinite.
+pub fn pixels_of(length: f32, distance: f32, focal: f32) -> f32 {
+    if length <= 0.0 { 0.0 } else { (length / distance.max(0.0)) * focal }
+}
+
+/// The layers that fur needs: one for each 1.5 pixels of its height, so that gaps between layers stay below two pixels, at most
+/// `most`. Fur below half a pixel needs none: the base mesh shows its colour.
+///
+/// If only the share `fraction` of the object is seen ([`DrawItem::fraction`]), the root of that share of the layers is enough; a share is
+/// an estimate, so that one layer is left. NaN counts as all.
+pub fn layers_for(height: f32, fraction: f32, most: u32) -> u32 {
+    let most = most.min(MAX_LAYERS);
+    if height < FLAT_FUR || most == 0 {
+        return 0;
+    }
+    let share = if fraction < 1.0 { fraction.max(0.0).sqrt() } else { 1.0 };
+    let wanted = (height / LAYER_GAP * share).ceil();
+    if wanted.is_nan() { most } else { (wanted as u32).clamp(1, most) }
+}
+
+/// The level of detail for an object that covers about `pixels` pixels: the coarsest whose vertices are, on average, four pixels apart.
+/// `vertices` are those of the levels, finest first; with none the result is 0.
+pub fn level_for(pixels: f32, vertices: &[u32]) -> usize {
+    let fine = |&n: &u32| n as f32 >= pixels / PIXELS_PER_VERTEX;
+    vertices.iter().rposition(fine).unwrap_or(0)
+}
+
+/// What an object costs to draw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Furry<'a> {
+    /// The vertices of its levels of detail, finest first.
+    pub vertices: &'a [u32],
+    /// The height of its fur in world units; 0 for objects without fur.
+    pub height: f32,
+}
+
+/// How [`plan`] plans.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanOptions {
+    /// Pixels under which a length at its own distance appears, as in [`pixels_of`].
+    pub focal: f32,
+    /// The pixels of the whole picture: no object covers more.
+    pub screen: f32,
+    /// The most layers of an object, at most 256.
+    pub most_layers: u32,
+    /// The greatest sum of weights; infinite for no limit.
+    pub budget: f64,
+    /// The weight of a pixel, where a vertex weighs 1.
+    pub pixel_weight: f64,
+    /// Whether the fraction that is seen takes layers away. The fractions are estimates.
+    pub by_fraction: bool,
+}
+
+impl Default for PlanOptions {
+    /// A picture of 1280 x 720 pixels with a vertical angle of 60 degrees, 32 layers at most and no budget.
+    fn default() -> Self {
+        let (focal, screen) = (360.0 * 3f32.sqrt(), 1280.0 * 720.0);
+        Self { focal, screen, most_layers: 32, budget: f64::INFINITY, pixel_weight: 1.0, by_fraction: true }
+    }
+}
+
+/// How one object is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// The object.
+    pub id: ObjectId,
+    /// Its level of detail: 0 is the finest.
+    pub level: usize,
+    /// Layers of fur above the base mesh; 0 is the base alone.
+    pub layers: u32,
+    /// Its weight: base and layers, each of them its vertices and its pixels.
+    pub weight: f64,
+}
+
+/// How all visible objects are drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Plan {
+    /// What is drawn, in the order of the draw list.
+    pub entries: Vec<Entry>,
+    /// Objects for which the budget is too small even without any fur, in the order of the draw list. **They could be seen.**
+    pub dropped: Vec<ObjectId>,
+    /// The sum of the weights.
+    pub weight: f64,
+}
+
+/// Gives each object of a draw list ([`casca::Pvs::draw_list`]: nearest first) its level of detail and its layers.
+///
+/// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels from the projected size
+/// ([`level_for`]). A budget takes layers from all objects by the same factor; furry objects keep one layer each. Then the farthest lose this
+/// one, and only if the bases alone are too much, the objects that appear smallest are dropped. What is left over of the budget goes to the
+/// nearest. The result depends on nothing but the arguments. Costs some fifty passes over the list if there is a budget.
+///
+/// # Errors
+/// Refuses options that are negative or NaN.
+pub fn plan<'a>(
+    items: &[DrawItem],
+    furry: impl Fn(ObjectId) -> Furry<'a>,
+    options: &PlanOptions,
+) -> Result<Plan, Error> {
+    range("the focal length in pixels", options.focal.into(), 0.0, f64::MAX)?;
+    range("the pixels of the picture", options.screen.into(), 0.0, f64::MAX)?;
+    range("the weight of a pixel", options.pixel_weight, 0.0, f64::MAX)?;
+    range("the budget", options.budget, 0.0, f64::INFINITY)?;
+    let wish = |item: &DrawItem| {
+        let object = furry(item.id);
+        let fraction = if options.by_fraction { item.fraction } else { 1.0 };
+        let size = pixels_of(1.0, 1.0, options.focal) * item.size;
+        // A disc of this diameter; NaN and more than the picture count as the picture.
+        let covered = (size * size * std::f32::consts::FRAC_PI_4).min(options.screen);
+        let level = level_for(covered, object.vertices);
+        let vertices = f64::from(object.vertices.get(level).copied().unwrap_or(0));
+        let seen = if fraction < 1.0 { fraction.max(0.0) } else { 1.0 };
+        Wish {
+            id: item.id,
+            level,
+            seen_size: if item.seen_size().is_nan() { f32::INFINITY } else { item.seen_size() },
+            layers: layers_for(
+                pixels_of(object.height, item.distance, options.focal),
+                fraction,
+                options.most_layers,
+            ),
+            pass: vertices + options.pixel_weight * f64::from(covered * seen),
+        }
+    };
+    let wishes: Vec<Wish> = items.iter().map(wish).collect();
+    Ok(fit(wishes, options.budget))
+}
+
+/// What an object would get without a budget.
+struct Wish {
+    id: ObjectId,
+    level: usize,
+    seen_size: f32,
+    layers: u32,
+    /// The weight of the base, and of each layer.
+    pass: f64,
+}
+
+impl Wish {
+    fn weight(&self, layers: u32) -> f64 {
+        self.pass * (1.0 + f64::from(layers))
+    }
+
+    /// The layers at a factor; one is left of any.
+    fn scaled(&self, factor: f64) -> u32 {
+        ((f64::from(self.layers) * factor) as u32).max(self.layers.min(1))
+    }
+}
+
+/// Steps of the bisection: 256 layers are told apart after 8, and sums of many objects soon after.
+const STEPS: usize = 40;
+
+fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
+    let total = |wishes: &[Wish], layers: &dyn Fn(&Wish) -> u32| -> f64 {
+        wishes.iter().map(|w| w.weight(layers(w))).sum()
+    };
+    let mut plan = Plan::default();
+    let mut layers: Vec<u32>;
+    if total(&wishes, &|w| w.layers) <= budget {
+        layers = wishes.iter().map(|w| w.layers).collect();
+    } else if total(&wishes, &|w| w.scaled(0.0)) <= budget {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (low + high);
+            if total(&wishes, &|w| w.scaled(middle)) <= budget { low = middle } else { high = middle }
+        }
+        layers = wishes.iter().map(|w| w.scaled(low)).collect();
+    } else {
+        drop_smallest(&mut wishes, budget, &mut plan.dropped);
+        layers = vec![0; wishes.len()];
+    }
+    // What is left over, to the nearest first: a layer each.
+    let mut used: f64 = wishes.iter().zip(&layers).map(|(w, &n)| w.weight(n)).sum();
+    for (wish, n) in wishes.iter().zip(&mut layers) {
+        if *n < wish.layers && used + wish.pass <= budget {
+            used += wish.pass;
+            *n += 1;
+        }
+    }
+    let entries = wishes.iter().zip(layers);
+    plan.entries =
+        entries.map(|(w, n)| Entry { id: w.id, level: w.level, layers: n, weight: w.weight(n) }).collect();
+    plan.weight = plan.entries.iter().map(|e| e.weight).sum();
+    plan
+}
+
+/// Drops the objects that appear smallest until the bases of the others are within the budget.
+fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId>) {
+    let mut order: Vec<usize> = (0..wishes.len()).collect();
+    // Largest first; among equals the nearest.
+    order.sort_by(|&a, &b| wishes[b].seen_size.total_cmp(&wishes[a].seen_size).then(a.cmp(&b)));
+    let mut keep = vec![false; wishes.len()];
+    let mut used = 0.0;
+    for i in order {
+        if used + wishes[i].pass > budget {
+            break;
+        }
+        used += wishes[i].pass;
+        keep[i] = true;
+    }
+    dropped.extend(wishes.iter().zip(&keep).filter(|(_, k)| !**k).map(|(w, _)| w.id));
+    let mut at = keep.iter();
+    wishes.retain(|_| at.next().copied().unwrap_or(false));
+}
+
+#[cfg(test)]
+mod tests {
+    use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::samples::dice;
+
+    /// The draw list of some balls in a row: the nearest at distance 1, the next at distance 2, and so on.
+    fn list(count: usize) -> Vec<DrawItem> {
+        let spec = GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: UVec3::new(320, 8, 8) };
+        let mut scene = Scene::new(&spec).unwrap();
+        for i in 0..count {
+            scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * (2.0 + i as f32), 1.0))).unwrap();
+        }
+        let (mut query, mut items) = (Query::new(), Vec::new());
+        let pvs = query.run(&scene, &View::omnidirectional(Vec3::ZERO).unwrap());
+        pvs.draw_list(&scene, &DrawOptions::default(), &mut items).unwrap();
+        items
+    }
+
+    const FURRY: Furry = Furry { vertices: &[4000, 1000, 250], height: 0.1 };
+
+    #[test]
+    fn layers_follow_height_and_fraction() {
+        assert_eq!(
+            [0.0, 0.49, 0.5, 3.0, 24.0, 1e9, f32::INFINITY].map(|h| layers_for(h, 1.0, 32)),
+            [0, 0, 1, 2, 16, 32, 32]
+        );
+        assert_eq!([1.0, 0.25, 0.01, 0.0, -1.0].map(|f| layers_for(24.0, f, 32)), [16, 8, 2, 1, 1]);
+        // Doubt draws more.
+        assert_eq!((layers_for(f32::NAN, 1.0, 32), layers_for(24.0, f32::NAN, 32)), (32, 16));
+        assert_eq!((layers_for(24.0, 1.0, 0), layers_for(1e9, 1.0, u32::MAX)), (0, MAX_LAYERS));
+        assert_eq!(pixels_of(0.5, 10.0, 600.0), 30.0);
+        assert_eq!((pixels_of(0.5, 0.0, 600.0), pixels_of(0.0, 0.0, 600.0)), (f32::INFINITY, 0.0));
+    }
+
+    #[test]
+    fn levels_follow_size() {
+        let levels = [4000, 1000, 250];
+        assert_eq!([1e9, 64_000.0, 16_000.0, 4000.0, 0.0].map(|p| level_for(p, &levels)), [0, 0, 1, 2, 2]);
+        assert_eq!((level_for(100.0, &[]), level_for(f32::NAN, &levels)), (0, 0));
+    }
+
+    #[test]
+    fn without_a_budget_everything_gets_what_it_needs() {
+        let items = list(200);
+        let options = PlanOptions::default();
+        let plan = plan(&items, |_| FURRY, &options).unwrap();
+        assert!(plan.dropped.is_empty());
+        assert_eq!(
+            plan.entries.iter().map(|e| e.id).collect::<Vec<_>>(),
+            items.iter().map(|i| i.id).collect::<Vec<_>>()
+        );
+        // Farther objects have fewer layers and coarser meshes.
+        assert!(plan.entries.is_sorted_by(|a, b| a.layers >= b.layers && a.level <= b.level));
+        let (first, last) = (plan.entries[0], plan.entries[199]);
+        assert_eq!((first.layers, first.level, last.layers, last.level), (32, 0, 0, 2));
+        assert!((plan.weight - plan.entries.iter().map(|e| e.weight).sum::<f64>()).abs() < 1e-6);
+        // Hidden parts take layers away.
+        let mut half = items.clone();
+        half.iter_mut().for_each(|i| i.fraction = 0.25);
+        let by_fraction = super::plan(&half, |_| FURRY, &options).unwrap();
+        assert!(by_fraction.entries[0].layers == 21 && by_fraction.weight < 0.5 * plan.weight);
+        let whole = PlanOptions { by_fraction: false, ..options };
+        assert_eq!(super::plan(&half, |_| FURRY, &whole).unwrap(), plan);
+    }
+
+    #[test]
+    fn budgets_take_layers_before_objects() {
+        let items = list(300);
+        let mut random = dice(8);
+        let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
+        let bases: f64 = free.entries.iter().map(|e| e.weight / f64::from(1 + e.layers)).sum();
+        let furry = |e: &&Entry| e.layers > 0;
+        let one_each = bases
+            + free.entries.iter().filter(furry).map(|e| e.weight / f64::from(1 + e.layers)).sum::<f64>();
+        let mut before: Option<(f64, Plan)> = None;
+        for step in 0..60 {
+            let budget = free.weight * (f64::from(step) / 50.0 + 0.01 * random.next());
+            let options = PlanOptions { budget, ..PlanOptions::default() };
+            let plan = super::plan(&items, |_| FURRY, &options).unwrap();
+            assert_eq!(plan, super::plan(&items, |_| FURRY, &options).unwrap());
+            assert!(plan.weight <= budget, "{} above {budget}", plan.weight);
+            assert_eq!(plan.entries.len() + plan.dropped.len(), items.len());
+            // No object is lost while the bases fit, and none has fur beside lost ones that fit.
+            assert_eq!(plan.dropped.is_empty(), bases <= budget, "step {step}");
+            if budget >= free.weight {
+                assert_eq!(plan, free);
+            } else if bases <= budget {
+                assert!(plan.weight > 0.8 * budget, "{} of {budget}", plan.weight);
+            }
+            if budget >= one_each {
+                assert!(
+                    plan.entries.iter().zip(&free.entries).all(|(e, f)| e.layers >= f.layers.min(1)),
+                    "step {step}"
+                );
+            }
+            if let Some((less, old)) = before {
+                assert!(less > budget || old.dropped.len() >= plan.dropped.len());
+            }
+            before = Some((budget, plan));
+        }
+    }
+
+    #[test]
+    fn the_smallest_are_dropped_first() {
+        let items = list(50);
+        let options = PlanOptions { budget: 500_000.0, ..PlanOptions::default() };
+        let plan = plan(&items, |_| FURRY, &options).unwrap();
+        assert!(!plan.entries.is_empty() && plan.weight <= 500_000.0);
+        let kept: Vec<_> = plan.entries.iter().map(|e| e.id).collect();
+        assert_eq!(
+            kept.iter().chain(&plan.dropped).copied().collect::<Vec<_>>(),
+            items.iter().map(|i| i.id).collect::<Vec<_>>()
+        );
+        let none = PlanOptions { budget: 0.0, ..options };
+        assert_eq!(super::plan(&items, |_| FURRY, &none).unwrap().dropped.len(), 50);
+        assert_eq!(super::plan(&[], |_| FURRY, &none).unwrap(), Plan::default());
+    }
+
+    #[test]
+    fn odd_lists_do_no_harm_and_odd_options_are_refused() {
+        let mut items = list(4);
+        (items[0].distance, items[0].size) = (0.0, f32::INFINITY);
+        (items[1].distance, items[1].size, items[1].fraction) = (f32::NAN, f32::NAN, f32::NAN);
+        items[2].distance = f32::NEG_INFINITY;
+        for budget in [0.0, 1e5, 1e9, f64::INFINITY] {
+            let options = PlanOptions { budget, ..PlanOptions::default() };
+            let plan = plan(&items, |_| Furry { vertices: &[], height: f32::NAN }, &options).unwrap();
+            assert!(plan.weight <= budget && plan.weight.is_finite());
+        }
+        let usual = PlanOptions::default();
+        for options in [
+            PlanOptions { focal: f32::NAN, ..usual },
+            PlanOptions { screen: -1.0, ..usual },
+            PlanOptions { budget: f64::NAN, ..usual },
+            PlanOptions { pixel_weight: f64::INFINITY, ..usual },
+        ] {
+            assert!(matches!(super::plan(&items, |_| FURRY, &options), Err(Error::Range { .. })));
+        }
+    }
+}
