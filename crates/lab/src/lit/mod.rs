@@ -21,7 +21,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::world::{Camera, Mesh};
 
-pub use image::{HdrImage, ImageError};
+pub use image::{HdrImage, ImageError, MOST_PIXELS};
 pub use light::{Falloff, Incident, Light, LightKind};
 pub use scenes::Kind;
 
