@@ -6,11 +6,10 @@ use glam::{IVec3, UVec3, Vec3};
 
 use crate::{Dice, soft};
 
-/// The bits of all shares of a volume, and of its size.
-fn bits(volume: &VisibilityVolume, dims: IVec3) -> (Vec<Option<u32>>, usize) {
+/// The bits of all shares of a volume.
+fn bits(volume: &VisibilityVolume, dims: IVec3) -> Vec<Option<u32>> {
     let cell = |i| IVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y);
-    let shares = (0..dims.element_product()).map(|i| volume.get(cell(i)).map(f32::to_bits)).collect();
-    (shares, volume.memory_bytes())
+    (0..dims.element_product()).map(|i| volume.get(cell(i)).map(f32::to_bits)).collect()
 }
 
 fn lights() -> Vec<Light> {
@@ -37,7 +36,7 @@ fn an_updated_volume_is_that_of_a_new_one_to_the_bit() {
         let mut grid = soft(dims);
         let mut shapes = Vec::new();
         let top = dims.max_element() as f32;
-        let mut block = |dice: &mut Dice| Aabb::from_center(dice.point(0.0, top), dice.point(0.2, 3.0));
+        let block = |dice: &mut Dice| Aabb::from_center(dice.point(0.0, top), dice.point(0.2, 3.0));
         for _ in 0..20 {
             shapes.push(grid.insert(block(&mut dice), Layer::Fixed).unwrap());
         }

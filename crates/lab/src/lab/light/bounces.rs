@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::case::{Case, LAST, Truth, order_name};
 use super::gather::Gather;
 use super::metric::{Difference, difference, flip_map};
-use super::rows::{BY_SIZE, CONES, FLIP, RMSE, Row, SIZES, WALKS, chart, table, tile};
+use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, chart, mean_of, table, tile};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section};
 use crate::lit::HdrImage;
@@ -120,8 +120,8 @@ fn pictures(lab: &Lab, section: &mut Section, tiles: &[Vec<Tile>]) -> Result<(),
 /// Draws errors by resolution: a chart for each order and measure.
 fn by_size(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabError> {
     for order in 1..=LAST {
-        for (measure, label) in [("rmse", RMSE), ("flip", FLIP)] {
-            let value = |r: &Row| if measure == "rmse" { r.difference.rmse } else { r.difference.flip };
+        for (measure, label) in [("error", ERROR), ("flip", FLIP)] {
+            let value = |r: &Row| r.value(measure);
             let some = || rows.iter().filter(|r| r.order == order);
             let mut all: Vec<Line> = Vec::new();
             for r in some() {
@@ -142,11 +142,9 @@ fn by_size(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabErro
                 all.push(Line::new(label, if dashed { style.dashed() } else { style }, vec![point]));
             }
             let mean = |n: Option<u32>, cones: bool| {
-                let found: Vec<f64> = some()
-                    .filter(|r| Some(r.n) == n && matches!(r.gather, Gather::Cones { .. }) == cones)
-                    .map(value)
-                    .collect();
-                found.iter().sum::<f64>() / found.len().max(1) as f64
+                let found =
+                    some().filter(|r| Some(r.n) == n && matches!(r.gather, Gather::Cones { .. }) == cones);
+                mean_of(found.map(value))
             };
             let (coarse, fine) = (some().map(|r| r.n).min(), some().map(|r| r.n).max());
             let title = format!(
@@ -154,7 +152,7 @@ fn by_size(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabErro
                 order_name(order),
                 coarse.unwrap_or(0),
                 fine.unwrap_or(0),
-                measure.to_uppercase(),
+                if measure == "flip" { "FLIP" } else { measure },
                 mean(coarse, true),
                 mean(fine, true),
                 mean(coarse, false),

@@ -5,8 +5,8 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::case::{Case, generated, size};
-use super::metric::{Difference, difference};
-use super::rows::{CONES, RMSE, SIZES, WALKS, digits};
+use super::metric::{Difference, difference, less_noise};
+use super::rows::{CONES, ERROR, SIZES, WALKS, digits};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section, Table};
 use crate::lit::{ASPECT, Kind, LitScene, Material};
@@ -37,7 +37,7 @@ pub(super) fn scene(gloss: f32) -> LitScene {
 /// Measures reflections by gloss, resolution and way of gathering.
 pub(super) fn gloss(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
     let (sizes, glosses) = lab.pick((&SIZES[1..], &GLOSSES[..]), (&SIZES[..1], &GLOSSES[1..3]));
-    let columns = ["gloss", "N", "gathered by", "RMSE", "noise", "FLIP", "ms"];
+    let columns = ["gloss", "N", "gathered by", "error", "RMSE", "noise", "FLIP", "ms"];
     let mut table = Table::new("light-gloss", &columns);
     let mut cases = Vec::new();
     for &gloss in glosses {
@@ -60,10 +60,11 @@ pub(super) fn gloss(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
                 let image = case.gathered(&stage.volume, gather)?;
                 let ms = start.elapsed().as_secs_f64() * 1e3;
                 let Difference { rmse, flip } = difference(&truth.image, &image)?;
-                points.push((f64::from(*gloss), rmse));
+                let error = less_noise(rmse, truth.noise);
+                points.push((f64::from(*gloss), error));
                 let first = [gloss.to_string(), n.to_string(), name.to_owned()];
-                let last = [digits(rmse), digits(truth.noise), digits(flip), format!("{ms:.1}")];
-                table.row(first.into_iter().chain(last));
+                let last = [error, rmse, truth.noise, flip].map(digits);
+                table.row(first.into_iter().chain(last).chain([format!("{ms:.1}")]));
             }
             let style = if gather == WALKS { other(i).dashed() } else { other(i) };
             all.push(Line::new(format!("{name}, N = {n}"), style, points));
@@ -80,7 +81,7 @@ pub(super) fn gloss(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
     );
     let subtitle =
         "The lit walls and ceiling in a black floor. The cone is as wide as the lobe of the floor's gloss.";
-    let axes = (&Axis::linear("gloss: 0 for matt, 1 for a mirror"), &Axis::linear(RMSE));
+    let axes = (&Axis::linear("gloss: 0 for matt, 1 for a mirror"), &Axis::linear(ERROR));
     lines(&lab.folder.join("light-gloss.svg"), &title, subtitle, axes, &all)?;
     section.picture("light-gloss.svg", &title);
     section.rows("Reflections, as CSV", table);

@@ -5,6 +5,10 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageFloat, FlipImageRgb8, FlipPool
 use crate::lab::LabError;
 use crate::lit::HdrImage;
 
+/// An error is known if its square and that of the noise are in sum so many times the latter. The noise is itself an estimate, good to a
+/// few per cent.
+const KNOWN: f64 = 1.1;
+
 /// How far a picture is from the truth.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Difference {
@@ -37,6 +41,13 @@ pub fn difference(truth: &HdrImage, found: &HdrImage) -> Result<Difference, LabE
         return Err("the truth is black: errors have no size beside it".into());
     }
     Ok(Difference { rmse: error / light, flip: f64::from(FlipPool::from_image(&map(truth, found)).mean()) })
+}
+
+/// An RMSE less the noise of the truth, both over its mean: the noise of independent samples adds to the square. Not a number where it is
+/// hardly more than that noise: then nothing is known of the error.
+pub(super) fn less_noise(rmse: f64, noise: f64) -> f64 {
+    let (all, noise) = (rmse * rmse, noise * noise);
+    if all > KNOWN * noise { (all - noise).sqrt() } else { f64::NAN }
 }
 
 fn map(truth: &HdrImage, found: &HdrImage) -> FlipImageFloat {

@@ -34,14 +34,15 @@ pub fn light(lab: &Lab) -> Result<Section, LabError> {
     section.text(format!(
         "The path tracer gives the truth; both show the same surface points, those at the centres of pixels. RMSE is the root of the \
          mean square of differences in linear light over the mean of the truth; FLIP is the mean difference that people see, 0 to 1, in sRGB. \
-         The noise is the standard error of the truth over its mean: no RMSE says anything below it. Cones sample a pyramid of voxels; walks \
+         The noise is the standard error of the truth over its mean; the error is the RMSE less that noise, in squares, and empty where noise \
+         hides it. FLIP counts the noise. Cones sample a pyramid of voxels; walks \
          follow single directions through the cells exactly. Times are those of {} threads on a shared, noisy machine: compare those of one \
          table only.",
         rayon::current_num_threads()
     ));
     section.text(skipped.unwrap_or_default());
     let truths = bounces::bounces(lab, &cases, &mut section)?;
-    // The Cornell box with a point of light, and the shared scene.
+    // The Cornell box with a ball of light, and the shared scene.
     let some: Vec<_> = cases.iter().zip(&truths).filter(|(case, _)| case.held == 1).collect();
     sweep::sweep(lab, &mut section, &some, lab.pick(rows::MIDDLE, rows::SIZES[0]))?;
     gloss::gloss(lab, &mut section)?;

@@ -2,7 +2,7 @@
 
 use super::case::order_name;
 use super::gather::Gather;
-use super::metric::Difference;
+use super::metric::{Difference, less_noise};
 use crate::lab::{Lab, LabError, Section, Table};
 use crate::lit::HdrImage;
 use crate::pictures::{Axis, Line, Tile, lines};
@@ -17,7 +17,7 @@ pub(super) const STEPS: [f32; 5] = [0.1, 0.25, 0.5, 1.0, 2.5];
 pub(super) const BY_SIZE: &str = "N: voxels along an axis (logarithmic)";
 pub(super) const BY_STEP: &str = "step of the cones, in diameters (logarithmic)";
 pub(super) const BY_TIME: &str = "time for all pixels, ms (logarithmic)";
-pub(super) const RMSE: &str = "RMSE over the mean of the truth";
+pub(super) const ERROR: &str = "error: RMSE less noise, over the mean of the truth";
 pub(super) const FLIP: &str = "FLIP, 0 to 1";
 
 /// A tile of a sheet.
@@ -25,9 +25,15 @@ pub(super) fn tile(caption: impl Into<String>, image: &HdrImage, exposure: f32) 
     Tile { caption: caption.into(), width: image.size().0, rgb: image.srgb(exposure) }
 }
 
-/// A number of three digits.
+/// A number of three digits; empty if it is not known.
 pub(super) fn digits(value: f64) -> String {
-    format!("{value:.3}")
+    if value.is_nan() { String::new() } else { format!("{value:.3}") }
+}
+
+/// The mean of the values that are known.
+pub(super) fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
+    let known: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    known.iter().sum::<f64>() / known.len().max(1) as f64
 }
 
 /// Draws a chart with logarithmic numbers below and adds it to a section.
@@ -62,6 +68,13 @@ pub(super) struct Row {
     pub(super) ms: [f64; 3],
 }
 
+impl Row {
+    /// The error or, by its name, FLIP.
+    pub(super) fn value(&self, measure: &str) -> f64 {
+        if measure == "flip" { self.difference.flip } else { less_noise(self.difference.rmse, self.noise) }
+    }
+}
+
 impl Gather {
     pub(super) fn words(&self) -> String {
         match self {
@@ -79,6 +92,7 @@ pub(super) fn table(name: &str, rows: &[Row]) -> Table {
         "light",
         "N",
         "gathered by",
+        "error",
         "RMSE",
         "noise",
         "FLIP",
@@ -90,7 +104,7 @@ pub(super) fn table(name: &str, rows: &[Row]) -> Table {
     for r in rows {
         let light = order_name(r.order).to_owned();
         let first = [r.scene.clone(), light, r.n.to_string(), r.gather.words()];
-        let last = [digits(r.difference.rmse), digits(r.noise), digits(r.difference.flip)];
+        let last = [r.value("error"), r.difference.rmse, r.noise, r.difference.flip].map(digits);
         table.row(first.into_iter().chain(last).chain(r.ms.map(|v| format!("{v:.1}"))));
     }
     table

@@ -5,12 +5,14 @@ use std::time::Instant;
 use casca::soft::{Cone, March};
 use glam::Vec3;
 
-use super::case::{Case, Truth, generated, size, sponza};
-use super::metric::{Difference, difference};
-use super::rows::{BY_SIZE, BY_STEP, BY_TIME, FLIP, MIDDLE, RMSE, SIZES, STEPS, chart, digits, tile};
+use super::case::{Case, Truth, cornell_ball, generated, size, sponza};
+use super::metric::{Difference, difference, less_noise};
+use super::rows::{
+    BY_SIZE, BY_STEP, BY_TIME, ERROR, FLIP, MIDDLE, SIZES, STEPS, chart, digits, mean_of, tile,
+};
 use super::voxels::{OFF, Voxels};
 use crate::lab::{Lab, LabError, Section, Table};
-use crate::lit::{HdrImage, Kind, LightKind, LitScene};
+use crate::lit::{HdrImage, Kind, LitScene};
 use crate::oracle::path::{Quantity, Surface};
 use crate::pictures::palette::{Style, other};
 use crate::pictures::{Line, Tile, sheet};
@@ -68,6 +70,10 @@ impl Question {
         Ok(Self { name, case, quantity, truth: Truth { image, noise } })
     }
 
+    fn error(&self, found: Difference) -> f64 {
+        less_noise(found.rmse, self.truth.noise)
+    }
+
     /// The picture by voxels, how far it is from the truth, and the milliseconds that it took.
     fn ask(&self, voxels: &Voxels, march: &March) -> Result<(HdrImage, Difference, f64), LabError> {
         let start = Instant::now();
@@ -108,13 +114,7 @@ fn ambient(voxels: &Voxels, at: &Surface, reach: f32, march: &March) -> Result<f
 
 /// The scenes: a thin block, the Cornell box by a ball of light, and Sponza if it is there; then ambient occlusion.
 fn questions(lab: &Lab) -> Result<Vec<Question>, LabError> {
-    let mut box_of_light = generated(Kind::CornellPoint);
-    for light in &mut box_of_light.lights {
-        if let LightKind::Point { radius, .. } = &mut light.kind {
-            *radius = 0.25;
-        }
-    }
-    let mut scenes = vec![generated(Kind::Plane), box_of_light];
+    let mut scenes = vec![generated(Kind::Plane), cornell_ball()];
     if let (false, Ok(scene)) = (lab.quick, sponza()) {
         scenes.push(scene);
     }
@@ -123,12 +123,12 @@ fn questions(lab: &Lab) -> Result<Vec<Question>, LabError> {
     shadows.chain([open]).collect()
 }
 
-const COLUMNS: [&str; 7] = ["quantity", "N", "march", "RMSE", "noise", "FLIP", "ms"];
+const COLUMNS: [&str; 8] = ["quantity", "N", "march", "error", "RMSE", "noise", "FLIP", "ms"];
 
 fn row(table: &mut Table, q: &Question, n: u32, march: String, found: Difference, ms: f64) {
     let first = [q.name.clone(), n.to_string(), march];
-    let last = [digits(found.rmse), digits(q.truth.noise), digits(found.flip), format!("{ms:.1}")];
-    table.row(first.into_iter().chain(last));
+    let last = [q.error(found), found.rmse, q.truth.noise, found.flip].map(digits);
+    table.row(first.into_iter().chain(last).chain([format!("{ms:.1}")]));
 }
 
 /// Measures both by resolution and march.
@@ -144,7 +144,7 @@ pub(super) fn shadows(lab: &Lab, section: &mut Section) -> Result<(), LabError> 
             let voxels = Voxels::new(&q.case.scene, n)?;
             for (points, (name, march)) in found.iter_mut().zip(marches()) {
                 let (image, difference, ms) = q.ask(&voxels, &march)?;
-                points[0].push((n.into(), difference.rmse));
+                points[0].push((n.into(), q.error(difference)));
                 points[1].push((n.into(), difference.flip));
                 row(&mut table, q, n, name.to_owned(), difference, ms);
                 if n == middle {
@@ -162,15 +162,14 @@ pub(super) fn shadows(lab: &Lab, section: &mut Section) -> Result<(), LabError> 
             flip.push(Line::new(label, style(other(number)), b));
         }
     }
-    for (name, up, all) in [("rmse", RMSE, &rmse), ("flip", FLIP, &flip)] {
+    for (name, up, all) in [("error", ERROR, &rmse), ("flip", FLIP, &flip)] {
         let mean = |march: &str| {
             let some = all.iter().filter(|l| l.label.ends_with(march)).filter_map(|l| l.points.last());
-            let values: Vec<f64> = some.map(|p| p.1).collect();
-            values.iter().sum::<f64>() / values.len().max(1) as f64
+            mean_of(some.map(|p| p.1))
         };
         let title = format!(
-            "At the finest voxels soft shadows and ambient occlusion have a {} of {:.2} with slabs, {:.2} with samples, on average",
-            name.to_uppercase(),
+            "At the finest voxels soft shadows and ambient occlusion have {} of {:.2} with slabs, {:.2} with samples, on average",
+            if name == "flip" { "FLIP" } else { name },
             mean("slabs"),
             mean("corrected")
         );
@@ -199,9 +198,9 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
             let (mut points, mut time): ([Vec<(f64, f64)>; 2], Vec<(f64, f64)>) = Default::default();
             for (setting, march) in settings {
                 let (_, found, ms) = q.ask(&voxels, &march)?;
-                points[0].push((setting.into(), found.rmse));
+                points[0].push((setting.into(), q.error(found)));
                 points[1].push((setting.into(), found.flip));
-                time.push((ms, found.rmse));
+                time.push((ms, q.error(found)));
                 let words = match march {
                     March::Samples { corrected: true, .. } => format!("samples, step {setting}"),
                     March::Samples { .. } => format!("samples, step {setting}, not corrected"),
@@ -220,7 +219,7 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
         }
         by_time.push(times);
     }
-    for (name, up, all) in [("rmse", RMSE, &by_step[0]), ("flip", FLIP, &by_step[1])] {
+    for (name, up, all) in [("error", ERROR, &by_step[0]), ("flip", FLIP, &by_step[1])] {
         let spread = |corrected: bool| {
             let some = all.iter().filter(|l| l.label.ends_with("not corrected") != corrected);
             let values = some.flat_map(|l| &l.points).map(|p| p.1);
@@ -229,7 +228,7 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
         };
         let title = format!(
             "By the step of a sampled cone the {} of shadows is {} with opacities corrected, {} without",
-            name.to_uppercase(),
+            if name == "flip" { "FLIP" } else { name },
             spread(true),
             spread(false)
         );
@@ -254,7 +253,7 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
             rayon::current_num_threads()
         );
         let file = format!("light-shadows-time-{}.svg", q.name.replace(", ", "-").replace(' ', "-"));
-        chart(lab, section, &file, (&title, &subtitle), (BY_TIME, RMSE), all)?;
+        chart(lab, section, &file, (&title, &subtitle), (BY_TIME, ERROR), all)?;
     }
     section.rows("Shadows by march, as CSV", table);
     Ok(())

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::case::{Case, Truth, order_name};
 use super::gather::Gather;
 use super::metric::difference;
-use super::rows::{BY_STEP, BY_TIME, CONES, FLIP, RMSE, Row, STEPS, chart, table};
+use super::rows::{BY_STEP, BY_TIME, CONES, ERROR, FLIP, Row, STEPS, chart, table};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section};
 use crate::pictures::Line;
@@ -60,8 +60,8 @@ pub(super) fn sweep(
 }
 
 fn by_step(lab: &Lab, section: &mut Section, rows: &[(usize, Row)]) -> Result<(), LabError> {
-    for (measure, label) in [("rmse", RMSE), ("flip", FLIP)] {
-        let value = |r: &Row| if measure == "rmse" { r.difference.rmse } else { r.difference.flip };
+    for (measure, label) in [("error", ERROR), ("flip", FLIP)] {
+        let value = |r: &Row| r.value(measure);
         let (mut all, mut colours): (Vec<Line>, Vec<String>) = (Vec::new(), Vec::new());
         for (_, r) in rows.iter().filter(|(group, _)| *group < 2) {
             let Gather::Cones { step, corrected, .. } = r.gather else { continue };
@@ -87,7 +87,7 @@ fn by_step(lab: &Lab, section: &mut Section, rows: &[(usize, Row)]) -> Result<()
         };
         let title = format!(
             "By the step the {} is {} with opacities corrected, {} without",
-            measure.to_uppercase(),
+            if measure == "flip" { "FLIP" } else { measure },
             spread(true),
             spread(false)
         );
@@ -112,15 +112,15 @@ fn by_time(
         .enumerate()
         .map(|(i, (label, _))| {
             let mine = some.iter().filter(|(group, _)| *group == i);
-            Line::new(*label, other(i), mine.map(|(_, r)| (r.ms[2], r.difference.rmse)).collect())
+            Line::new(*label, other(i), mine.map(|(_, r)| (r.ms[2], r.value("error"))).collect())
         })
         .collect();
     let best = |walks: bool| {
         let least = some
             .iter()
             .filter(|(_, r)| matches!(r.gather, Gather::Walks(_)) == walks)
-            .min_by(|a, b| a.1.difference.rmse.total_cmp(&b.1.difference.rmse));
-        least.map_or(String::new(), |(_, r)| format!("{:.2} in {:.0} ms", r.difference.rmse, r.ms[2]))
+            .min_by(|a, b| a.1.value("error").total_cmp(&b.1.value("error")));
+        least.map_or(String::new(), |(_, r)| format!("{:.2} in {:.0} ms", r.value("error"), r.ms[2]))
     };
     let name = order_name(order);
     let title = format!(
@@ -134,5 +134,5 @@ fn by_time(
         rayon::current_num_threads()
     );
     let file = format!("light-time-{scene}-{}.svg", name.replace(' ', "-"));
-    chart(lab, section, &file, (&title, &subtitle), (BY_TIME, RMSE), &lines)
+    chart(lab, section, &file, (&title, &subtitle), (BY_TIME, ERROR), &lines)
 }

@@ -257,6 +257,43 @@ fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
 }
 
 #[test]
+fn what_is_in_the_shade_gets_nothing_of_a_light() {
+    let black = Material::matt(Vec3::ZERO);
+    let mut shaded = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 0.5), black)]);
+    let position = Vec3::new(0.0, 2.0, 0.0);
+    for radius in [0.0, 0.2] {
+        let light = LightKind::Point { position, radius };
+        shaded.lights = vec![Light { kind: light, color: Vec3::ONE, falloff: Falloff::INVERSE_SQUARE }];
+        let tracer = PathTracer::new(&shaded);
+        let on_floor = |x: f64| look(&tracer, DVec3::new(x, 0.5, 0.2), DVec3::new(x, 0.0, 0.2), 1..=1, 2000);
+        assert_eq!([on_floor(0.0).0, on_floor(0.7).0], [0.0; 2]);
+        let (found, error) = on_floor(2.0);
+        near(found, 2.0 / (4.0f64 + 4.0 + 0.04).powf(1.5) / PI, 5.0 * error + 1e-6);
+    }
+}
+
+#[test]
+fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
+    let ceiling = square(1.0, 0.7);
+    let corners: Vec<DVec3> = ceiling.positions.iter().map(|p| p.as_dvec3()).collect();
+    let grey = Material::matt(Vec3::splat(0.5));
+    let mut room = scene(vec![(square(0.0, 5.0), grey), (ceiling, Material::matt(Vec3::ZERO))]);
+    room.sky = Vec3::splat(3.0);
+    let tracer = PathTracer::new(&room);
+    for x in [0.0, 0.8, 2.0] {
+        let to = DVec3::new(x, 0.0, 0.3);
+        let open = 1.0 - lambert(&corners, to, DVec3::Y) / PI;
+        let from = to + DVec3::Y * 0.5;
+        let (found, error) = look(&tracer, from, to, 1..=1, 10_000);
+        near(found, 0.5 * 3.0 * open, 5.0 * error);
+        let (seen, mut random) = (tracer.hit(from, DVec3::NEG_Y), Pcg64Mcg::seed_from_u64(4));
+        let all = Quantity::Ambient(f32::INFINITY);
+        let (found, error) = mean(10_000, || tracer.sample(seen, DVec3::NEG_Y, &all, &mut random));
+        near(found.x.into(), open, 5.0 * f64::from(error.x));
+    }
+}
+
+#[test]
 fn glossy_surfaces_lose_light_but_make_none() {
     for gloss in [0.0, 0.4, 0.9] {
         let shiny = Material { albedo: Vec3::ZERO, specular: Vec3::ONE, gloss, emission: Vec3::ZERO };
