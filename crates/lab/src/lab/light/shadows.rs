@@ -195,7 +195,8 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
         let voxels = Voxels::new(&q.case.scene, n)?;
         let mut times = Vec::new();
         for (g, (group, settings)) in groups().into_iter().enumerate() {
-            let (mut points, mut time): ([Vec<(f64, f64)>; 2], Vec<(f64, f64)>) = Default::default();
+            let mut points: [Vec<(f64, f64)>; 2] = Default::default();
+            let mut time = Vec::new();
             for (setting, march) in settings {
                 let (_, found, ms) = q.ask(&voxels, &march)?;
                 points[0].push((setting.into(), q.error(found)));
