@@ -138,7 +138,7 @@ pub(super) fn shadows(lab: &Lab, section: &mut Section) -> Result<(), LabError> 
     let middle = lab.pick(MIDDLE, SIZES[0]);
     let (mut rmse, mut flip, mut rows): (Vec<Line>, Vec<Line>, Vec<Vec<Tile>>) = Default::default();
     for (number, q) in questions.iter().enumerate() {
-        let mut tiles = vec![tile(format!("{}: path tracer", q.name), &q.truth.image, 1.0)];
+        let mut tiles = vec![tile(q.name.clone(), &q.truth.image, 1.0)];
         let mut found: Vec<[Vec<(f64, f64)>; 2]> = vec![Default::default(); marches().len()];
         for &n in sizes {
             let voxels = Voxels::new(&q.case.scene, n)?;
@@ -179,7 +179,7 @@ pub(super) fn shadows(lab: &Lab, section: &mut Section) -> Result<(), LabError> 
         chart(lab, section, &file, (&title, &subtitle), (BY_SIZE, up), all)?;
     }
     let title = format!("Soft shadows and ambient occlusion at N = {middle}");
-    let subtitle = "White where all of the light, or of the directions, is free.";
+    let subtitle = "Left the path tracer. White where all of the light, or of the directions, is free.";
     sheet(&lab.folder.join("light-shadows.png"), &title, subtitle, &rows)?;
     section.picture("light-shadows.png", &title);
     section.rows("Shadows by resolution, as CSV", table);
