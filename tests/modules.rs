@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 9] = [
+const ROOTS: [&str; 10] = [
     "src",
     "crates/plane/src",
     "crates/points/src",
@@ -21,6 +21,7 @@ const ROOTS: [&str; 9] = [
     "crates/light-view/src",
     "crates/line-sets/src",
     "crates/lines/src",
+    "crates/lines-gpu/src",
     "crates/lines-view/src",
 ];
 

@@ -5,6 +5,7 @@
 //! - [`set`]: lines in the memory of a device, in bundles.
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
+//! - [`settings`]: what is computed.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
 //! - [`rooms`]: a house full of lines, for tests and figures.
 //! - [`clock`]: the time of each stage.
@@ -20,5 +21,6 @@ pub mod numeric;
 pub mod renderer;
 pub mod rooms;
 pub mod set;
+pub mod settings;
 #[cfg(test)]
 mod tests;

@@ -7,8 +7,8 @@ use casca_line_sets::random::Random;
 use casca_line_sets::{LineSet, files};
 use casca_lines::occlusion::AoOptions;
 use casca_lines::view::{Lens, View, ViewError};
-use casca_lines_view::renderer::Settings;
-use casca_lines_view::rooms::House;
+use casca_lines_gpu::rooms::House;
+use casca_lines_gpu::settings::Settings;
 use glam::{Vec3, vec3};
 
 use crate::options::{Failed, Options};
@@ -134,9 +134,10 @@ impl Source {
         let depths = (0..8).map(|i| f64::from((corner(i) - eye).dot(forward)));
         let (near, far) = depths.fold((f64::MAX, f64::MIN), |(n, f), d| (n.min(d), f.max(d)));
         let least = f64::from(self.extent() * NEAREST);
+        let zoom = f64::from(options.zoom);
         let (lens, near) = match f64::from(options.fov).to_radians() {
-            0.0 => (Lens::Orthographic { half_height: f64::from((max - min).length()) * 0.5 }, near),
-            fov_y => (Lens::Perspective { fov_y }, near.max(least)),
+            0.0 => (Lens::Orthographic { half_height: f64::from((max - min).length()) * 0.5 / zoom }, near),
+            fov => (Lens::Perspective { fov_y: 2.0 * ((fov / 2.0).tan() / zoom).atan() }, near.max(least)),
         };
         View::look_at([eye, eye + forward * self.extent(), up], lens, [near, far.max(near + least)], size)
     }

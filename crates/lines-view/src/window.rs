@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use casca_lines::occlusion::{AoOptions, Estimator};
-use casca_lines_view::clock::Clock;
-use casca_lines_view::culling::{Culling, Seen};
-use casca_lines_view::renderer::{Look, Renderer};
-use casca_lines_view::set::GpuLines;
+use casca_lines_gpu::clock::Clock;
+use casca_lines_gpu::culling::{Culling, Seen};
+use casca_lines_gpu::renderer::{Look, Renderer};
+use casca_lines_gpu::set::GpuLines;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Align2, Slider};
 use casca_stage::fly::{Fly, way};

@@ -11,14 +11,18 @@ use casca_lines::view::{Lens, View};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
 use glam::{DVec3, Vec3, vec3};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
 
 use crate::clock::Clock;
 use crate::culling::{Culling, Seen};
-use crate::error::LinesViewError;
+use crate::error::LinesGpuError;
+use crate::lens::{Reach, view_of_scene};
 use crate::numeric::{IN_DOUBT, OCCLUSION_OFF};
-use crate::renderer::{Look, Renderer, Settings};
+use crate::renderer::{Look, Renderer};
 use crate::rooms::House;
 use crate::set::GpuLines;
+use crate::settings::Settings;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -252,6 +256,55 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
 }
 
 #[test]
+fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixels_would_differ() {
+    let Some(gpu) = gpu() else { return };
+    // A wall through the left half of a set, edge on to the right half: beside its edge, visible lines are darkened by hidden ones.
+    let walls = [[vec3(-3.0, -3.0, -0.01), vec3(0.0, 3.0, 0.01)]];
+    let lines = GpuLines::new(&gpu, &set(Family::PomPom, 900)).unwrap();
+    let mut culling = Culling::new(lines.bundles(), &walls).unwrap();
+    for view in
+        [None, Some(0.5)].map(|fov| View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap())
+    {
+        let with = Settings { samples: 40, sets: 4, coarse: 1, ..Settings::new(0.4, 0.02) };
+        let mut renderer = Renderer::new(&gpu, COLOUR, with).unwrap();
+        let mut values = |seen: &Seen| {
+            renderer.update(&gpu, &view, (&lines, seen), &walls, &mut Clock::off()).unwrap();
+            (renderer.read_occlusion(&gpu).unwrap(), renderer.read_fragments(&gpu).unwrap())
+        };
+        let reach = with.reach(&view).unwrap();
+        let seen = culling.look(&view, reach).unwrap();
+        let short = culling.look(&view, Reach { read: reach.drawn, ..reach }).unwrap();
+        assert!(short.read.len() < seen.read.len() && seen.read.len() < lines.bundles().len());
+        let all = values(&Seen::all(lines.bundles().len()));
+        assert!(all == values(&seen), "{} of {} bundles", seen.read.len(), lines.bundles().len());
+        let (darkness, shown) = values(&short);
+        assert!(shown == all.1 && darkness != all.0);
+    }
+}
+
+proptest! {
+    #![proptest_config(Config { cases: 200, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..Config::default() })]
+
+    #[test]
+    fn views_of_scenes_hold_just_the_points_of_the_picture(
+        p in [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0], from in [-1.0f32..1.0, -1.0f32..1.0, 0.1f32..1.0], perspective: bool
+    ) {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::from(from), perspective.then_some(0.7), [48, 33]).unwrap();
+        let eye = view.to_eye(Vec3::from(p));
+        let (place, [near, far]) = (view.project(eye), view.depths());
+        // How far inside of each side, as a share of the view; negative outside.
+        let inside = [place.x / place.z / 48.0, place.y / place.z / 33.0, (-eye.z - near) / (far - near)];
+        let inside = inside.map(|share| share.min(1.0 - share)).into_iter().fold(f64::MAX, f64::min);
+        prop_assume!(inside.abs() > 1e-4);
+        let scene = casca::Scene::new(&casca::GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: glam::UVec3::splat(8) }).unwrap();
+        let mut query = casca::Query::new();
+        query.run(&scene, &view_of_scene(&view).unwrap());
+        let sight = query.sight(&scene).unwrap();
+        prop_assert_eq!(sight.may_see_point(Vec3::from(p)), inside > 0.0, "{:?} {}", view, inside);
+    }
+}
+
+#[test]
 fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed() {
     let Some(gpu) = gpu() else { return };
     let at = |z: f32| LineSet::new([[vec3(-0.5, 0.02, z), vec3(0.5, 0.02, z)]]).unwrap();
@@ -265,7 +318,7 @@ fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed
             lines = GpuLines::new(&gpu, &at(z)).unwrap();
             culling.follow(lines.bundles()).unwrap();
             // Without the reach of the occlusion, so that the line behind the wall is culled.
-            let seen = culling.look(&view, crate::lens::Reach { drawn: 0.01, read: 0.01 }).unwrap();
+            let seen = culling.look(&view, Reach { drawn: 0.01, read: 0.01 }).unwrap();
             assert_eq!(seen.drawn.len(), usize::from(z > 0.0), "{z}");
             for seen in [&seen, &Seen::all(1)] {
                 renderer.update(&gpu, &view, (&lines, seen), &wall, &mut Clock::off()).unwrap();
@@ -274,10 +327,7 @@ fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed
             }
         }
         culling.follow(&[]).unwrap();
-        assert_eq!(
-            culling.look(&view, crate::lens::Reach { drawn: 0.0, read: 0.0 }).unwrap(),
-            Seen::default()
-        );
+        assert_eq!(culling.look(&view, Reach { drawn: 0.0, read: 0.0 }).unwrap(), Seen::default());
         drop(lines);
     }
 }
@@ -305,12 +355,12 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
     let needed = 8192 * 8192 * 128;
     if limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) < needed {
         let why = update([8192; 2], &Seen::all(1)).unwrap_err();
-        assert!(matches!(why, LinesViewError::TooLarge { width: 8192, .. }), "{why}");
+        assert!(matches!(why, LinesGpuError::TooLarge { width: 8192, .. }), "{why}");
     }
     update(SIZE, &Seen::all(lines.bundles().len())).unwrap();
     let unknown = update(SIZE, &Seen::all(lines.bundles().len() + 1)).unwrap_err();
-    assert!(matches!(unknown, LinesViewError::Bundle { .. }), "{unknown}");
+    assert!(matches!(unknown, LinesGpuError::Bundle { .. }), "{unknown}");
     let nan = [[Vec3::NAN, Vec3::ONE]];
-    assert!(matches!(Culling::new(lines.bundles(), &nan), Err(LinesViewError::Scene(_))));
-    assert!(matches!(LinesViewError::from(GpuError::NoAdapter("x".into())), LinesViewError::Gpu(_)));
+    assert!(matches!(Culling::new(lines.bundles(), &nan), Err(LinesGpuError::Scene(_))));
+    assert!(matches!(LinesGpuError::from(GpuError::NoAdapter("x".into())), LinesGpuError::Gpu(_)));
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use casca_lines_view::clock::Clock;
-use casca_lines_view::culling::{Culling, Seen};
-use casca_lines_view::renderer::Renderer;
-use casca_lines_view::set::GpuLines;
+use casca_lines_gpu::clock::Clock;
+use casca_lines_gpu::culling::{Culling, Seen};
+use casca_lines_gpu::renderer::Renderer;
+use casca_lines_gpu::set::GpuLines;
 use casca_stage::canvas::{Canvas, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::window::Done;

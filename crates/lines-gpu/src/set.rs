@@ -6,7 +6,7 @@ use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::LinesViewError;
+use crate::error::LinesGpuError;
 use crate::kernel::filled;
 
 /// Segments of a workgroup.
@@ -46,7 +46,7 @@ impl GpuLines {
     ///
     /// # Errors
     /// The device has no room.
-    pub fn new(gpu: &Gpu, lines: &LineSet) -> Result<Self, LinesViewError> {
+    pub fn new(gpu: &Gpu, lines: &LineSet) -> Result<Self, LinesGpuError> {
         let points = lines.points();
         let with = |v: &Vec3, w: f32| [v.x, v.y, v.z, w];
         let vertices: Vec<[f32; 4]> =
@@ -91,10 +91,10 @@ impl GpuLines {
     }
 
     /// The workgroups of some bundles: the first segment and the number of segments of each.
-    pub(crate) fn chunks(&self, bundles: &[u32]) -> Result<Vec<[u32; 2]>, LinesViewError> {
+    pub(crate) fn chunks(&self, bundles: &[u32]) -> Result<Vec<[u32; 2]>, LinesGpuError> {
         let mut chunks = Vec::with_capacity(bundles.len() * (BUNDLE / CHUNK) as usize);
         for &number in bundles {
-            let unknown = LinesViewError::Bundle { number, bundles: self.bundles.len() };
+            let unknown = LinesGpuError::Bundle { number, bundles: self.bundles.len() };
             let bundle = self.bundles.get(number as usize).ok_or(unknown)?;
             let part = |at| [bundle.first + at, CHUNK.min(bundle.segments - at)];
             chunks.extend((0..bundle.segments).step_by(CHUNK as usize).map(part));

@@ -8,7 +8,7 @@ use casca_line_sets::generate::Family;
 use casca_lines::occlusion::Estimator;
 use casca_lines::slabs::Slices;
 use casca_lines::view::MOST_PIXELS;
-use casca_lines_view::renderer::Look;
+use casca_lines_gpu::renderer::Look;
 use clap::{Parser, ValueEnum};
 use glam::Vec3;
 
@@ -58,6 +58,9 @@ pub struct Options {
     /// The vertical angle of the picture in degrees; 0 for parallel rays
     #[arg(long, default_value = "40", value_parser = |t: &str| parse_within(t, 0.0, 150.0))]
     pub fov: f32,
+    /// Magnifies the middle of the picture
+    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.1, 100.0))]
+    pub zoom: f32,
     /// The time in seconds: generated sets turn and sway, those of files sway
     #[arg(long, default_value = "0", value_parser = |t: &str| parse_within(t, -1e6, 1e6))]
     pub at: f32,

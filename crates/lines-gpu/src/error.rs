@@ -9,7 +9,7 @@ use casca_stage::gpu::GpuError;
 /// Why lines were refused or not drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum LinesViewError {
+pub enum LinesGpuError {
     /// There is no adapter, no room, or the device is lost.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{CommandEncoder, ErrorFilter};
 
-use crate::error::LinesViewError;
+use crate::error::LinesGpuError;
 
 /// Submits stages, and measures them if it is asked to.
 pub struct Clock {
@@ -43,8 +43,8 @@ impl Clock {
         &mut self,
         gpu: &Gpu,
         name: &'static str,
-        record: impl FnOnce(&mut CommandEncoder) -> Result<(), LinesViewError>,
-    ) -> Result<(), LinesViewError> {
+        record: impl FnOnce(&mut CommandEncoder) -> Result<(), LinesGpuError>,
+    ) -> Result<(), LinesGpuError> {
         if self.stages.is_some() {
             gpu.wait()?;
         }
@@ -58,7 +58,7 @@ impl Clock {
         let failed = [pollster::block_on(valid.pop()), pollster::block_on(memory.pop())];
         recorded?;
         if let Some(why) = failed.into_iter().flatten().next() {
-            return Err(LinesViewError::Refused { stage: name, why: why.to_string() });
+            return Err(LinesGpuError::Refused { stage: name, why: why.to_string() });
         }
         if self.stages.is_some() {
             gpu.wait()?;

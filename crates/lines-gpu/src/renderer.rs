@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use casca_lines::buffers::Fragment;
-use casca_lines::occlusion::{AoOptions, BasePlane, Estimator, SetChoice, sector_of};
+use casca_lines::occlusion::sector_of;
 use casca_lines::samples::SampleSets;
 use casca_lines::slabs::Slices;
 use casca_lines::view::View;
@@ -13,62 +13,11 @@ use glam::Vec3;
 
 use crate::clock::Clock;
 use crate::culling::Seen;
-use crate::error::LinesViewError;
+use crate::error::LinesGpuError;
 use crate::kernel::{Bound, Kernel, bind, filled, shader};
-use crate::lens::{GpuLens, Reach};
+use crate::lens::GpuLens;
 use crate::set::GpuLines;
-
-/// What is computed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// The occlusion.
-    pub ao: AoOptions,
-    /// Samples of a set. The thesis takes 150.
-    pub samples: u32,
-    /// Sets of samples.
-    pub sets: u32,
-    /// Seed of the samples.
-    pub seed: u64,
-    /// Slices of a column.
-    pub slices: Slices,
-    /// Pixels along the side of a column, 1 to 64.
-    pub coarse: u32,
-}
-
-impl Settings {
-    /// The best estimator for tubes of a radius, with 256 slices in columns of 2 x 2 pixels.
-    pub fn new(radius: f32, line_radius: f32) -> Self {
-        let ao = AoOptions::new(radius, line_radius);
-        Self { ao, samples: 150, sets: 16, seed: 1, slices: Slices::S256, coarse: 2 }
-    }
-
-    /// The view of the columns of a view.
-    ///
-    /// # Errors
-    /// As [`View::with_height`].
-    pub fn grid(&self, view: &View) -> Result<View, LinesViewError> {
-        match self.coarse {
-            1 => Ok(*view),
-            n => Ok(view.with_height(view.size()[1].div_ceil(n))?),
-        }
-    }
-
-    /// How far from a pixel's fragment lines can change the pixel.
-    ///
-    /// # Errors
-    /// As [`Self::grid`].
-    pub fn reach(&self, view: &View) -> Result<Reach, LinesViewError> {
-        Ok(Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices))
-    }
-
-    fn check(&self) -> Result<(), LinesViewError> {
-        self.ao.check()?;
-        if !(1..=64).contains(&self.coarse) {
-            return Err(LinesViewError::Coarse(self.coarse));
-        }
-        Ok(())
-    }
-}
+use crate::settings::{GpuAo, Settings};
 
 /// How a picture looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,55 +30,6 @@ pub enum Look {
     Occluded,
     /// The occlusion alone: white in the open.
     Occlusion,
-}
-
-/// `Ao` of occlusion.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GpuAo {
-    radius: f32,
-    value: f32,
-    step: f32,
-    estimator: u32,
-    flags: u32,
-    choice: u32,
-    sets: u32,
-    samples: u32,
-    size: [u32; 2],
-    padding: [u32; 2],
-}
-
-impl GpuAo {
-    fn new(settings: &Settings, size: [u32; 2]) -> Self {
-        let ao = &settings.ao;
-        let (estimator, value) = match ao.estimator {
-            Estimator::MeanOfRatios { factor } => (0, factor),
-            Estimator::RatioOfSums { factor } => (1, factor),
-            Estimator::Extinction { k } => (2, k),
-            Estimator::OpticalDepth { line_radius } => (3, line_radius),
-        };
-        let (choice, step) = match ao.choice {
-            SetChoice::One => (0, 1.0),
-            SetChoice::Screen => (1, 1.0),
-            SetChoice::Surface { step } => (2, step),
-        };
-        let flag = |on: bool, bit: u32| u32::from(on) * bit;
-        let flags =
-            flag(ao.by_distance, 1) | flag(ao.by_angle, 2) | flag(ao.plane == BasePlane::ThesisSign, 4);
-        let Settings { sets, samples, .. } = *settings;
-        Self {
-            radius: ao.radius,
-            value,
-            step,
-            estimator,
-            flags,
-            choice,
-            sets,
-            samples,
-            size,
-            padding: [0; 2],
-        }
-    }
 }
 
 /// `Fragment` of view.wgsl.
@@ -180,7 +80,7 @@ impl Renderer {
     ///
     /// # Errors
     /// If a setting is out of its range, or the device has no room.
-    pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesViewError> {
+    pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
         let raster = shader(gpu, "raster", include_str!("shaders/raster.wgsl"));
         let walls = shader(gpu, "walls", include_str!("shaders/walls.wgsl"));
         let occlusion = shader(gpu, "occlusion", include_str!("shaders/occlusion.wgsl"));
@@ -208,7 +108,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesViewError> {
+    pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesGpuError> {
         let of_samples = |s: &Settings| (s.samples, s.sets, s.seed);
         settings.check()?;
         if of_samples(&settings) != of_samples(&self.settings) {
@@ -233,7 +133,7 @@ impl Renderer {
         (lines, seen): (&GpuLines, &Seen),
         walls: &[[Vec3; 2]],
         clock: &mut Clock,
-    ) -> Result<(), LinesViewError> {
+    ) -> Result<(), LinesGpuError> {
         self.fit(gpu, view)?;
         let Some(frame) = &self.frame else { return Ok(()) };
         let settings = &self.settings;
@@ -297,7 +197,7 @@ impl Renderer {
         strength: f32,
         background: Vec3,
         clock: &mut Clock,
-    ) -> Result<(), LinesViewError> {
+    ) -> Result<(), LinesGpuError> {
         let Some(frame) = &self.frame else { return Ok(()) };
         let [r, g, b] = background.to_array().map(f32::to_bits);
         let look = filled(gpu, &[r, g, b, look as u32, strength.to_bits(), 0, 0, 0], BufferUsages::UNIFORM)?;
@@ -374,7 +274,7 @@ impl Renderer {
     }
 
     /// Buffers for a view: the old ones if their sizes are right.
-    fn fit(&mut self, gpu: &Gpu, view: &View) -> Result<(), LinesViewError> {
+    fn fit(&mut self, gpu: &Gpu, view: &View) -> Result<(), LinesGpuError> {
         let slices = self.settings.slices;
         let grid = self.settings.grid(view)?;
         let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices);
@@ -395,13 +295,13 @@ impl Renderer {
 }
 
 impl Frame {
-    fn new(gpu: &Gpu, view: &View, grid: View, slices: Slices) -> Result<Self, LinesViewError> {
+    fn new(gpu: &Gpu, view: &View, grid: View, slices: Slices) -> Result<Self, LinesGpuError> {
         let count = |of: &View| of.size().iter().map(|&s| u64::from(s)).product::<u64>();
         let storage = BufferUsages::STORAGE;
         let of_columns = |what, bytes: u32| {
             let bytes = count(&grid) * u64::from(bytes);
             let [width, height] = grid.size();
-            let large = |most| LinesViewError::TooLarge { what, width, height, bytes, most };
+            let large = |most| LinesGpuError::TooLarge { what, width, height, bytes, most };
             gpu.buffer(bytes, storage).map_err(|e| match e {
                 GpuError::NoRoom { most, .. } => large(most),
                 other => other.into(),
@@ -426,7 +326,7 @@ impl Frame {
     }
 }
 
-fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesViewError> {
+fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
     settings.check()?;
     let sets = SampleSets::new(settings.samples, settings.sets, settings.seed)?;
     let all = (0..sets.count()).flat_map(|i| sets.set(i));

@@ -8,7 +8,7 @@ use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
 use casca_lines::view::View;
 use glam::Vec3;
 
-use crate::error::LinesViewError;
+use crate::error::LinesGpuError;
 use crate::lens::{Reach, view_of_scene};
 use crate::set::Bundle;
 
@@ -48,7 +48,7 @@ impl Culling {
     /// # Errors
     /// If a wall or the bounds of a bundle are not finite, or all of them lie at one place so far from the origin that no grid is
     /// possible.
-    pub fn new(bundles: &[Bundle], walls: &[[Vec3; 2]]) -> Result<Self, LinesViewError> {
+    pub fn new(bundles: &[Bundle], walls: &[[Vec3; 2]]) -> Result<Self, LinesGpuError> {
         let bounds: Vec<Aabb> = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
         let walls: Vec<Aabb> = walls.iter().map(|w| Aabb::new(w[0], w[1])).collect();
         let all = bounds.iter().chain(&walls);
@@ -70,7 +70,7 @@ impl Culling {
     ///
     /// # Errors
     /// If the bounds of a bundle are not finite.
-    pub fn follow(&mut self, bundles: &[Bundle]) -> Result<(), LinesViewError> {
+    pub fn follow(&mut self, bundles: &[Bundle]) -> Result<(), LinesGpuError> {
         for gone in self.objects.drain(bundles.len().min(self.objects.len())..) {
             self.scene.remove(gone)?;
         }
@@ -91,7 +91,7 @@ impl Culling {
     ///
     /// # Errors
     /// If the scene refuses the view.
-    pub fn look(&mut self, view: &View, reach: Reach) -> Result<Seen, LinesViewError> {
+    pub fn look(&mut self, view: &View, reach: Reach) -> Result<Seen, LinesGpuError> {
         if reach.read != self.inflated {
             self.inflated = reach.read;
             for (&object, bounds) in self.objects.iter().zip(&self.bounds) {
