@@ -151,10 +151,13 @@ impl Renderer {
             self.columns.run_chunks(gpu, encoder, read.len(), &[&set[..], &bound[..]].concat());
             Ok(())
         })?;
+        clock.stage(gpu, "walls", |encoder| {
+            let bound = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
+            self.walls.run_pixels(gpu, encoder, view.size(), &bound);
+            Ok(())
+        })?;
         clock.stage(gpu, "nearest lines", |encoder| {
             [&frame.nearest, &frame.owners].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
-            let on_walls = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
-            self.walls.run_pixels(gpu, encoder, view.size(), &on_walls);
             for choosing in &self.choosing {
                 let bound = [
                     (0, &frame.lens),

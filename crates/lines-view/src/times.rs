@@ -55,7 +55,7 @@ struct Bench<'a> {
 type Stages = Vec<(&'static str, f64)>;
 
 fn of(stages: &Stages, names: &[&str]) -> f64 {
-    stages.iter().filter(|(name, _)| names.contains(name)).map(|(_, ms)| ms).sum()
+    stages.iter().filter(|(name, _)| names.contains(name)).fold(0.0, |sum, (_, ms)| sum + ms)
 }
 
 impl Bench<'_> {
@@ -167,7 +167,7 @@ impl Bench<'_> {
         say(format_args!("means of the views from {rooms} rooms, with {} walls", self.source.walls.len()));
         say(format_args!("bundles: {bundles}; drawn {:.0}, in columns {:.0}", mean(drawn), mean(read)));
         say(format_args!("vertices, about: drawn {:.0}, in columns {:.0}", vertices(drawn), vertices(read)));
-        for name in ["query", "columns", "nearest lines", "occlusion", "picture"] {
+        for name in ["query", "columns", "walls", "nearest lines", "occlusion", "picture"] {
             let ms = |stages: &Stages| of(stages, &[name]) / f64::from(rooms);
             say(format_args!("{name:>14} {:9.2} without culling {:9.2} with", ms(&all), ms(&culled)));
         }
