@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 10] = [
+const ROOTS: [&str; 12] = [
     "src",
     "crates/plane/src",
     "crates/points/src",
@@ -23,6 +23,8 @@ const ROOTS: [&str; 10] = [
     "crates/line-sets/src",
     "crates/lines/src",
     "crates/fur/src",
+    "crates/lines-gpu/src",
+    "crates/lines-view/src",
 ];
 
 /// More sources whose files are checked for their length.
