@@ -49,14 +49,15 @@ fn an_updated_volume_is_that_of_a_new_one_to_the_bit() {
                 0 => drop(grid.update(one, Sphere::new(dice.point(0.0, 40.0), 2.0))),
                 1 => shapes.push(grid.insert(block(&mut dice), Layer::Moving).unwrap()),
                 2 => {
-                    // Nothing is left of a page.
+                    // Nothing is left of a page; small things stand far from each other in the other one.
                     shapes.drain(..).for_each(|id| grid.remove(id).unwrap());
-                    shapes.push(
-                        grid.insert(Sphere::new(Vec3::new(10.0, 20.0, 9.0), 4.0), Layer::Fixed).unwrap(),
-                    );
+                    for _ in 0..16 {
+                        let small = Aabb::from_center(dice.point(1.0, 38.0), dice.point(0.2, 1.5));
+                        shapes.push(grid.insert(small, Layer::Fixed).unwrap());
+                    }
                 }
                 _ => {
-                    let near = Aabb::from_center(dice.point(4.0, 34.0), dice.point(0.2, 6.0));
+                    let near = Aabb::from_center(dice.point(4.0, 34.0), dice.point(0.2, 3.0));
                     shapes.push(grid.insert(near, Layer::Moving).unwrap());
                 }
             }
