@@ -42,3 +42,8 @@ pub(crate) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Steps of a point through a unit cube which fills it evenly: powers of the root of x^4 = x + 1 (Roberts 2018).
 pub(crate) const EVEN_STEPS: [f64; 3] =
     [0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549_700_477_901_970_6];
+
+/// A walk may stray from its line into cells that are this far from it, in cells.
+///
+/// Walks start in the grid, and their positions are rounded relative to the way from there: by 2^-38 cells at most in a grid of 8192.
+pub(crate) const STRAY: f64 = 1e-6;

@@ -5,10 +5,10 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::derived::Light;
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
-use crate::grid::bricks::{BRICK, Bricks};
+use crate::grid::bricks::{BRICK, Bricks, Pages};
 use crate::grid::cell_box::CellBox;
-use crate::matrix::bits::{BitMatrix, cells_of};
-use crate::numeric::soft::EVEN_STEPS;
+use crate::matrix::bits::{BitMatrix, Mask, NONE, block_mask, both, cells_of, either};
+use crate::numeric::soft::{EVEN_STEPS, STRAY};
 use crate::soft::cone::between;
 use crate::soft::grid::SoftGrid;
 use crate::soft::rays::check_rays;
@@ -18,19 +18,26 @@ use crate::view::Origin;
 /// The value of a cell that no surface is near; others are up to 254.
 const UNKNOWN: u8 = 255;
 const FULL: f64 = 254.0;
+/// Bricks along an axis of a page, the largest block that walks cross in one step.
+const PAGE: i32 = 8;
 
 #[derive(Clone, Default)]
 struct Values(Option<Box<[u8; 512]>>);
 
-/// The share of a light's rays that reaches each cell that is occupied or next to an occupied one. It holds for the grid as it was, and
-/// does not follow later changes.
+/// The share of a light's rays that reaches each cell that is occupied or next to an occupied one. It holds for the grid as it was at the
+/// last [`VisibilityVolume::update`].
 #[derive(Clone)]
 pub struct VisibilityVolume {
     grid: Grid,
+    source: Source,
+    rays: u32,
+    /// The cells that were occupied at the last update.
+    occupied: BitMatrix,
     values: Bricks<Values>,
 }
 
 /// Where the rays to a light lead.
+#[derive(Clone, Copy)]
 enum Source {
     At { place: DVec3, range: f64 },
     Along(DVec3),
@@ -80,37 +87,154 @@ impl VisibilityVolume {
     /// Refuses a light whose numbers are not finite (but for the range) or without direction, and numbers of rays out of range.
     pub fn new(soft: &SoftGrid, light: &Light, rays: u32) -> Result<Self, Error> {
         check_rays(rays)?;
-        let source = Source::new(light)?;
-        let grid = *soft.grid();
-        let (mut near, last) = (BitMatrix::new(grid.dims()), grid.dims() - 1);
-        for (brick, mask) in soft.pyramid().any_bits(0).masks() {
-            for c in cells_of(brick, mask) {
-                let (lo, hi) = ((c - 1).max(IVec3::ZERO), (c + 1).min(last));
-                for z in lo.z..=hi.z {
-                    (lo.y..=hi.y).for_each(|y| near.set_run(lo.x, hi.x, y, z));
-                }
+        let (source, grid) = (Source::new(light)?, *soft.grid());
+        let (occupied, values) = (BitMatrix::new(grid.dims()), Bricks::new(grid.dims()));
+        let mut volume = Self { grid, source, rays, occupied, values };
+        volume.update(soft);
+        Ok(volume)
+    }
+
+    /// Brings the volume up to date with a grid, as of its last [`SoftGrid::rebuild`]. Walks again only in those bricks of 8x8x8 cells
+    /// near which cells changed, or whose rays to the light may cross a brick that changed. Returns the number of these bricks.
+    /// The result is that of a new volume, to the bit. A grid with other cells starts it anew.
+    ///
+    /// Costs the cells of these bricks times the rays, and a comparison of each brick near a surface with each one that changed. With the
+    /// feature `rayon`, several threads share the bricks.
+    ///
+    /// ```
+    /// use casca::soft::{Layer, SoftGrid, VisibilityVolume};
+    /// use casca::{GridSpec, Light, Sphere};
+    /// use glam::{IVec3, UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut soft = SoftGrid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
+    /// soft.insert(Sphere::new(Vec3::new(32.0, 32.0, 8.0), 4.0), Layer::Fixed)?;
+    /// let cloud = soft.insert(Sphere::new(Vec3::new(32.0, 32.0, 40.0), 6.0), Layer::Moving)?;
+    /// soft.rebuild();
+    /// let mut sun = VisibilityVolume::new(&soft, &Light::Directional(Vec3::NEG_Z), 1)?;
+    /// assert_eq!(sun.get(IVec3::new(32, 32, 12)), Some(0.0));
+    /// soft.update(cloud, Sphere::new(Vec3::new(8.0, 8.0, 40.0), 6.0))?;
+    /// soft.rebuild();
+    /// sun.update(&soft);
+    /// assert_eq!(sun.get(IVec3::new(32, 32, 12)), Some(1.0));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn update(&mut self, soft: &SoftGrid) -> usize {
+        let now = soft.pyramid().any_bits(0);
+        if self.grid != *soft.grid() {
+            self.grid = *soft.grid();
+            (self.occupied, self.values) = (BitMatrix::new(self.grid.dims()), Bricks::new(self.grid.dims()));
+        }
+        let changed: Vec<IVec3> = {
+            let new = now.masks().filter(|(brick, mask)| self.occupied.brick(*brick) != *mask);
+            let gone = self.occupied.masks().filter(|(brick, _)| *now.brick(*brick) == NONE);
+            new.chain(gone).map(|(brick, _)| brick).collect()
+        };
+        if changed.is_empty() {
+            return 0;
+        }
+        let near_changed = self.around_bricks(changed.iter().copied());
+        let near = self.around_bricks(now.masks().chain(self.occupied.masks()).map(|(brick, _)| brick));
+        let blocks = self.changed_blocks(&changed, now);
+        let crosses = |brick: IVec3| blocks.iter().any(|block| self.may_cross(brick, block));
+        let stale: Vec<IVec3> = near.iter().filter(|&b| near_changed.get(b) || crosses(b)).collect();
+        let made = for_each(&stale, |brick| self.walks(soft, brick));
+        for (&brick, values) in stale.iter().zip(made) {
+            match values {
+                Some(_) => self.values.get_mut(brick).0 = values,
+                None => self.values.release(brick),
             }
         }
-        let far = (grid.max() - grid.min()).length();
+        self.occupied = now.clone();
+        stale.len()
+    }
+
+    /// Some bricks and those beside them, as a matrix with a bit for each brick.
+    fn around_bricks(&self, bricks: impl Iterator<Item = IVec3>) -> BitMatrix {
+        let dims = (self.grid.dims() + (BRICK - 1)) >> 3i32;
+        let mut near = BitMatrix::new(dims);
+        for b in bricks {
+            let (lo, hi) = ((b - 1).max(IVec3::ZERO), (b + 1).min(dims - 1));
+            for z in lo.z..=hi.z {
+                (lo.y..=hi.y).for_each(|y| near.set_run(lo.x, hi.x, y, z));
+            }
+        }
+        near
+    }
+
+    /// The blocks, in cells, inside which walks may go another way than before. A walk crosses an empty page in one step: where a page
+    /// became empty or is so no longer, walks may be rounded to other cells anywhere in it.
+    fn changed_blocks(&self, changed: &[IVec3], now: &BitMatrix) -> Vec<(DVec3, DVec3)> {
+        let block = |brick: &IVec3| {
+            let page = brick.div_euclid(IVec3::splat(PAGE));
+            let turned = self.occupied.pages().page_is_empty(page) != now.pages().page_is_empty(page);
+            let (low, size) = if turned { (page * PAGE, PAGE) } else { (*brick, 1) };
+            let min = (low * BRICK).as_dvec3();
+            (min - STRAY, min + f64::from(size * BRICK) + STRAY)
+        };
+        let mut blocks: Vec<_> = changed.iter().map(block).collect();
+        blocks.dedup();
+        blocks
+    }
+
+    /// Whether a ray from a point of a brick to the light may cross a block. The rays at a share of their way fill a box, whose sides
+    /// move evenly with that share: the shares at which it meets the block are an interval on each axis.
+    fn may_cross(&self, brick: IVec3, (min, max): &(DVec3, DVec3)) -> bool {
+        let lo = (brick * BRICK).as_dvec3();
+        let hi = lo + f64::from(BRICK);
+        let to = |from: DVec3| match self.source {
+            Source::At { place, .. } => (place - self.grid.min()) / self.grid.cell_size(),
+            Source::Along(direction) => from - direction * (self.far() / self.grid.cell_size()),
+        };
+        let ((lo_to, hi_to), mut first, mut last) = ((to(lo), to(hi)), 0.0f64, 1.0f64);
+        // Where from + (to - from) s is at most `most`.
+        let mut keep = |from: f64, to: f64, most: f64| {
+            let (way, room) = (to - from, most - from);
+            match way {
+                w if w > 0.0 => last = last.min(room / way),
+                w if w < 0.0 => first = first.max(room / way),
+                _ if room < 0.0 => last = -1.0,
+                _ => {}
+            }
+        };
+        for axis in 0..3 {
+            keep(lo[axis], lo_to[axis], max[axis]);
+            keep(-hi[axis], -hi_to[axis], -min[axis]);
+        }
+        first <= last
+    }
+
+    /// The length of the rays to a light without place.
+    fn far(&self) -> f64 {
+        (self.grid.max() - self.grid.min()).length()
+    }
+
+    /// The values of a brick; `None` if no surface is near it.
+    fn walks(&self, soft: &SoftGrid, brick: IVec3) -> Option<Box<[u8; 512]>> {
+        let known = near_surfaces(soft.pyramid().any_bits(0), brick);
+        if known == NONE {
+            return None;
+        }
         // A lamp may be in a cell that its own shade touches.
-        let until = match source {
-            Source::At { place, .. } => Some(CellBox { lo: grid.cell_of(place), hi: grid.cell_of(place) }),
+        let until = match self.source {
+            Source::At { place, .. } => {
+                let cell = self.grid.cell_of(place);
+                Some(CellBox { lo: cell, hi: cell })
+            }
             Source::Along(_) => None,
         };
-        let mut values: Bricks<Values> = Bricks::new(grid.dims());
-        for (brick, mask) in near.masks() {
-            let held = values.get_mut(brick).0.get_or_insert_with(|| Box::new([UNKNOWN; 512]));
-            for c in cells_of(brick, mask) {
-                let open = (0..rays).filter(|&k| {
-                    let from = grid.cell_bounds(c).0 + place_in_cell(k) * grid.cell_size();
-                    source.seen_from(from, far).is_some_and(|to| {
-                        soft.walk(&Segment { from, to, skips_first: true, until }).is_none()
-                    })
-                });
-                held[place(c)] = (open.count() as f64 / f64::from(rays) * FULL).round() as u8;
-            }
+        let (far, mut values) = (self.far(), Box::new([UNKNOWN; 512]));
+        for c in cells_of(brick, &known) {
+            let open = (0..self.rays).filter(|&k| {
+                let from = self.grid.cell_bounds(c).0 + place_in_cell(k) * self.grid.cell_size();
+                self.source
+                    .seen_from(from, far)
+                    .is_some_and(|to| soft.walk(&Segment { from, to, skips_first: true, until }).is_none())
+            });
+            values[place(c)] = (open.count() as f64 / f64::from(self.rays) * FULL).round() as u8;
         }
-        Ok(Self { grid, values })
+        Some(values)
     }
 
     /// The share of the light that reaches a cell, 0 to 1; `None` far from surfaces and outside the grid.
@@ -147,7 +271,7 @@ impl VisibilityVolume {
     /// Bytes on the heap.
     pub fn memory_bytes(&self) -> usize {
         let held = self.values.iter().filter(|(_, values)| values.0.is_some()).count();
-        self.values.bytes() + held * size_of::<[u8; 512]>()
+        self.occupied.bytes() + self.values.bytes() + held * size_of::<[u8; 512]>()
     }
 }
 
@@ -155,6 +279,34 @@ impl std::fmt::Debug for VisibilityVolume {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "VisibilityVolume({} bytes)", self.memory_bytes())
     }
+}
+
+/// The cells of a brick that are occupied or next to an occupied one.
+fn near_surfaces(occupied: &BitMatrix, brick: IVec3) -> Mask {
+    let dims = occupied.dims();
+    let (lo, hi) = (brick * BRICK, (brick * BRICK + (BRICK - 1)).min(dims - 1));
+    let bricks = CellBox { lo: (brick - 1).max(IVec3::ZERO), hi: (brick + 1).min((dims - 1) >> 3i32) };
+    let mut near = NONE;
+    for b in bricks.cells() {
+        let beside = both(occupied.brick(b), &block_mask(b, lo - 1, hi + 1));
+        for c in cells_of(b, &beside) {
+            near = either(&near, &block_mask(brick, (c - 1).max(lo), (c + 1).min(hi)));
+        }
+    }
+    near
+}
+
+/// What a function says of each brick, in their order.
+#[cfg(feature = "rayon")]
+fn for_each<T: Send>(bricks: &[IVec3], of: impl Fn(IVec3) -> T + Sync) -> Vec<T> {
+    use rayon::prelude::*;
+    bricks.par_iter().map(|&brick| of(brick)).collect()
+}
+
+/// What a function says of each brick, in their order.
+#[cfg(not(feature = "rayon"))]
+fn for_each<T>(bricks: &[IVec3], of: impl Fn(IVec3) -> T) -> Vec<T> {
+    bricks.iter().map(|&brick| of(brick)).collect()
 }
 
 fn place(cell: IVec3) -> usize {

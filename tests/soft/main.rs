@@ -7,6 +7,7 @@ mod estimates;
 mod leak;
 mod misuse;
 mod pyramid;
+mod volumes;
 
 use casca::GridSpec;
 use casca::soft::SoftGrid;

@@ -64,8 +64,12 @@ impl Mesh {
     }
 
     /// Whether it bounds solids and its triangles face outwards: vertices of equal positions taken as one, each edge
-    /// is run along as often in one direction as in the other, and the volume inside is positive.
+    /// is run along as often in one direction as in the other, and the volume inside is positive. A mesh whose triangles name vertices
+    /// that it lacks does not.
     pub fn is_closed(&self) -> bool {
+        if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
+            return false;
+        }
         let bits = |v: u32| self.positions[v as usize].to_array().map(|c| (c + 0.0).to_bits());
         let mut balance: HashMap<_, i32> = HashMap::new();
         let mut volume = 0.0;

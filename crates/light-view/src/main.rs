@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p casca-light-view -- FILE.glb` opens a window; `-- --help` lists the options.
 
+mod controls;
 mod headless;
 mod options;
 mod scene;
@@ -11,23 +12,26 @@ mod window;
 use std::error::Error;
 use std::process::ExitCode;
 
-use casca_lab::command_line::{Outcome, finish, make_folder, say};
+use casca_lab::command_line::{Outcome, finish, say};
 use casca_stage::gpu::Gpu;
 use clap::Parser;
 
 use crate::options::Options;
+use crate::scene::Start;
 
 fn run(options: &Options) -> Result<Outcome, Box<dyn Error>> {
-    let layers = options.layers()?;
-    let start = options.start()?;
+    let layers = options.check()?;
+    let mut start = Start::open(&options.scene, options.balls)?;
+    start.change(options.sun, options.from.zip(options.to));
     if !(options.headless || options.time) {
         window::open(start, options)?;
         return Ok(Outcome::Well);
     }
-    if options.headless {
-        make_folder(&options.out)?;
-    }
     let gpu = Gpu::headless(options.software)?;
+    if gpu.clamp(options.size) != options.size {
+        let ((w, h), (width, height)) = (gpu.clamp(options.size), options.size);
+        return Err(format!("--size {width}x{height}: {} draws pictures up to {w}x{h}", gpu.name).into());
+    }
     say(format_args!("drawing on {}", gpu.name));
     if options.headless {
         headless::pictures(&gpu, &start, options, &layers)?;
@@ -45,50 +49,60 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use casca_lab::lit::Kind;
+    use casca_light::renderer::{Renderer, Settings};
 
     fn said(words: &[&str]) -> String {
-        let options = Options::try_parse_from(std::iter::once(&"light").chain(words));
-        let failed = |e: Box<dyn Error>| e.to_string();
-        options.map_err(|e| e.to_string()).and_then(|o| run(&o).map_err(failed)).expect_err(words[0])
+        let options = Options::parse_from(std::iter::once(&"casca-light").chain(words));
+        run(&options).expect_err(words[1]).to_string()
     }
 
     #[test]
-    fn what_is_wrong_is_named_before_anything_is_drawn() {
-        let broken = std::env::temp_dir().join(format!("casca-light-{}.glb", std::process::id()));
-        std::fs::write(&broken, "glTF, but no more").unwrap();
-        let broken_name = broken.to_str().unwrap();
-        for (words, word) in [
-            (vec!["--headless", "no/such.glb"], "no/such.glb"),
-            (vec!["--headless", broken_name], broken_name),
-            (vec!["--headless", "house"], "cornell-point"),
-            (vec!["--headless", "--layers", "colour"], "occlusion"),
-            (vec!["--size", "0x720"], "from 1 to 8192"),
-            (vec!["--size", "NaNx1"], "from 1 to 8192"),
-            (vec!["--balls", "70000"], "--balls"),
-            (vec!["--sun", "1,2"], "three numbers"),
-            (vec!["--from", "1,2,3"], "--to"),
+    fn scenes_that_cannot_be_had_are_named_before_anything_is_drawn() {
+        let folder = std::env::temp_dir().join(format!("casca-light-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        let empty = br#"{"asset": {"version": "2.0"}}"#;
+        for (scene, word) in [
+            ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
+            (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),
+            (file("empty.gltf", empty), "empty.gltf: holds no triangles"),
+            (file("house.obj", b"v 0 0 0"), "neither a .glb or .gltf file nor"),
+            (folder.to_str().unwrap().to_owned(), "neither a .glb or .gltf file nor"),
+            ("house".to_owned(), "cornell-point"),
+            (String::new(), "cornell-point"),
         ] {
-            let said = said(&words);
-            assert!(said.contains(word), "{words:?}: {said}");
+            let said = said(&["--headless", &scene]);
+            assert!(said.contains(word), "{scene}: {said}");
         }
-        std::fs::remove_file(&broken).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]
-    fn absurd_settings_are_refused_with_what_is_possible() {
-        if Gpu::headless(false).is_err() {
-            return println!("skipped: no adapter");
-        }
-        let out = std::env::temp_dir();
-        for (option, value, word) in [
-            ("--resolution", "0", "from 16 to 512"),
-            ("--resolution", "4294967295", "from 16 to 512"),
-            ("--step", "NaN", "from 0.1 to 5"),
-            ("--reach", "inf", "from 0.01 to 2"),
-            ("--aperture", "90", "from 0.001 to 1"),
+    fn the_ranges_of_the_command_line_are_those_of_the_library() {
+        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let scene = Kind::Furnace.build();
+        let taken = |settings| Renderer::new(&gpu, &scene, settings).is_ok();
+        let middle = Settings { resolution: 16, ..Settings::default() };
+        for (name, (low, high)) in [
+            ("step", (*options::STEPS.start(), *options::STEPS.end())),
+            ("reach", (*options::REACHES.start(), *options::REACHES.end())),
+            (
+                "aperture",
+                (options::slope(*options::APERTURES.start()), options::slope(*options::APERTURES.end())),
+            ),
         ] {
-            let said = said(&["--headless", "--out", out.to_str().unwrap(), option, value]);
-            assert!(said.contains(word), "{option} {value}: {said}");
+            let with = |value| match name {
+                "step" => Settings { step: value, ..middle },
+                "reach" => Settings { reach: value, ..middle },
+                _ => Settings { aperture: value, ..middle },
+            };
+            assert!(taken(with(low)) && taken(with(high)), "{name}");
+            assert!(!taken(with(0.5 * low)) && !taken(with(1.01 * high)), "{name}");
         }
     }
 }

@@ -33,7 +33,16 @@ impl Start {
     pub fn open(name: &str, balls: u16) -> Result<Self, Box<dyn Error>> {
         let ending = Path::new(name).extension().unwrap_or_default();
         let is_file = ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf");
-        let scene = if is_file { load_lit(Path::new(name))? } else { name.parse::<Kind>()?.build() };
+        let scene = if is_file {
+            load_lit(Path::new(name))?
+        } else {
+            let kind = name.parse::<Kind>();
+            let names = Kind::ALL.map(Kind::name).join(", ");
+            kind.map_err(|_| {
+                format!("{name:?} is neither a .glb or .gltf file nor a generated scene: {names}")
+            })?
+            .build()
+        };
         let (bounds, balls) = (scene.bounds(), usize::from(balls));
         let mut start = Self { scene, balls, bounds };
         let mesh = Arc::new(Mesh::ball(2));

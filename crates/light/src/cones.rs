@@ -1,4 +1,4 @@
-//! The cones that cover a hemisphere, in rings around the normal.
+//! How light is gathered: the cones for a hemisphere, in rings around the normal, and how they march.
 //!
 //! The hemisphere is cut into sectors without gaps or overlaps (the thesis' six cones cover 59 % of it). A cone goes to
 //! the middle of a sector, with the same solid angle; its weight is the integral of the cosine over the sector, divided by π. The
@@ -6,8 +6,10 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// Cones at most.
-pub const MOST_CONES: usize = 16;
+use crate::error::LightError;
+pub use crate::numeric::MOST_CONES;
+use crate::numeric::{LEAST_STEP, NARROWEST};
+use crate::volume::Volume;
 
 /// How many cones gather diffuse light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -56,6 +58,58 @@ impl ConeCount {
             inner = outer;
         }
         cones
+    }
+}
+
+/// How light is gathered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Cells along the longest axis: 16 to 512.
+    pub resolution: u32,
+    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis' step factor, in diameters, is half
+    /// of it. Light leaks through thin walls above 1.
+    pub step: f32,
+    /// How far cones gather, as a share of the grid's longest edge: 0.01 to 2.
+    pub reach: f32,
+    /// Cones of diffuse light.
+    pub cones: ConeCount,
+    /// Tangent of half the angle of the narrowest reflection: 0.001 to 1.
+    pub aperture: f32,
+    /// Whether voxels get light from other voxels: the second bounce.
+    pub bounce: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            resolution: 128,
+            step: 1.0,
+            reach: 1.0,
+            cones: ConeCount::Six,
+            aperture: NARROWEST,
+            bounce: true,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses what is out of its range.
+    pub(crate) fn check(&self) -> Result<(), LightError> {
+        for (name, value, low, high) in [
+            ("the step", self.step, LEAST_STEP, 5.0),
+            ("the reach", self.reach, 0.01, 2.0),
+            ("the aperture", self.aperture, 0.001, 1.0),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(LightError::Setting { name, value, low, high });
+            }
+        }
+        Ok(())
+    }
+
+    /// How far cones gather, in cells.
+    pub(crate) fn reach_cells(&self, volume: &Volume) -> f32 {
+        self.reach * volume.dims.max_element() as f32
     }
 }
 

@@ -1,11 +1,14 @@
 //! Triangles, materials and lights as the shaders take them: lengths in cells from the corner of the grid.
 
+use std::collections::BTreeMap;
+use std::f32::consts::PI;
+
 use bytemuck::{Pod, Zeroable};
 use casca_lab::lit::{self, LightKind, LitObject, LitScene};
 use glam::{Affine3A, Vec3};
 
 use crate::error::LightError;
-use crate::numeric::{FARTHEST, MOST_TRIANGLES};
+use crate::numeric::{FARTHEST, GROWTH, MOST_TRIANGLES};
 use crate::volume::Volume;
 
 /// A triangle in cells.
@@ -15,7 +18,8 @@ pub struct Triangle {
     a: [f32; 3],
     material: u32,
     b: [f32; 3],
-    pad_b: u32,
+    /// Voxels emit this share of what the material does: see [`emission_share`].
+    share: f32,
     c: [f32; 3],
     pad_c: u32,
 }
@@ -119,6 +123,16 @@ impl Light {
     }
 }
 
+impl Light {
+    /// Where its light comes from, as seen from a point, in cells; `None` if it is black.
+    pub fn place(&self, from: Vec3) -> Option<Vec3> {
+        let at = Vec3::from_array(self.position);
+        let is_far = self.kind == LightKindNumber::Directional as u32;
+        let is_black = self.color.iter().all(|c| *c <= 0.0);
+        (!is_black).then_some(if is_far { from + at * FARTHEST } else { at })
+    }
+}
+
 /// Lights in the units of a grid. There is at least one, so that there is something to bind: it may be black.
 pub fn lights_of(lights: &[lit::Light], volume: &Volume) -> Vec<Light> {
     let black = lit::Light::point(Vec3::ZERO, Vec3::ZERO);
@@ -136,7 +150,8 @@ pub struct Geometry {
     /// The objects that may move: their number in the scene, and the first of their triangles.
     moving: Vec<(usize, usize)>,
     objects: Vec<LitObject>,
-    materials: u32,
+    /// By material, whether it emits.
+    emits: Vec<bool>,
 }
 
 impl Geometry {
@@ -154,11 +169,11 @@ impl Geometry {
             fixed: 0,
             moving: Vec::new(),
             objects: scene.objects.clone(),
-            materials: scene.materials.len() as u32,
+            emits: scene.materials.iter().map(|m| m.emission.max_element() > 0.0).collect(),
         };
         let put = |new: &mut Self, i: usize| {
             let object = &scene.objects[i];
-            new.triangles.extend(triangles_of(object, volume, new.materials));
+            new.triangles.extend(triangles_of(object, volume, &new.emits));
         };
         (0..scene.objects.len()).filter(|&i| !scene.objects[i].moves).for_each(|i| put(&mut new, i));
         new.fixed = new.triangles.len();
@@ -166,7 +181,35 @@ impl Geometry {
             new.moving.push((i, new.triangles.len()));
             put(&mut new, i);
         }
-        if new.triangles.is_empty() { Err(LightError::NoTriangles) } else { Ok(new) }
+        new.check(scene)?;
+        Ok(new)
+    }
+
+    /// Refuses scenes of which nothing is sound.
+    fn check(&self, scene: &LitScene) -> Result<(), LightError> {
+        if self.triangles.iter().any(|t| *t != NOWHERE) {
+            return Ok(());
+        }
+        let triangles = self.triangles.len();
+        if triangles == 0 {
+            return Err(LightError::NoTriangles);
+        }
+        let (mut corners, mut materials) = (0, 0);
+        for o in &scene.objects {
+            for (i, t) in o.mesh.triangles.iter().enumerate() {
+                let is_finite = |v: &u32| {
+                    let at = o.mesh.positions.get(*v as usize);
+                    at.is_some_and(|p| o.transform.transform_point3(*p).is_finite())
+                };
+                if !t.iter().all(is_finite) {
+                    corners += 1;
+                } else if o.materials.get(i).is_none_or(|m| *m as usize >= self.emits.len()) {
+                    materials += 1;
+                }
+            }
+        }
+        let far = triangles - corners - materials;
+        Err(LightError::NoSoundTriangles { triangles, corners, far, materials })
     }
 
     /// Moves an object; returns the numbers of its triangles. Those that have corners that are not finite become empty.
@@ -183,15 +226,21 @@ impl Geometry {
             self.moving.binary_search_by_key(&object, |m| m.0).map_err(|_| LightError::Object(object))?;
         let start = self.moving[at].1;
         self.objects[object].transform = transform;
-        let new = triangles_of(&self.objects[object], volume, self.materials);
+        let new = triangles_of(&self.objects[object], volume, &self.emits);
         let end = start + new.len();
         self.triangles[start..end].copy_from_slice(&new);
         Ok(start..end)
     }
 }
 
+/// A point outside of the grid.
+const NOWHERE: Triangle = {
+    let at = [-FARTHEST; 3];
+    Triangle { a: at, material: 0, b: at, share: 0.0, c: at, pad_c: 0 }
+};
+
 /// The triangles of an object in cells. Those that are not sound are a point outside of the grid, so that the others keep their numbers.
-fn triangles_of(object: &LitObject, volume: &Volume, materials: u32) -> Vec<Triangle> {
+fn triangles_of(object: &LitObject, volume: &Volume, emits: &[bool]) -> Vec<Triangle> {
     let mesh = &object.mesh;
     let corner = |v: u32| {
         let at = mesh.positions.get(v as usize).copied()?;
@@ -199,13 +248,47 @@ fn triangles_of(object: &LitObject, volume: &Volume, materials: u32) -> Vec<Tria
         (at.abs().max_element() < FARTHEST).then_some(at)
     };
     let triangle = |(i, t): (usize, &[u32; 3])| {
-        let material = object.materials.get(i).copied().filter(|&m| m < materials)?;
+        let material = object.materials.get(i).copied().filter(|&m| (m as usize) < emits.len())?;
         let [a, b, c] = [corner(t[0])?, corner(t[1])?, corner(t[2])?].map(|p| p.to_array());
-        Some(Triangle { a, material, b, pad_b: 0, c, pad_c: 0 })
+        Some(Triangle { a, material, b, share: 1.0, c, pad_c: 0 })
     };
-    let nowhere = [-FARTHEST; 3];
-    let empty = Triangle { a: nowhere, material: 0, b: nowhere, pad_b: 0, c: nowhere, pad_c: 0 };
-    mesh.triangles.iter().enumerate().map(|t| triangle(t).unwrap_or(empty)).collect()
+    let mut triangles: Vec<_> =
+        mesh.triangles.iter().enumerate().map(|t| triangle(t).unwrap_or(NOWHERE)).collect();
+    let share = emission_share(&triangles, emits);
+    triangles.iter_mut().filter(|t| **t != NOWHERE).for_each(|t| t.share = share);
+    triangles
+}
+
+/// The area of the triangles that emit, as a share of that of their voxels, which are larger: a body grows by [`GROWTH`] on all sides (Steiner's
+/// formula: by the bends of its edges), a sheet by half a cell along its rim. So the power of a small lamp does not depend on the
+/// cells. Rooms that are closed around the light do not grow inwards. O(n log n).
+fn emission_share(triangles: &[Triangle], emits: &[bool]) -> f32 {
+    let (mut area, mut edges) = (0.0, BTreeMap::<_, Vec<_>>::new());
+    for t in triangles.iter().filter(|t| **t != NOWHERE && emits[t.material as usize]) {
+        let c = t.corners();
+        let cross = (c[1] - c[0]).cross(c[2] - c[0]);
+        let Some(normal) = cross.try_normalize() else { continue };
+        area += 0.5 * cross.length();
+        for i in 0..3 {
+            let [p, q] = [c[i], c[(i + 1) % 3]].map(|p| p.to_array().map(f32::to_bits));
+            edges.entry([p.min(q), p.max(q)]).or_default().push((normal, c[(i + 2) % 3], p < q));
+        }
+    }
+    let (mut bends, mut rims) = (0.0, 0.0);
+    for (ends, sides) in &edges {
+        let [p, q] = ends.map(|p| Vec3::from_array(p.map(f32::from_bits)));
+        match sides[..] {
+            [_] => rims += p.distance(q),
+            // Convex if the second triangle lies behind the first; neighbours run along their edge in opposite ways.
+            [(n, _, forward), (m, third, other)] if forward != other => {
+                bends += p.distance(q) * n.dot(m).clamp(-1.0, 1.0).acos().copysign(n.dot(p - third));
+            }
+            _ => {}
+        }
+    }
+    let ends = if rims > 0.0 { 1.0 } else { 4.0 * PI * GROWTH * GROWTH };
+    let grown = area + GROWTH * bends + 0.5 * rims + ends;
+    if area < grown { area / grown } else { 1.0 }
 }
 
 /// Materials, and the greatest emission among them (at least a tiny number). There is at least one.
@@ -215,4 +298,45 @@ pub fn materials_of(scene: &LitScene) -> (Vec<Material>, f32) {
     let materials: Vec<Material> = materials.iter().map(Material::new).collect();
     let brightest = materials.iter().flat_map(|m| m.emission).fold(f32::MIN_POSITIVE, f32::max);
     (materials, brightest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use casca_lab::world::Mesh;
+    use std::sync::Arc;
+
+    #[test]
+    fn lamps_emit_less_by_as_much_as_their_voxels_are_larger() {
+        let volume = Volume { origin: Vec3::ZERO, cell: 1.0, dims: glam::UVec3::splat(64) };
+        let square = Mesh {
+            positions: [[0, 0], [1, 0], [1, 1], [0, 1]]
+                .map(|[x, z]| Vec3::new(x as f32, 0.0, z as f32))
+                .into(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        let cube = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
+        let mut room = cube.clone();
+        room.triangles.iter_mut().for_each(|t| t.reverse());
+        let share = |mesh: &Mesh, size: f32| {
+            let object = LitObject {
+                name: String::new(),
+                materials: vec![0; mesh.triangles.len()].into(),
+                mesh: Arc::new(mesh.clone()),
+                transform: Affine3A::from_scale(Vec3::splat(size)),
+                moves: false,
+            };
+            triangles_of(&object, &volume, &[true])[0].share
+        };
+        for size in [0.5_f32, 4.0, 30.0] {
+            // The cells that an axis-parallel square or cube of this size touches, on the mean over its places.
+            let grown = (size / (size + 1.0)).powi(2);
+            assert!((share(&square, size) - grown).abs() < 1e-4, "{size}: {}", share(&square, size));
+            assert!((share(&cube, size) - grown).abs() < 0.02, "{size}: {}", share(&cube, size));
+            let (ball, r) = (share(&Mesh::ball(3), size), size);
+            let grown = PI * r * r / (PI * r * r + 4.0 * r + 1.0);
+            assert!((ball - grown).abs() < 0.03, "{size}: {ball}, not {grown}");
+            assert!(size < 4.0 || share(&room, size) == 1.0);
+        }
+    }
 }

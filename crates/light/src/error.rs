@@ -2,8 +2,23 @@
 
 use casca_stage::gpu::GpuError;
 
-use crate::numeric::MOST_TRIANGLES;
-use crate::volume::RESOLUTIONS;
+use crate::numeric::{MOST_TRIANGLES, RESOLUTIONS};
+
+/// A buffer or texture, as errors name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// What it holds.
+    pub name: &'static str,
+    /// The things that it grows with, such as cells or pixels.
+    pub by: &'static str,
+}
+
+impl Part {
+    /// Something that grows with the cells of the grid.
+    pub const fn of_cells(name: &'static str) -> Self {
+        Self { name, by: "cells" }
+    }
+}
 
 /// Why a scene cannot be lit.
 #[derive(Debug, thiserror::Error)]
@@ -12,9 +27,23 @@ pub enum LightError {
     /// There is no device, or it is lost.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The scene has no triangle with finite corners and a material.
-    #[error("the scene has no triangles with finite corners and a material that exists")]
+    /// The scene has no triangles at all.
+    #[error("the scene has no triangles")]
     NoTriangles,
+    /// Each triangle of the scene has a flaw.
+    #[error(
+        "none of the scene's {triangles} triangles can be lit: {corners} have corners that do not exist or are not finite, {far} lie too far from the others, {materials} have no material"
+    )]
+    NoSoundTriangles {
+        /// Triangles in all.
+        triangles: usize,
+        /// Those with a corner that does not exist, or is not finite.
+        corners: usize,
+        /// Those that lie too far from the others for single precision.
+        far: usize,
+        /// Those whose material does not exist.
+        materials: usize,
+    },
     /// The scene has more triangles than sums of 32 bits can hold.
     #[error("the scene has {0} triangles; {MOST_TRIANGLES} can be added up")]
     TooManyTriangles(usize),
@@ -37,7 +66,7 @@ pub enum LightError {
     #[error("the grid: {0}")]
     Grid(#[from] casca::Error),
     /// The adapter holds no buffer or texture as large as needed.
-    #[error("{what} takes {needed} {unit}, but the adapter has {limit}; fewer cells take less")]
+    #[error("{what} takes {needed} {unit}, but the adapter has {limit}; fewer {by} take less")]
     TooLarge {
         /// The buffer or texture.
         what: &'static str,
@@ -47,7 +76,12 @@ pub enum LightError {
         limit: u64,
         /// Of which unit.
         unit: &'static str,
+        /// The things it grows with.
+        by: &'static str,
     },
+    /// The device has no memory left.
+    #[error("the device has no memory for {}; fewer {} take less", .0.name, .0.by)]
+    NoMemory(Part),
     /// An object that the scene does not have, or that does not move.
     #[error("object {0} does not exist or was not described as one that moves")]
     Object(usize),

@@ -1,17 +1,45 @@
 //! Compute passes and their bindings. A binding has the same number in all shaders.
 
 use bytemuck::Pod;
-use casca_stage::gpu::Gpu;
-use casca_stage::wgpu::util::DeviceExt;
+use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, BindingResource, BufferUsages};
 
-use crate::error::LightError;
-use crate::numeric::constants;
+use crate::data::LightKindNumber;
+use crate::error::{LightError, Part};
+use crate::numeric::{self as n, LEVELS, MOST_CONES, MOST_STEPS};
 
 /// Groups along x of a dispatch; others follow along y.
 const GROUPS: u32 = 32_768;
 /// The part that all shaders have in common.
 const COMMON: &str = include_str!("volume.wgsl");
+
+/// Constants that shaders begin with.
+fn constants() -> String {
+    let floats = [
+        ("TOUCH", n::TOUCH),
+        ("NORMAL_ROUNDING", n::NORMAL_ROUNDING),
+        ("PUSH_OFF", n::PUSH_OFF),
+        ("UNIT", n::UNIT),
+        ("UNIT_EMISSION", n::UNIT_EMISSION),
+        ("UNIT_NORMAL", n::UNIT_NORMAL),
+        ("CANCELLED", n::CANCELLED),
+        ("LARGEST_HALF", n::LARGEST_HALF),
+        ("FAR", n::FAR),
+        ("TINY", n::TINY),
+        ("NEAR_FADE", n::NEAR_FADE),
+        ("PI", std::f32::consts::PI),
+    ];
+    let numbers = [
+        ("MOST_STEPS", MOST_STEPS),
+        ("LEVELS", LEVELS),
+        ("MOST_CONES", MOST_CONES as u32),
+        ("DIRECTIONAL", LightKindNumber::Directional as u32),
+        ("SPOT", LightKindNumber::Spot as u32),
+    ];
+    let floats = floats.map(|(name, value)| format!("const {name}: f32 = {value:?};\n"));
+    let numbers = numbers.map(|(name, number)| format!("const {name}: u32 = {number}u;\n"));
+    floats.into_iter().chain(numbers).collect()
+}
 
 /// A shader, with the part that all have in common.
 pub fn shader(gpu: &Gpu, name: &str, text: &str) -> wgpu::ShaderModule {
@@ -90,40 +118,77 @@ impl Kernel {
 /// A buffer that holds `data`; one that is empty holds a zero, since none of size 0 can be bound.
 ///
 /// # Errors
-/// The adapter has none as large.
+/// The adapter has none as large, or no memory for it.
 pub fn filled<T: Pod>(
     gpu: &Gpu,
-    what: &'static str,
+    part: Part,
     data: &[T],
     usage: BufferUsages,
 ) -> Result<wgpu::Buffer, LightError> {
     let bytes: &[u8] = bytemuck::cast_slice(data);
-    fits(gpu, what, bytes.len() as u64)?;
-    let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
-    let usage = usage | BufferUsages::COPY_DST;
-    Ok(gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(what),
-        contents,
-        usage,
-    }))
+    let buffer = made(gpu, part, bytes.len() as u64, usage)?;
+    held(gpu, part, || gpu.queue.write_buffer(&buffer, 0, bytes))?;
+    Ok(buffer)
 }
 
 /// A storage buffer of zeros, to be copied from and to.
 ///
 /// # Errors
-/// The adapter has none as large.
-pub fn zeros(gpu: &Gpu, what: &'static str, size: u64) -> Result<wgpu::Buffer, LightError> {
-    fits(gpu, what, size)?;
-    Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(what),
-        size: size.max(16),
-        usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    }))
+/// The adapter has none as large, or no memory for it.
+pub fn zeros(gpu: &Gpu, part: Part, size: u64) -> Result<wgpu::Buffer, LightError> {
+    made(gpu, part, size, BufferUsages::STORAGE)
 }
 
-fn fits(gpu: &Gpu, what: &'static str, needed: u64) -> Result<(), LightError> {
-    let limits = gpu.device.limits();
-    let limit = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-    if needed > limit { Err(LightError::TooLarge { what, needed, limit, unit: "bytes" }) } else { Ok(()) }
+fn made(gpu: &Gpu, part: Part, needed: u64, usage: BufferUsages) -> Result<wgpu::Buffer, LightError> {
+    // Structures of shaders take at least 16 bytes.
+    gpu.buffer(needed.max(16), usage).map_err(|error| match error {
+        GpuError::NoRoom { most: limit, .. } if needed > limit => {
+            LightError::TooLarge { what: part.name, needed, limit, unit: "bytes", by: part.by }
+        }
+        GpuError::NoRoom { .. } => LightError::NoMemory(part),
+        other => other.into(),
+    })
+}
+
+/// Makes something on the device. Without an error scope, a device that is out of memory would end the program.
+///
+/// # Errors
+/// The device has no memory for it.
+pub fn held<T>(gpu: &Gpu, part: Part, make: impl FnOnce() -> T) -> Result<T, LightError> {
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let made = make();
+    match pollster::block_on(scope.pop()) {
+        Some(_) => Err(LightError::NoMemory(part)),
+        None => Ok(made),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_without_memory_is_an_error_by_name() {
+        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let most = gpu.device.limits().max_texture_dimension_3d;
+        let size = wgpu::Extent3d { width: most, height: most, depth_or_array_layers: most };
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        // Each takes most³ x 8 bytes: 64 GiB at 2048 texels.
+        let textures: Vec<_> = (0..64)
+            .map(|_| held(&gpu, Part::of_cells("voxels"), || gpu.device.create_texture(&descriptor)))
+            .take_while(|made| made.is_ok())
+            .collect();
+        assert!(textures.len() < 64, "the device has memory for everything");
+        let said = LightError::NoMemory(Part::of_cells("voxels")).to_string();
+        assert_eq!(said, "the device has no memory for voxels; fewer cells take less");
+    }
 }

@@ -9,12 +9,16 @@ use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
 use crate::data::Triangle;
-use crate::error::LightError;
+use crate::error::{LightError, Part};
 use crate::kernel::{Kernel, filled, shader, zeros};
 use crate::volume::{BRICK_CELLS, Volume};
 
 /// Bytes that the sums of a cell take: colours, normals with the count.
 const SUMS: [u64; 2] = [24, 16];
+/// As errors name it.
+const OCCUPANCY: Part = Part::of_cells("occupancy");
+const SURFACES: Part = Part::of_cells("surfaces");
+const PAIRS_LIST: Part = Part::of_cells("the list of triangles by brick");
 /// Pairs that a group of the shader takes.
 const PAIRS: usize = 8;
 
@@ -28,14 +32,14 @@ fn pairs_of(
     let mut pairs: Vec<[u32; 2]> = Vec::new();
     let mut places = vec![0_u32; volume.brick_count()];
     for i in range {
-        volume.bricks_of(&triangles[i], &mut |brick| {
+        volume.bricks_of(triangles[i].corners(), &mut |brick| {
             pairs.push([i as u32, brick]);
             places[brick as usize] = 1;
         });
         let needed = (pairs.len() * size_of::<[u32; 2]>()) as u64;
         if needed > most {
-            let what = "the list of triangles by brick";
-            return Err(LightError::TooLarge { what, needed, limit: most, unit: "bytes" });
+            let Part { name: what, by } = PAIRS_LIST;
+            return Err(LightError::TooLarge { what, needed, limit: most, unit: "bytes", by });
         }
     }
     let bricks: Vec<u32> = (0..places.len() as u32).filter(|&b| places[b as usize] != 0).collect();
@@ -64,12 +68,12 @@ impl Layer {
             pairs_of(volume, triangles, range, gpu.device.limits().max_storage_buffer_binding_size)?;
         let cells = bricks.len() as u64 * u64::from(BRICK_CELLS);
         Ok(Self {
-            list: filled(gpu, "the list of bricks", &bricks, BufferUsages::STORAGE)?,
-            pairs: filled(gpu, "the list of triangles by brick", &pairs, BufferUsages::STORAGE)?,
+            list: filled(gpu, Part::of_cells("the list of bricks"), &bricks, BufferUsages::STORAGE)?,
+            pairs: filled(gpu, PAIRS_LIST, &pairs, BufferUsages::STORAGE)?,
             count: pairs.len(),
             sums: [
-                zeros(gpu, "the sums of colours", cells * SUMS[0])?,
-                zeros(gpu, "the sums of normals", cells * SUMS[1])?,
+                zeros(gpu, Part::of_cells("the sums of colours"), cells * SUMS[0])?,
+                zeros(gpu, Part::of_cells("the sums of normals"), cells * SUMS[1])?,
             ],
             bricks,
         })
@@ -108,8 +112,8 @@ impl Layers {
     pub fn new(gpu: &Gpu, volume: Volume, triangles: &[Triangle], fixed: usize) -> Result<Self, LightError> {
         let module = shader(gpu, "voxelize", include_str!("voxelize.wgsl"));
         let tables = [
-            zeros(gpu, "the table of bricks", 4 * volume.brick_count() as u64)?,
-            zeros(gpu, "the table of moving bricks", 4 * volume.brick_count() as u64)?,
+            zeros(gpu, Part::of_cells("the table of bricks"), 4 * volume.brick_count() as u64)?,
+            zeros(gpu, Part::of_cells("the table of moving bricks"), 4 * volume.brick_count() as u64)?,
         ];
         let mut new = Self {
             volume,
@@ -119,8 +123,8 @@ impl Layers {
             slots: Vec::new(),
             capacity: 0,
             tables,
-            occupancy: zeros(gpu, "occupancy", 0)?,
-            surfaces: zeros(gpu, "surfaces", 0)?,
+            occupancy: zeros(gpu, OCCUPANCY, 0)?,
+            surfaces: zeros(gpu, SURFACES, 0)?,
             voxelize: Kernel::new(gpu, &module, "voxelize", &[0, 6, 20, 21, 22, 23, 24]),
             merge: Kernel::new(gpu, &module, "merge", &[0, 1, 6, 25, 26, 27, 28, 29, 30, 31]),
         };
@@ -157,7 +161,11 @@ impl Layers {
         let old = std::mem::replace(&mut self.moving, new);
         let before = self.capacity;
         self.assign_slots(gpu)?;
-        let mut changed = if self.capacity == before { old.bricks } else { self.slots.clone() };
+        // Bricks that lose their slot count, too, or their opacity would stay.
+        let mut changed = old.bricks;
+        if self.capacity != before {
+            changed.extend(&self.slots);
+        }
         changed.extend(&self.moving.bricks);
         changed.sort_unstable();
         changed.dedup();
@@ -176,8 +184,8 @@ impl Layers {
         if self.slots.len() > self.capacity {
             // Some room for objects that move on.
             let capacity = self.slots.len() + self.moving.bricks.len() / 2;
-            self.occupancy = zeros(gpu, "occupancy", capacity as u64 * u64::from(BRICK_CELLS) / 8)?;
-            self.surfaces = zeros(gpu, "surfaces", capacity as u64 * u64::from(BRICK_CELLS) * 16)?;
+            self.occupancy = zeros(gpu, OCCUPANCY, capacity as u64 * u64::from(BRICK_CELLS) / 8)?;
+            self.surfaces = zeros(gpu, SURFACES, capacity as u64 * u64::from(BRICK_CELLS) * 16)?;
             self.capacity = capacity;
         }
         Ok(())

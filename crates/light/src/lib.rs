@@ -10,14 +10,16 @@
 //! - [`volume`]: the grid of voxels and its bricks.
 //! - [`data`]: triangles, materials and lights as the shaders take them.
 //! - [`kernel`]: compute passes and their bindings.
-//! - [`cones`]: the cones that cover a hemisphere.
+//! - [`cones`]: the cones for a hemisphere, and how they march.
 //! - [`layers`]: triangles into voxels, in a fixed and a moving layer.
 //! - [`reach`]: which bricks a picture can read: the culler's part.
 //! - [`shading`]: light in voxels, and the directional mips.
 //! - [`picture`]: the light of each pixel.
 //! - [`renderer`]: all passes, and which of them run again after a change.
-//! - [`timing`]: the time of each stage.
+//! - `timing`: the time of each stage, from `casca-stage`.
 //! - [`culling`]: a scene of the library for a lit scene.
+//!
+//! Voxels and pictures are tested in `crates/light-view/tests`.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -32,5 +34,6 @@ pub mod picture;
 pub mod reach;
 pub mod renderer;
 pub mod shading;
-pub mod timing;
 pub mod volume;
+
+pub use casca_stage::timing;

@@ -9,8 +9,8 @@ use casca_stage::wgpu::{
 };
 use glam::{Mat4, Vec3};
 
-use crate::error::LightError;
-use crate::kernel::{Kernel, bind, filled, shader, zeros};
+use crate::error::{LightError, Part};
+use crate::kernel::{Kernel, bind, filled, held, shader, zeros};
 use crate::layers::Others;
 use crate::volume::Volume;
 
@@ -57,11 +57,6 @@ impl Layer {
             Self::Occlusion => "occlusion",
             Self::Voxels => "voxels",
         }
-    }
-
-    /// Its name in shaders.
-    pub(crate) fn constant(self) -> String {
-        self.name().to_uppercase()
     }
 }
 
@@ -121,7 +116,8 @@ struct Frame {
 impl Frame {
     fn new(gpu: &Gpu, size: (u32, u32)) -> Result<Self, LightError> {
         let size = gpu.clamp(size);
-        let items = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        let part = Part { name: "the picture", by: "pixels" };
+        let items = wgpu::TextureDescriptor {
             label: Some("items"),
             size: wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -130,12 +126,18 @@ impl Frame {
             format: ITEMS,
             usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
-        });
+        };
+        let items = held(gpu, part, || gpu.device.create_texture(&items))?;
+        let depth = held(gpu, part, || gpu.texture(size, DEPTH))?;
         Ok(Self {
             size,
             items: items.create_view(&Default::default()),
-            depth: gpu.texture(size, DEPTH).create_view(&Default::default()),
-            light: zeros(gpu, "the light of pixels", u64::from(size.0) * u64::from(size.1) * 16)?,
+            depth: depth.create_view(&Default::default()),
+            light: zeros(
+                gpu,
+                Part { name: "the light of pixels", ..part },
+                u64::from(size.0) * u64::from(size.1) * 16,
+            )?,
         })
     }
 }
@@ -157,7 +159,9 @@ impl Picture {
     /// # Errors
     /// The adapter has no buffer as large.
     pub fn new(gpu: &Gpu) -> Result<Self, LightError> {
-        let shader = shader(gpu, "picture", include_str!("picture.wgsl"));
+        let layers =
+            Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
+        let shader = shader(gpu, "picture", &[&layers.concat(), include_str!("picture.wgsl")].concat());
         let depth = wgpu::DepthStencilState {
             format: DEPTH,
             depth_write_enabled: Some(true),
@@ -171,7 +175,12 @@ impl Picture {
             gather: Kernel::new(gpu, &shader, "gather", &bindings),
             shader,
             screen: None,
-            eye: filled(gpu, "eye", &[Eye::zeroed()], BufferUsages::UNIFORM)?,
+            eye: filled(
+                gpu,
+                Part { name: "the camera", by: "pixels" },
+                &[Eye::zeroed()],
+                BufferUsages::UNIFORM,
+            )?,
             frame: Frame::new(gpu, (1, 1))?,
         })
     }

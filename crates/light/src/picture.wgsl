@@ -57,10 +57,13 @@ fn highlight(to_light: vec3f, normal: vec3f, view: vec3f, material: Material) ->
 
 fn voxel_at(ray: vec3f) -> vec4f {
   // From outside the grid the walk starts where the ray enters it.
-  let low = -eye.position / ray;
-  let high = (vec3f(volume.dims) - eye.position) / ray;
+  let along = select(ray, vec3f(TINY * TINY), abs(ray) < vec3f(TINY * TINY));
+  let low = -eye.position / along;
+  let high = (vec3f(volume.dims) - eye.position) / along;
   let enters = min(low, high);
+  let leaves = max(low, high);
   let way = max(max(enters.x, max(enters.y, enters.z)), 0.0);
+  if (way >= min(leaves.x, min(leaves.y, leaves.z))) { return vec4f(volume.sky, 0.0); }
   let start = clamp(eye.position + ray * way, vec3f(TOUCH), vec3f(volume.dims) - TOUCH);
   let hit = walk(start, ray, FAR);
   if (hit.w == 0) { return vec4f(volume.sky, 0.0); }

@@ -11,9 +11,10 @@
 //! the same, bit by bit, as with all bricks up to date. Opacity is always up to date everywhere: shadows come from
 //! anywhere.
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
-use crate::numeric::PUSH_OFF;
+use crate::data::Light;
+use crate::numeric::{PUSH_OFF, TINY};
 use crate::volume::{BRICK, LEVELS, Volume};
 
 /// A mask of bricks by number.
@@ -53,8 +54,41 @@ impl Reach {
     }
 }
 
+/// Whether a shadow ray from a voxel of a brick to a light may pass one of the bricks `changed`: else the direct light in the brick stays
+/// as it is. The rays fill a body that narrows from the brick to the light; it is tested axis by axis, so that the answer is never no
+/// in doubt. O(lights x changed).
+pub fn shadows_change(volume: &Volume, lights: &[Light], changed: &[u32], brick: u32) -> bool {
+    let centre = |number| (volume.brick(number).as_vec3() + 0.5) * BRICK as f32;
+    let from: Vec3 = centre(brick);
+    // How far rays start from the centre of their brick, along an axis.
+    let start = 0.5 * BRICK as f32 + PUSH_OFF * 3.0_f32.sqrt();
+    // Half a brick, and a cell for all rounding.
+    let half = 0.5 * BRICK as f32 + 1.0;
+    lights.iter().filter_map(|light| light.place(from)).any(|light| {
+        let way = light - from;
+        changed.iter().any(|&other| {
+            let off = from - centre(other);
+            // The shares of the way at which all axes overlap: |off + share way| <= half + (1 - share) start.
+            let (mut low, mut high) = (0.0_f32, 1.0_f32);
+            for axis in 0..3 {
+                for sign in [1.0, -1.0] {
+                    let (rate, room) = (sign * way[axis] + start, half + start - sign * off[axis]);
+                    if rate > TINY {
+                        high = high.min(room / rate);
+                    } else if rate < -TINY {
+                        low = low.max(room / rate);
+                    } else if room < -1.0 {
+                        return false;
+                    }
+                }
+            }
+            low <= high
+        })
+    })
+}
+
 /// All bricks that are at most `away` from one of the mask along each axis. O(bricks).
-fn grown(mut mask: Mask, bricks: UVec3, away: u32) -> Mask {
+pub fn grown(mut mask: Mask, bricks: UVec3, away: u32) -> Mask {
     let strides = [1, bricks.x, bricks.x * bricks.y];
     for axis in 0..3 {
         let (length, stride) = (bricks[axis] as usize, strides[axis] as usize);

@@ -3,7 +3,7 @@
 //! | change | done again |
 //! |---|---|
 //! | a light, or how cones march | light in voxels and mips |
-//! | an object moved | the moving layer, both layers as one where it was and is, light, mips |
+//! | an object moved | the moving layer, both layers as one where it was and is, direct light where shadows may change, the second bounce where cones may read a change, mips |
 //! | the scene | everything: make a new renderer |
 //!
 //! Changes of one frame add up. Light is only brought up to date in bricks that the picture can read: see [`crate::reach`].
@@ -13,71 +13,21 @@ use casca_lab::lit::{self, LitScene};
 use casca_lab::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages};
 use glam::{Affine3A, Vec3};
 
-use crate::cones::{ConeCount, MOST_CONES};
-use crate::data::{Geometry, Triangle, lights_of, materials_of};
-use crate::error::LightError;
+use crate::cones::MOST_CONES;
+pub use crate::cones::Settings;
+use crate::data::{Geometry, Light, Triangle, lights_of, materials_of};
+use crate::error::{LightError, Part};
 use crate::kernel::filled;
 use crate::layers::Layers;
-use crate::numeric::{NARROWEST, WIDEST_REFLECTION};
+use crate::numeric::{MOST_SHADOW_PAIRS, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
-use crate::reach::{Mask, Reach, bricks_read};
+use crate::reach::{Mask, Reach, bricks_read, grown, shadows_change};
 use crate::shading::{List, Shading};
-use crate::timing::Clock;
 use crate::volume::Volume;
-
-/// How light is gathered.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Cells along the longest axis: 16 to 512.
-    pub resolution: u32,
-    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis' step factor, in diameters, is half
-    /// of it. Light leaks through thin walls above 1.
-    pub step: f32,
-    /// How far cones gather, as a share of the grid's longest edge: 0.01 to 2.
-    pub reach: f32,
-    /// Cones of diffuse light.
-    pub cones: ConeCount,
-    /// Tangent of half the angle of the narrowest reflection: 0.001 to 1.
-    pub aperture: f32,
-    /// Whether voxels get light from other voxels: the second bounce.
-    pub bounce: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            resolution: 128,
-            step: 1.0,
-            reach: 1.0,
-            cones: ConeCount::Six,
-            aperture: NARROWEST,
-            bounce: true,
-        }
-    }
-}
-
-impl Settings {
-    fn check(&self) -> Result<(), LightError> {
-        for (name, value, low, high) in [
-            ("the step", self.step, 0.1, 5.0),
-            ("the reach", self.reach, 0.01, 2.0),
-            ("the aperture", self.aperture, 0.001, 1.0),
-        ] {
-            if !(low..=high).contains(&value) {
-                return Err(LightError::Setting { name, value, low, high });
-            }
-        }
-        Ok(())
-    }
-
-    /// How far cones gather, in cells.
-    fn reach_cells(&self, volume: &Volume) -> f32 {
-        self.reach * volume.dims.max_element() as f32
-    }
-}
 
 /// The grid and the settings as the shaders take them.
 #[repr(C)]
@@ -119,6 +69,9 @@ struct Changes {
     moved: bool,
 }
 
+/// As errors name it.
+const LIGHTS: Part = Part { name: "the list of lights", by: "lights" };
+
 /// A lit scene on the device.
 pub struct Renderer {
     /// How pictures are exposed: light times this is shown, and 1 is white.
@@ -128,7 +81,10 @@ pub struct Renderer {
     geometry: Geometry,
     sky: Vec3,
     brightest: f32,
-    light_count: u32,
+    /// As the shaders take them.
+    shining: Vec<Light>,
+    /// Tangent of half the angle of the widest reflection; 0 if nothing reflects.
+    widest: f32,
     uniform: Buffer,
     triangles: Buffer,
     materials: Buffer,
@@ -162,11 +118,26 @@ impl Renderer {
             settings,
             sky: scene.sky.max(Vec3::ZERO),
             brightest,
-            light_count: lights.len() as u32,
-            uniform: filled(gpu, "grid", &[Uniform::zeroed()], BufferUsages::UNIFORM)?,
-            triangles: filled(gpu, "triangles", &geometry.triangles, BufferUsages::STORAGE)?,
-            materials: filled(gpu, "materials", &materials, BufferUsages::STORAGE)?,
-            lights: filled(gpu, "lights", &lights, BufferUsages::STORAGE)?,
+            widest: if scene.materials.iter().any(|m| m.specular.max_element() > 0.0) {
+                WIDEST_REFLECTION
+            } else {
+                0.0
+            },
+            uniform: filled(gpu, Part::of_cells("the grid"), &[Uniform::zeroed()], BufferUsages::UNIFORM)?,
+            triangles: filled(
+                gpu,
+                Part { name: "the list of triangles", by: "triangles" },
+                &geometry.triangles,
+                BufferUsages::STORAGE,
+            )?,
+            materials: filled(
+                gpu,
+                Part { name: "the list of materials", by: "materials" },
+                &materials,
+                BufferUsages::STORAGE,
+            )?,
+            lights: filled(gpu, LIGHTS, &lights, BufferUsages::STORAGE)?,
+            shining: lights,
             layers,
             shading,
             picture: Picture::new(gpu)?,
@@ -187,7 +158,7 @@ impl Renderer {
             dims: self.volume.dims.to_array(),
             cone_count: cones.len() as u32,
             bricks: self.volume.bricks().to_array(),
-            light_count: self.light_count,
+            light_count: self.shining.len() as u32,
             sky: self.sky.to_array(),
             brightest: self.brightest,
             step: self.settings.step,
@@ -241,8 +212,8 @@ impl Renderer {
     /// The adapter has no buffer for so many.
     pub fn set_lights(&mut self, gpu: &Gpu, lights: &[lit::Light]) -> Result<(), LightError> {
         let lights = lights_of(lights, &self.volume);
-        self.lights = filled(gpu, "lights", &lights, BufferUsages::STORAGE)?;
-        self.light_count = lights.len() as u32;
+        self.lights = filled(gpu, LIGHTS, &lights, BufferUsages::STORAGE)?;
+        self.shining = lights;
         self.write_uniform(gpu);
         self.light_changed();
         Ok(())
@@ -257,7 +228,6 @@ impl Renderer {
         let at = (moved.start * size_of::<Triangle>()) as u64;
         gpu.queue.write_buffer(&self.triangles, at, bytemuck::cast_slice(&self.geometry.triangles[moved]));
         self.changes.moved = true;
-        self.light_changed();
         Ok(())
     }
 
@@ -269,12 +239,38 @@ impl Renderer {
     /// The bricks that a picture can read, if the boxes that its camera may see (in metres) are those that `sees` says.
     pub fn reach(&self, sees: &dyn Fn((Vec3, Vec3)) -> bool) -> Reach {
         let mut seen = vec![false; self.volume.brick_count()];
-        for &brick in self.layers.bricks() {
-            seen[brick as usize] = sees(self.volume.brick_box(brick));
+        let mut look = |brick: u32| seen[brick as usize] = sees(self.volume.brick_box(brick));
+        self.layers.bricks().iter().for_each(|&brick| look(brick));
+        // Slots follow moves only in the next update.
+        if self.changes.moved {
+            let moving = &self.geometry.triangles[self.geometry.fixed..];
+            moving.iter().for_each(|t| self.volume.bricks_of(t.corners(), &mut look));
         }
-        let slope = self.settings.cones.cones().iter().map(|c| c.slope).fold(WIDEST_REFLECTION, f32::max);
-        let away = bricks_read(self.settings.reach_cells(&self.volume), slope);
-        Reach::around(&self.volume, seen, away, self.settings.bounce)
+        Reach::around(&self.volume, seen, self.bricks_read(), self.settings.bounce)
+    }
+
+    /// How far from its start's brick a cone reads, in bricks.
+    fn bricks_read(&self) -> u32 {
+        let slope = self.settings.cones.cones().iter().map(|c| c.slope).fold(self.widest, f32::max);
+        bricks_read(self.settings.reach_cells(&self.volume), slope)
+    }
+
+    /// Marks the light that other voxels in these bricks may change: direct light where shadows may change, and the second bounce where
+    /// cones may read a change.
+    fn voxels_changed(&mut self, changed: &[u32]) {
+        if changed.is_empty() {
+            return;
+        }
+        let bricks = self.layers.bricks();
+        let is_few = changed.len() * bricks.len() * self.shining.len() < MOST_SHADOW_PAIRS;
+        let mut touched = vec![false; self.volume.brick_count()];
+        changed.iter().for_each(|&b| touched[b as usize] = true);
+        for &b in bricks {
+            touched[b as usize] |= !is_few || shadows_change(&self.volume, &self.shining, changed, b);
+        }
+        touched.iter().zip(&mut self.shaded).for_each(|(t, shaded)| *shaded &= !t);
+        let read = grown(touched, self.volume.bricks(), self.bricks_read());
+        read.iter().zip(&mut self.bounced).for_each(|(r, bounced)| *bounced &= !r);
     }
 
     /// Brings voxels and light up to date: all light, or that in the bricks that a picture can read ([`Renderer::reach`]).
@@ -288,6 +284,7 @@ impl Renderer {
         clock: &mut Clock,
     ) -> Result<Updated, LightError> {
         let merged = self.update_voxels(gpu, clock)?;
+        self.voxels_changed(&merged);
         let everything;
         let reach = match reach {
             Some(reach) => reach,
@@ -338,6 +335,7 @@ impl Renderer {
             changed = self.layers.move_triangles(gpu, &self.geometry.triangles, self.geometry.fixed)?;
             if self.layers.capacity() != capacity {
                 self.shading.resize(gpu, self.layers.capacity())?;
+                self.light_changed();
             }
         }
         if fixed {

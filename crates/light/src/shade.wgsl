@@ -48,35 +48,40 @@ fn lit(centre: vec3f, s: Surface) -> vec3f {
   return sum * s.albedo / PI;
 }
 
+// The voxel of a thread: each group takes an eighth of a brick of the list.
+struct Voxel { is_there: bool, cell: u32, centre: vec3f, surface: Surface }
+
+fn voxel(group: vec3u, groups: vec3u, thread: u32) -> Voxel {
+  let item = group_number(group, groups) * 64u + thread;
+  var found: Voxel;
+  if (item / 512u >= arrayLength(&list)) { return found; }
+  let brick = list[item / 512u];
+  let slot = table[brick] - 1u;
+  let local = item % 512u;
+  found.is_there = is_occupied(slot, local);
+  found.cell = slot * 512u + local;
+  found.centre = vec3f(8u * brick_place(brick) + local_place(local)) + 0.5;
+  found.surface = surface_of(surfaces[found.cell]);
+  return found;
+}
+
 @compute @workgroup_size(64)
 fn shade(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) thread: u32) {
-  let number = group_number(group, groups);
-  if (number >= arrayLength(&list)) { return; }
-  let slot = table[list[number]] - 1u;
-  for (var local = thread; local < 512u; local += 64u) {
-    if (!is_occupied(slot, local)) { continue; }
-    let s = surface_of(surfaces[slot * 512u + local]);
-    let centre = vec3f(8u * brick_place(list[number]) + local_place(local)) + 0.5;
-    direct[slot * 512u + local] = packed(s.emission + lit(centre, s));
-  }
+  let v = voxel(group, groups, thread);
+  if (v.is_there) { direct[v.cell] = packed(v.surface.emission + lit(v.centre, v.surface)); }
 }
 
 // Light from other voxels, by cones from the front: the second bounce.
 @compute @workgroup_size(64)
 fn bounce(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) thread: u32) {
-  let number = group_number(group, groups);
-  if (number >= arrayLength(&list)) { return; }
-  let slot = table[list[number]] - 1u;
-  for (var local = thread; local < 512u; local += 64u) {
-    if (!is_occupied(slot, local)) { continue; }
-    let s = surface_of(surfaces[slot * 512u + local]);
-    let centre = vec3f(8u * brick_place(list[number]) + local_place(local)) + 0.5;
-    var light = vec3f(0.0);
-    if (s.has_normal && any(s.albedo > vec3f(0.0))) {
-      light = s.albedo * hemisphere(centre + push_off(s.normal), s.normal).radiance;
-    }
-    bounced[slot * 512u + local] = packed(light);
+  let v = voxel(group, groups, thread);
+  if (!v.is_there) { return; }
+  let s = v.surface;
+  var light = vec3f(0.0);
+  if (s.has_normal && any(s.albedo > vec3f(0.0))) {
+    light = s.albedo * hemisphere(v.centre + push_off(s.normal), s.normal).radiance;
   }
+  bounced[v.cell] = packed(light);
 }
 
 fn inject(number: u32, thread: u32, with_bounce: bool) {
@@ -106,6 +111,17 @@ fn inject_all(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
   if (number < arrayLength(&list)) { inject(number, thread, true); }
 }
 
+// A cell as rays along the axis of this mip see it. Surfaces emit from their front: otherwise the far side of a small ball of light would be
+// added to the near side, and it would be up to twice as bright.
+fn seen_along(value: vec4f, cell: vec3u) -> vec4f {
+  if (mip.level != 1u || value.a == 0.0) { return value; }
+  let entry = table[brick_number(cell >> vec3u(3u))];
+  if (entry == 0u) { return value; }
+  let s = surface_of(surfaces[(entry - 1u) * 512u + local_number(cell)]);
+  let along = select(s.normal[mip.axis], -s.normal[mip.axis], mip.is_against != 0u);
+  return select(value, vec4f(max(value.rgb - s.emission, vec3f(0.0)), value.a), s.has_normal && along > 0.0);
+}
+
 // Front to back in pairs, then the mean of four (thesis 1.7.4.5). The texels of the bricks listed, or all.
 @compute @workgroup_size(64)
 fn reduce(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) thread: u32) {
@@ -131,8 +147,9 @@ fn reduce(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
     var back = front;
     front[mip.axis] = mip.is_against;
     back[mip.axis] = 1u - mip.is_against;
-    let near = textureLoad(finer, texel * 2u + front, 0);
-    sum += near + textureLoad(finer, texel * 2u + back, 0) * (1.0 - near.a);
+    let near = seen_along(textureLoad(finer, texel * 2u + front, 0), texel * 2u + front);
+    let far = seen_along(textureLoad(finer, texel * 2u + back, 0), texel * 2u + back);
+    sum += near + far * (1.0 - near.a);
   }
   textureStore(coarser, texel, 0.25 * sum);
 }

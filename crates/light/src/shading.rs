@@ -5,8 +5,8 @@ use casca_stage::wgpu::{
     self, BindingResource, Buffer, BufferUsages, CommandEncoder, Extent3d, TextureUsages, TextureView,
 };
 
-use crate::error::LightError;
-use crate::kernel::{Kernel, filled, shader, zeros};
+use crate::error::{LightError, Part};
+use crate::kernel::{Kernel, filled, held, shader, zeros};
 use crate::layers::Others;
 use crate::volume::{BRICK, BRICK_CELLS, LEVELS, Volume};
 
@@ -45,14 +45,14 @@ impl List {
     /// The adapter has no buffer as large.
     pub fn new(gpu: &Gpu, bricks: &[u32]) -> Result<Self, LightError> {
         Ok(Self {
-            buffer: filled(gpu, "a list of bricks", bricks, BufferUsages::STORAGE)?,
+            buffer: filled(gpu, Part::of_cells("a list of bricks"), bricks, BufferUsages::STORAGE)?,
             count: bricks.len(),
         })
     }
 }
 
-fn texture(gpu: &Gpu, size: glam::UVec3, mip_level_count: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
+fn texture(gpu: &Gpu, size: glam::UVec3, mip_level_count: u32) -> Result<wgpu::Texture, LightError> {
+    let descriptor = wgpu::TextureDescriptor {
         label: Some("voxels"),
         size: Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
         mip_level_count,
@@ -61,13 +61,17 @@ fn texture(gpu: &Gpu, size: glam::UVec3, mip_level_count: u32) -> wgpu::Texture 
         format: wgpu::TextureFormat::Rgba16Float,
         usage: TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
         view_formats: &[],
-    })
+    };
+    held(gpu, Part::of_cells("the textures of voxels"), || gpu.device.create_texture(&descriptor))
 }
 
 /// Buffers for the light of this many slots.
 fn buffers(gpu: &Gpu, slots: usize) -> Result<[Buffer; 2], LightError> {
     let size = slots as u64 * u64::from(BRICK_CELLS) * 8;
-    Ok([zeros(gpu, "direct light", size)?, zeros(gpu, "light that bounces", size)?])
+    Ok([
+        zeros(gpu, Part::of_cells("direct light"), size)?,
+        zeros(gpu, Part::of_cells("light that bounces"), size)?,
+    ])
 }
 
 impl Shading {
@@ -84,12 +88,16 @@ impl Shading {
                 needed,
                 limit,
                 unit: "texels",
+                by: "cells",
             });
         }
         let module = shader(gpu, "shade", include_str!("shade.wgsl"));
         let [direct, bounced] = buffers(gpu, slots)?;
-        let mips = std::array::from_fn(|_| {
-            let texture = texture(gpu, volume.dims / 2, LEVELS);
+        let base = texture(gpu, volume.dims, 1)?;
+        let textures = (0..6).map(|_| texture(gpu, volume.dims / 2, LEVELS));
+        let textures = textures.collect::<Result<Vec<_>, _>>()?;
+        let mips = std::array::from_fn(|i| {
+            let texture = &textures[i];
             let level = |base_mip_level| {
                 let one = wgpu::TextureViewDescriptor {
                     base_mip_level,
@@ -104,7 +112,7 @@ impl Shading {
         for direction in 0..6 {
             for level in 1..=LEVELS {
                 let plan = [direction / 2, direction % 2, level, u32::from(level <= LISTED)];
-                plans.push(filled(gpu, "a level", &plan, BufferUsages::UNIFORM)?);
+                plans.push(filled(gpu, Part::of_cells("a level"), &plan, BufferUsages::UNIFORM)?);
             }
         }
         let voxels = [0, 1, 2, 3, 6];
@@ -113,7 +121,7 @@ impl Shading {
             volume,
             direct,
             bounced,
-            base: texture(gpu, volume.dims, 1).create_view(&Default::default()),
+            base: base.create_view(&Default::default()),
             mips,
             plans,
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -128,7 +136,7 @@ impl Shading {
                 Kernel::new(gpu, &module, "inject_direct", &[0, 1, 2, 6, 40, 41, 42]),
                 Kernel::new(gpu, &module, "inject_all", &[0, 1, 2, 6, 40, 41, 42]),
             ],
-            reduce: Kernel::new(gpu, &module, "reduce", &[0, 6, 43, 44, 45]),
+            reduce: Kernel::new(gpu, &module, "reduce", &[0, 1, 3, 6, 43, 44, 45]),
         })
     }
 
@@ -143,12 +151,12 @@ impl Shading {
 
     /// Direct light in the bricks listed.
     pub fn shade(&self, gpu: &Gpu, encoder: &mut CommandEncoder, list: &List, others: Others<'_, '_>) {
-        self.run(gpu, encoder, &self.shade, list, others);
+        self.run(gpu, encoder, &self.shade, list, 8, others);
     }
 
     /// Light from other voxels in the bricks listed.
     pub fn bounce(&self, gpu: &Gpu, encoder: &mut CommandEncoder, list: &List, others: Others<'_, '_>) {
-        self.run(gpu, encoder, &self.bounce, list, others);
+        self.run(gpu, encoder, &self.bounce, list, 8, others);
     }
 
     /// Writes light and opacity of the bricks listed into the finest texture, with the light that bounced or without.
@@ -160,18 +168,20 @@ impl Shading {
         bounced: bool,
         others: Others<'_, '_>,
     ) {
-        self.run(gpu, encoder, &self.inject[usize::from(bounced)], list, others);
+        self.run(gpu, encoder, &self.inject[usize::from(bounced)], list, 1, others);
     }
 
+    /// Runs a kernel with so many groups a brick.
     fn run(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         kernel: &Kernel,
         list: &List,
+        groups: usize,
         others: Others<'_, '_>,
     ) {
-        kernel.run_groups(gpu, encoder, list.count, &|binding| match binding {
+        kernel.run_groups(gpu, encoder, groups * list.count, &|binding| match binding {
             6 => list.buffer.as_entire_binding(),
             40 => self.direct.as_entire_binding(),
             41 => self.bounced.as_entire_binding(),

@@ -1,23 +1,13 @@
 //! The grid of voxels: cubic cells, as many along each axis as the scene needs, in bricks of 8x8x8 (thesis 2.1; a cube
 //! of N³ cells, as in the thesis, would be three quarters empty for a hall such as Sponza).
 
-use std::ops::RangeInclusive;
-
 use casca::{Grid, GridSpec};
 use glam::{UVec3, Vec3};
 
-use crate::data::Triangle;
 use crate::error::LightError;
-use crate::numeric::{FARTHEST, LEAST_CELL, TOUCH};
+pub use crate::numeric::{BRICK, BRICK_CELLS, LEVELS, RESOLUTIONS};
+use crate::numeric::{FARTHEST, LEAST_CELL, NORMAL_ROUNDING, TOUCH};
 
-/// Cells along the longest axis.
-pub const RESOLUTIONS: RangeInclusive<u32> = 16..=512;
-/// Edge of a brick in cells.
-pub const BRICK: u32 = 8;
-/// Cells of a brick.
-pub const BRICK_CELLS: u32 = BRICK * BRICK * BRICK;
-/// Directional mips: the coarsest has texels of 32 cells. Wider cones read those.
-pub const LEVELS: u32 = 5;
 /// Axes have multiples of this many cells, so that every texel of every mip is whole.
 const TEXEL: u32 = 1 << LEVELS;
 /// Cells between the scene and the border of the grid: surfaces at the border need all of their cells.
@@ -95,8 +85,7 @@ impl Volume {
 
     /// The bricks that a triangle (in cells) may touch, by their numbers: those of its box that its plane reaches. None if a corner is not
     /// finite or far from the grid. Costs the bricks of its box.
-    pub fn bricks_of(&self, triangle: &Triangle, visit: &mut dyn FnMut(u32)) {
-        let [a, b, c] = triangle.corners();
+    pub fn bricks_of(&self, [a, b, c]: [Vec3; 3], visit: &mut dyn FnMut(u32)) {
         let (low, high) = (a.min(b).min(c) - TOUCH, a.max(b).max(c) + TOUCH);
         let inside = high.cmpge(Vec3::ZERO).all() && low.cmplt(self.dims.as_vec3()).all();
         // Comparisons fail for what is not finite.
@@ -106,15 +95,18 @@ impl Volume {
         let edge = BRICK as f32;
         let first = (low / edge).max(Vec3::ZERO).as_uvec3();
         let last = (high / edge).as_uvec3().min(self.bricks() - 1);
-        let normal = (b - a).cross(c - a);
+        let (to_b, to_c) = (b - a, c - a);
+        let normal = to_b.cross(to_c);
+        let rounding = to_b.length() * to_c.length() * NORMAL_ROUNDING;
         let room = normal.abs().element_sum() * (0.5 * edge + 1.0);
         for z in first.z..=last.z {
             for y in first.y..=last.y {
                 for x in first.x..=last.x {
                     let brick = UVec3::new(x, y, z);
                     let centre = (brick.as_vec3() + 0.5) * edge;
-                    // The room of a cell around the brick covers all rounding.
-                    if normal.dot(a - centre).abs() <= room {
+                    let to_a = a - centre;
+                    // The room of a cell around the brick covers all other rounding.
+                    if normal.dot(to_a).abs() <= room + rounding * to_a.abs().element_sum() {
                         visit(self.number(brick));
                     }
                 }

@@ -16,7 +16,7 @@ struct Volume {
 // Directional: position is where it comes from. Angles are cosines; radius is that of the ball, or the tangent of half the angle.
 struct Light { position: vec3f, kind: u32, color: vec3f, radius: f32, axis: vec3f, inner: f32, falloff: vec3f, outer: f32 }
 
-struct Triangle { a: vec3f, material: u32, b: vec3f, pad_b: u32, c: vec3f, pad_c: u32 }
+struct Triangle { a: vec3f, material: u32, b: vec3f, share: f32, c: vec3f, pad_c: u32 }
 struct Material { albedo: vec3f, gloss: f32, specular: vec3f, pad: f32, emission: vec3f, pad_e: f32 }
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -107,13 +107,16 @@ fn incident(light: Light, at: vec3f) -> Incident {
   return Incident(direction, distance, irradiance, light.radius / distance);
 }
 
-// What a cone meets in the length of a texel, premultiplied. Opacities along the axes are the coverage by faces across each; along a direction d it
+// What a cone meets in the length of a texel: light, premultiplied, and opacity; and the opacities along each axis.
+struct Met { light: vec4f, along: vec3f }
+
+// Opacities along the axes are the coverage by faces across each; along a direction d the opacity
 // is the root of the sum of (coverage d)^2. That is exact for a thin wall, through which a slanted cone has a longer way, and for a ball. (The
 // thesis' weights, squares of the components, let half of the light through a wall at 60 degrees.)
-fn meet(at: vec3f, direction: vec3f, level: f32) -> vec4f {
+fn meet(at: vec3f, direction: vec3f, level: f32) -> Met {
   let place = at / vec3f(volume.dims);
   let mip = max(level - 1.0, 0.0);
-  var met = vec4f(0.0);
+  var met = Met(vec4f(0.0), vec3f(0.0));
   if (level > 0.0) {
     var x: vec4f; var y: vec4f; var z: vec4f;
     if (direction.x > 0.0) { x = textureSampleLevel(along_x, smooth_sampler, place, mip); }
@@ -122,34 +125,48 @@ fn meet(at: vec3f, direction: vec3f, level: f32) -> vec4f {
     else { y = textureSampleLevel(against_y, smooth_sampler, place, mip); }
     if (direction.z > 0.0) { z = textureSampleLevel(along_z, smooth_sampler, place, mip); }
     else { z = textureSampleLevel(against_z, smooth_sampler, place, mip); }
-    let weight = direction * direction * vec3f(x.a, y.a, z.a);
-    let opacity = sqrt(dot(weight, vec3f(x.a, y.a, z.a)));
-    met = vec4f((weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb) / max(opacity, TINY), opacity);
+    met.along = vec3f(x.a, y.a, z.a);
+    let weight = direction * direction * met.along;
+    let opacity = sqrt(dot(weight, met.along));
+    met.light = vec4f((weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb) / max(opacity, TINY), opacity);
   }
-  if (level < 1.0) { met = mix(textureSampleLevel(base, smooth_sampler, place, 0.0), met, level); }
+  if (level < 1.0) {
+    let finest = textureSampleLevel(base, smooth_sampler, place, 0.0);
+    met = Met(mix(finest, met.light, level), mix(finest.aaa, met.along, level));
+  }
   return met;
 }
 
 struct Gathered { radiance: vec3f, open: f32, near: f32 }
 
-// Marches a cone. Opacities of the samples along a texel's length are parts of one coverage, so that they are added: a wall
-// that lies between two samples hides by the share that each sees, and no light passes for any step up to a texel.
+// Marches a cone to the end of the grid or of its reach. There are two bounds for what a step hides, and the greater one counts.
+// Opacities of the samples along a texel's length are parts of one coverage, so that they are added: a wall that lies between two samples hides by
+// the share that each sees, and no light passes for any step up to a texel. But texels widen on the way: a wall at the far side of its texel is
+// in sight too early, as a part of smaller texels. So what is covered whole along an axis is hidden as soon as a sample sees it, by the law of
+// layers that lie one behind the other, of which a step crosses its length along that axis.
 // `near` is the occlusion by what is close, for ambient occlusion.
 fn cone(start: vec3f, direction: vec3f, slope: f32, far: f32) -> Gathered {
   var found = Gathered(vec3f(0.0), 1.0, 0.0);
+  let borders = select(vec3f(0.0), vec3f(volume.dims), direction > vec3f(0.0));
+  let ways = select((borders - start) / direction, vec3f(FAR), direction == vec3f(0.0));
+  let end = min(far, min(ways.x, min(ways.y, ways.z)));
   var way = 0.0;
   for (var i = 0u; i < MOST_STEPS && found.open > 0.0; i++) {
     // A texel is half as wide as the cone, or as wide as there are.
     let texel = clamp(slope * way, 1.0, exp2(f32(LEVELS)));
-    let step = volume.step * texel;
+    // The last step ends where the cone does, so that a wall at the border counts whole.
+    let step = min(volume.step * texel, end - way);
     let at = way + 0.5 * step;
     let place = start + direction * at;
-    if (at >= far || any(place < vec3f(0.0)) || any(place > vec3f(volume.dims))) { break; }
+    if (step <= 0.0 || any(place < vec3f(0.0)) || any(place > vec3f(volume.dims))) { break; }
     let met = meet(place, direction, log2(texel));
-    let share = met.a * volume.step;
-    if (share > 0.0) {
-      let hidden = min(found.open, share);
-      found.radiance += met.rgb * (volume.step * hidden / share);
+    let length = step / texel;
+    if (met.light.a > 0.0) {
+      let layers = abs(direction) * length;
+      let passing = select(exp2(layers * log2(max(1.0 - met.along, vec3f(TINY)))), vec3f(0.0), (met.along >= vec3f(1.0)) & (layers > vec3f(0.0)));
+      let behind = found.open * min(passing.x, min(passing.y, passing.z));
+      let hidden = max(min(found.open, met.light.a * length), found.open - behind);
+      found.radiance += met.light.rgb * (hidden / met.light.a);
       found.near += hidden / (1.0 + at * at * NEAR_FADE / (volume.reach * volume.reach));
       found.open -= hidden;
     }

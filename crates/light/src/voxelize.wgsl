@@ -11,9 +11,10 @@
 fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
   let half = vec3f(0.5 + TOUCH);
   if (any(min(a, min(b, c)) > half) || any(max(a, max(b, c)) < -half)) { return false; }
-  let normal = cross(b - a, c - a);
-  if (abs(dot(normal, a)) > dot(abs(normal), half)) { return false; }
   var edges = array(b - a, c - b, a - c);
+  let normal = cross(edges[0], edges[2]);
+  let rounding = NORMAL_ROUNDING * length(edges[0]) * length(edges[2]) * dot(abs(a), vec3f(1.0));
+  if (abs(dot(normal, a)) > dot(abs(normal), half) + rounding) { return false; }
   for (var i = 0; i < 3; i++) {
     for (var j = 0; j < 3; j++) {
       var unit = vec3f(0.0);
@@ -27,9 +28,9 @@ fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
   return true;
 }
 
-fn add(cell: u32, material: Material, normal: vec3f) {
+fn add(cell: u32, material: Material, share: f32, normal: vec3f) {
   let albedo = vec3u(round(clamp(material.albedo, vec3f(0.0), vec3f(1.0)) * UNIT));
-  let emission = vec3u(round(clamp(material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
+  let emission = vec3u(round(clamp(share * material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
   // Negative numbers are added as what they are modulo 2^32.
   let direction = bitcast<vec3u>(vec3i(round(normal * UNIT_NORMAL)));
   for (var i = 0u; i < 3u; i++) {
@@ -58,7 +59,7 @@ fn voxelize(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups
     for (var x = low.x; x <= high.x; x++) {
       let centre = corner + vec3f(f32(x), f32(y), f32(z)) + 0.5;
       if (touches(triangle.a - centre, triangle.b - centre, triangle.c - centre)) {
-        add(pair.y * 512u + local_number(vec3u(u32(x), u32(y), u32(z))), materials[triangle.material], normal);
+        add(pair.y * 512u + local_number(vec3u(u32(x), u32(y), u32(z))), materials[triangle.material], triangle.share, normal);
       }
     }
   }

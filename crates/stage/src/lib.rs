@@ -7,6 +7,7 @@
 //! - [`window`]: a window and its loop.
 //! - [`fly`]: a camera that is flown with keys and mouse.
 //! - [`panel`]: text and images over a picture.
+//! - [`timing`]: the time of each stage of a frame.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -16,6 +17,7 @@ pub mod compare;
 pub mod fly;
 pub mod gpu;
 pub mod panel;
+pub mod timing;
 pub mod window;
 
 // One version of each for all programs.

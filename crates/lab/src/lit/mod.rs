@@ -21,9 +21,12 @@ use glam::{Affine3A, Vec3};
 
 use crate::world::{Camera, Mesh};
 
-pub use image::{HdrImage, ImageError};
+pub use image::{HdrImage, ImageError, MOST_PIXELS};
 pub use light::{Falloff, Incident, Light, LightKind};
 pub use scenes::Kind;
+
+/// The exponent of a lobe is 2 to the power of this times the gloss plus 1.
+const SHARPEST: f64 = 11.0;
 
 /// How a surface reflects and emits light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +51,20 @@ impl Material {
     /// A black surface that emits.
     pub const fn emitter(emission: Vec3) -> Self {
         Self { albedo: Vec3::ZERO, specular: Vec3::ZERO, gloss: 0.0, emission }
+    }
+
+    /// The same with all values in range. Colours that are not finite become black, a gloss that is not becomes 0.
+    pub fn sound(&self) -> Self {
+        let finite = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
+        let specular = finite(self.specular).min(Vec3::ONE);
+        let gloss = if self.gloss.is_finite() { self.gloss.clamp(0.0, 1.0) } else { 0.0 };
+        let albedo = finite(self.albedo).min(Vec3::ONE - specular);
+        Self { albedo, specular, gloss, emission: finite(self.emission) }
+    }
+
+    /// The exponent of the lobe around the mirror direction: 2 for a gloss of 0, 4096 for one of 1.
+    pub fn exponent(&self) -> f64 {
+        (SHARPEST * f64::from(self.gloss) + 1.0).exp2()
     }
 
     /// Whether it emits light.

@@ -64,7 +64,7 @@ impl Kind {
                 scene
             }
             Self::CornellPoint => {
-                let mut scene = cornell();
+                let mut scene = LitScene { name: Self::CornellPoint.name().to_owned(), ..cornell() };
                 let [[x0, z0], [x1, z1]] = PATCH;
                 let position = Vec3::new((x0 + x1) / 2.0, CEILING - 0.3, (z0 + z1) / 2.0);
                 // The intensity of the patch straight down.

@@ -7,7 +7,7 @@ use crate::scenes::{SceneKind, SceneOptions};
 fn generated_scenes_are_whole_and_found_by_name() {
     for kind in Kind::ALL {
         let scene = kind.build();
-        assert_eq!(kind.name().parse(), Ok(kind));
+        assert_eq!((kind.name().parse(), scene.name.as_str()), (Ok(kind), kind.name()));
         let count: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
         assert_eq!(scene.triangles().len(), count, "{}", kind.name());
         for m in &scene.materials {

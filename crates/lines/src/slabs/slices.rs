@@ -5,6 +5,8 @@ use crate::view::View;
 
 /// The groups of the longest column.
 pub(crate) const MOST_GROUPS: usize = (256 / GROUP) as usize;
+// A group must not lie in two words.
+const _: () = assert!(128 % GROUP == 0);
 
 /// The number of slices of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,13 +55,17 @@ pub(crate) fn slice_of(view: &View, slices: Slices, depth: f64) -> u32 {
 
 /// Adds the length of a line between two depths, the lesser one first, to the groups of slices, by their shares of the way.
 pub(crate) fn spread(view: &View, slices: Slices, [from, to]: [f64; 2], length: f64, lengths: &mut [f32]) {
+    // Absurd coordinates give places that are no numbers.
+    if !length.is_finite() {
+        return;
+    }
     let [near, far] = view.depths();
     let [first, last] = [from, to].map(|d| slice_of(view, slices, d) / GROUP);
     let group = (far - near) / slices.groups() as f64;
     let mut left = length;
     for i in first..last {
         let end = near + group * f64::from(i + 1);
-        let part = (length * (end - from.max(end - group)) / (to - from)).clamp(0.0, left);
+        let part = (length * (end - from.max(end - group)) / (to - from)).max(0.0).min(left);
         lengths[i as usize] += part as f32;
         left -= part;
     }

@@ -99,6 +99,12 @@ proptest! {
             let run = column >> column.trailing_zeros();
             prop_assert_eq!(run & (run + 1), 0, "column {} {} has a gap", x, y);
             prop_assert!(column.count_ones() as usize <= slices.len() + 2);
+            for (group, &length) in grid.lengths(x, y).iter().enumerate() {
+                let bits = (column >> (16 * group)) & 0xffff;
+                prop_assert!(length == 0.0 || bits != 0, "group {} of {} {} has length without bits", group, x, y);
+                let few = bits.count_ones() < 3;
+                prop_assert!(length > 0.0 || few, "group {} of {} {} has bits without length", group, x, y);
+            }
         }
         if all != 0 {
             let run = all >> all.trailing_zeros();
@@ -160,6 +166,30 @@ fn a_line_along_the_view_sets_its_whole_range_in_one_column_and_one_slice_withou
     assert!(groups.len() == 8 && groups[3..5].iter().all(|l| (l - group).abs() < 1e-5), "{groups:?}");
     assert_eq!(groups[7] + groups[0], 0.0, "{groups:?}");
     assert_eq!((set(SpanRule::Middle).0, set(SpanRule::Middle).1), (1, 1));
+}
+
+#[test]
+fn lengths_that_are_no_numbers_are_left_out() {
+    let view = box_view(None, [9, 9]);
+    let [near, far] = view.depths();
+    let spread = |ends: [f64; 2], length: f64| {
+        let mut lengths = [0.0; 8];
+        slices::spread(&view, Slices::S128, ends, length, &mut lengths);
+        lengths
+    };
+    for (ends, length) in
+        [([-f64::NAN, far], f64::NAN), ([near, f64::NAN], f64::NAN), ([near, far], f64::INFINITY)]
+    {
+        assert_eq!(spread(ends, length), [0.0; 8], "{ends:?}");
+    }
+    assert!(spread([near, far], 8.0).iter().all(|l| (l - 1.0).abs() < 1e-6));
+    // A view whose pixels are so small that pixel coordinates overflow.
+    let lens = Lens::Orthographic { half_height: 1e-300 };
+    let tiny = View::look_at([Vec3::Z, Vec3::ZERO, Vec3::Y], lens, [-1e38, 1e38], [40, 30]).unwrap();
+    let far = vec3(3e38, -3e38, 3e38);
+    let lines = LineSet::new([[far, -far], [far, Vec3::ZERO], [Vec3::ZERO, vec3(0.0, 0.0, 1e38)]]).unwrap();
+    let grid = SlabGrid::of_lines(&lines, &tiny, Slices::S256, SpanRule::Span);
+    assert!(grid.lengths(20, 15).iter().all(|l| l.is_finite()), "{:?}", grid.lengths(20, 15));
 }
 
 /// Corners and triangles of a tetrahedron, and the planes of its sides.

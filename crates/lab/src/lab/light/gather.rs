@@ -7,7 +7,8 @@ use casca::soft::CellHit;
 use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-use super::voxels::{OFF, Sides, Voxels};
+use super::voxels::{Lit, OFF, Sides, Voxels};
+use crate::lit::Material;
 
 /// How light is gathered above a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,17 @@ pub enum Gather {
     },
     /// By exact walks through the cells along so many directions, 1 to 4096, which are turned at random from place to place.
     Walks(u32),
+}
+
+/// A point of a surface that is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// The point, in world units.
+    pub point: Vec3,
+    /// The unit normal on the side that is looked at.
+    pub normal: Vec3,
+    /// The unit direction of the look, towards the surface.
+    pub look: Vec3,
 }
 
 /// Directions that are followed from one point at most.
@@ -47,6 +59,9 @@ struct Level {
     n: i32,
     faces: [Vec<Vec4>; 6],
 }
+
+/// The exponent of the cosine that the density of directions of diffuse light is in proportion to.
+const LAMBERT: f32 = 1.0;
 
 /// Light of voxels, and the pyramid above it.
 pub struct LightVolume<'a> {
@@ -169,41 +184,98 @@ impl<'a> LightVolume<'a> {
     }
 
     /// The cosine-weighted mean of the light that arrives at a surface; `turn`, 0 to 1, turns the directions.
-    pub fn gather(&self, point: Vec3, normal: Vec3, how: Gather, turn: f32) -> Vec3 {
+    ///
+    /// # Errors
+    /// If the library refuses a walk: points must be finite.
+    pub fn gather(&self, point: Vec3, normal: Vec3, how: Gather, turn: f32) -> Lit {
         match how {
             Gather::Cones { count, step, corrected } => {
                 let count = count.clamp(1, MOST);
                 let apex = self.voxels.to_cells(point) + normal * OFF;
-                let cones = directions(normal, count, 0.0).map(|d| {
+                let cones = directions(normal, count, LAMBERT, 0.0).map(|d| {
                     // As wide as its share of the hemisphere: the density of directions is cos / pi.
                     let cos = 1.0 - (0.5 / (count as f32 * d.dot(normal).max(LEAST_COS))).min(1.0);
                     let tan = ((1.0 - cos * cos).sqrt() / cos.max(LEAST_COS)).min(WIDEST);
                     self.cone(apex, d, tan, step, corrected)
                 });
-                cones.sum::<Vec3>() / count as f32
+                Ok(cones.sum::<Vec3>() / count as f32)
             }
             Gather::Walks(count) => {
                 let count = count.clamp(1, MOST);
                 let start = point + normal * (OFF * self.voxels.cell);
-                let far = 2.0 * self.voxels.n as f32 * self.voxels.cell;
-                let walks = directions(normal, count, turn).map(|d| {
-                    match self.voxels.soft.first_hit(start, start + d * far) {
-                        Ok(Some(CellHit { cell, .. })) => {
-                            self.voxels.at(cell).map_or(Vec3::ZERO, |v| self.seen(v, d))
-                        }
-                        _ => self.sky,
-                    }
-                });
-                walks.sum::<Vec3>() / count as f32
+                let walks = directions(normal, count, LAMBERT, turn).map(|d| self.walk(start, d));
+                Ok(walks.sum::<Lit>()? / count as f32)
             }
         }
     }
 
-    /// The light of the next bounce: that which each side of each voxel gathers and reflects.
-    pub fn bounce(&self, how: Gather) -> Sides {
-        self.voxels.sides(|v, from, normal| {
-            v.albedo * self.gather(from - normal * (OFF * self.voxels.cell), normal, how, turn_of(v.point))
-        })
+    /// The light that arrives at a point from a unit direction, by an exact walk.
+    fn walk(&self, start: Vec3, d: Vec3) -> Lit {
+        let far = FARTHEST * self.voxels.n as f32 * self.voxels.cell;
+        let light = match self.voxels.soft.first_hit(start, start + d * far)? {
+            Some(CellHit { cell, .. }) => self.voxels.at(cell).map_or(Vec3::ZERO, |v| self.seen(v, d)),
+            None => self.sky,
+        };
+        Ok(light)
+    }
+
+    /// The light that a surface scatters towards the eye: the diffuse part, and the lobe around the mirror direction.
+    ///
+    /// # Errors
+    /// As [`Self::gather`].
+    pub fn scattered(&self, at: &Spot, material: &Material, how: Gather) -> Lit {
+        let turn = turn_of(at.point);
+        let diffuse = match material.albedo.max_element() > 0.0 {
+            true => material.albedo * self.gather(at.point, at.normal, how, turn)?,
+            false => Vec3::ZERO,
+        };
+        Ok(diffuse + self.glossy(at, material, how, turn)?)
+    }
+
+    /// The light of the lobe of the path tracer (Lafortune & Willems 1994), by a single cone or by walks as dense as the lobe.
+    ///
+    /// The cone has an even density of directions and the mean cosine to the axis of a lobe of exponent n, which is (n + 1) / (n + 2):
+    /// the cosine of half its angle is n / (n + 2).
+    fn glossy(&self, at: &Spot, material: &Material, how: Gather, turn: f32) -> Lit {
+        let mirror = at.look - at.normal * (2.0 * at.look.dot(at.normal));
+        let facing = mirror.dot(at.normal);
+        if material.specular.max_element() <= 0.0 || facing <= 0.0 {
+            return Ok(Vec3::ZERO);
+        }
+        let n = material.exponent() as f32;
+        let light = match how {
+            Gather::Cones { step, corrected, .. } => {
+                let tan = (2.0 * (n + 1.0).sqrt() / n).min(WIDEST);
+                let apex = self.voxels.to_cells(at.point) + at.normal * OFF;
+                // Of the lobe, head-on, the factor (n + 2) / (n + 1) and the mean cosine make 1.
+                self.cone(apex, mirror, tan, step, corrected) * facing
+            }
+            Gather::Walks(count) => {
+                let count = count.clamp(1, MOST);
+                let start = at.point + at.normal * (OFF * self.voxels.cell);
+                let walks = directions(mirror, count, n, turn).map(|d| match d.dot(at.normal) {
+                    cos if cos > 0.0 => Ok(self.walk(start, d)? * cos),
+                    _ => Ok(Vec3::ZERO),
+                });
+                walks.sum::<Lit>()? * ((n + 2.0) / (n + 1.0) / count as f32)
+            }
+        };
+        Ok(material.specular * light)
+    }
+
+    /// The light of the next bounce: that which each side of each voxel gathers and reflects diffusely, with a quarter of the
+    /// cones or walks, since pixels take the mean of many voxels. Voxels have no lobes: how bright these are depends on the eye.
+    ///
+    /// # Errors
+    /// As [`Self::gather`].
+    pub fn bounce(&self, how: Gather) -> Result<Sides, casca::Error> {
+        let how = match how {
+            Gather::Cones { count, step, corrected } => {
+                Gather::Cones { count: count.div_ceil(4), step, corrected }
+            }
+            Gather::Walks(count) => Gather::Walks(count.div_ceil(4)),
+        };
+        self.voxels.sides(|v, point, normal| Ok(v.albedo * self.gather(point, normal, how, turn_of(point))?))
     }
 }
 
@@ -213,7 +285,7 @@ fn along(face: usize) -> Vec3 {
 }
 
 /// A share of the circle that differs from place to place, for noise without a pattern.
-pub(super) fn turn_of(point: Vec3) -> f32 {
+fn turn_of(point: Vec3) -> f32 {
     let bits = point
         .to_array()
         .iter()
@@ -221,12 +293,13 @@ pub(super) fn turn_of(point: Vec3) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Directions around a normal with a density in proportion to the cosine, evenly spread.
-fn directions(normal: Vec3, count: u32, turn: f32) -> impl Iterator<Item = Vec3> {
-    let (x, y) = normal.any_orthonormal_pair();
+/// Directions around a unit axis with a density in proportion to a power of the cosine to it, evenly spread.
+fn directions(axis: Vec3, count: u32, exponent: f32, turn: f32) -> impl Iterator<Item = Vec3> {
+    let (x, y) = axis.any_orthonormal_pair();
     (0..count).map(move |k| {
-        let square = (k as f32 + 0.5) / count as f32;
+        let share = (k as f32 + 0.5) / count as f32;
+        let cos = (1.0 - share).powf(1.0 / (exponent + 1.0));
         let (s, c) = (TAU * (k as f32 * GOLDEN + turn).fract()).sin_cos();
-        ((x * c + y * s) * square.sqrt() + normal * (1.0 - square).sqrt()).normalize()
+        ((x * c + y * s) * (1.0 - cos * cos).max(0.0).sqrt() + axis * cos).normalize()
     })
 }

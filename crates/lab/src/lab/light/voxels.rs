@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::lab::LabError;
 use crate::lit::{Light, LitScene, LitTriangle, Material};
+use crate::world::Mesh;
 
 /// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would lie on the sides of cells and fill two.
 const MARGIN: f32 = 2.5;
@@ -28,9 +29,12 @@ pub struct Voxel {
     pub emission: Vec3,
     /// Mean normal of the one side; the surface has another side.
     pub normal: Vec3,
-    /// Mean point, in world units.
-    pub point: Vec3,
+    /// Mean point, in world units; `None` where no surface is in the cell or beside it, such as deep in a solid. Such a voxel is black.
+    pub point: Option<Vec3>,
 }
+
+/// Light, if the library refuses nothing.
+pub(super) type Lit = Result<Vec3, casca::Error>;
 
 /// Light of the two sides of each voxel: that which the normal points to, and the other.
 pub type Sides = Vec<[Vec3; 2]>;
@@ -56,14 +60,17 @@ struct Sums {
     weight: f32,
     /// That of surfaces that emit.
     emitting: f32,
-    voxel: Voxel,
+    albedo: Vec3,
+    emission: Vec3,
+    normal: Vec3,
+    point: Vec3,
 }
 
 impl Voxels {
-    /// Voxels of a cube of `n` cells along each axis, 8 to 256.
+    /// Voxels of a cube of `n` cells along each axis, 8 to 256. Triangles and values that the path tracer leaves out are left out.
     ///
     /// # Errors
-    /// If `n` is out of range, or the library refuses a mesh.
+    /// If `n` is out of range, or the library refuses the grid or a mesh.
     pub fn new(scene: &LitScene, n: u32) -> Result<Self, LabError> {
         if !(8..=256).contains(&n) {
             return Err(format!("{n} cells along an axis: there must be 8 to 256").into());
@@ -72,21 +79,26 @@ impl Voxels {
         let cell = (hi - lo).max_element().max(1e-3) / (n as f32 - 2.0 * MARGIN);
         let min = (lo + hi) / 2.0 - cell * n as f32 / 2.0;
         let mut soft = SoftGrid::new(&GridSpec { min, cell, dims: UVec3::splat(n) })?;
-        for object in &scene.objects {
-            let at = |p: &Vec3| object.transform.transform_point3(*p);
-            let positions: Vec<Vec3> = object.mesh.positions.iter().map(at).collect();
+        let triangles = scene.triangles();
+        for object in triangles.chunk_by(|a, b| a.object == b.object) {
+            let mesh = Mesh {
+                positions: object.iter().flat_map(|t| t.corners).collect(),
+                triangles: (0..object.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            };
             // The library fills closed meshes. One that faces inwards is a room: it must not be filled, so it is inserted as two open ones.
-            let whole = if object.mesh.is_closed() { 0 } else { 1.min(object.mesh.triangles.len()) };
-            let (first, rest) = object.mesh.triangles.split_at(whole);
-            for triangles in [first, rest].into_iter().filter(|t| !t.is_empty()) {
-                soft.insert(Arc::new(TriMesh::new(positions.clone(), triangles.to_vec())?), Layer::Fixed)?;
+            let whole = if mesh.is_closed() { 0 } else { 1 };
+            let (first, rest) = mesh.triangles.split_at(whole);
+            for part in [first, rest].into_iter().filter(|t| !t.is_empty()) {
+                let part = TriMesh::bounds_only(mesh.positions.clone(), part.to_vec())?;
+                soft.insert(Arc::new(part), Layer::Fixed)?;
             }
         }
         soft.rebuild();
         let n = n as i32;
         let mut made =
             Self { soft, n, cell, min, voxels: Vec::new(), places: vec![NONE; (n * n * n) as usize] };
-        made.fill(&scene.triangles(), &scene.materials);
+        let materials: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
+        made.fill(&triangles, &materials);
         Ok(made)
     }
 
@@ -117,9 +129,9 @@ impl Voxels {
             if !self.soft.is_occupied(Layer::Fixed, cell) {
                 continue;
             }
-            // A cell that the surface only touches takes after its neighbours.
+            // A cell that the surface only touches takes after its neighbours. Areas may be as good as none, too.
             let mut all = *sum;
-            if all.weight == 0.0 {
+            if all.weight <= 0.0 {
                 let around = (0..27).map(|k| cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
                 around.filter_map(|c| self.place(c)).for_each(|p| all.merge(&sums[p]));
             }
@@ -142,9 +154,14 @@ impl Voxels {
                 let (u, v) = ((i as f32 + third) / m as f32, ((j / 2) as f32 + third) / m as f32);
                 let point = a + ab * u + ac * v;
                 if let Some(place) = self.place(self.to_cells(point).floor().as_ivec3()) {
-                    let (albedo, emission) = (material.albedo, material.emission);
-                    let normal = cross.normalize_or_zero();
-                    sums[place].add(&Voxel { albedo, emission, normal, point }, weight);
+                    sums[place].merge(&Sums {
+                        weight,
+                        emitting: if material.emits() { weight } else { 0.0 },
+                        albedo: material.albedo * weight,
+                        emission: material.emission * weight,
+                        normal: cross.normalize_or_zero() * weight,
+                        point: point * weight,
+                    });
                 }
             }
         }
@@ -155,24 +172,32 @@ impl Voxels {
         usize::from(self.voxels[voxel].normal.dot(direction) > 0.0)
     }
 
-    /// What a function says of each side of each voxel: a point off it, and its normal.
-    pub fn sides(&self, of: impl Fn(&Voxel, Vec3, Vec3) -> Vec3 + Sync) -> Sides {
-        let both = |v: &Voxel| [v.normal, -v.normal].map(|n| of(v, v.point + n * (OFF * self.cell), n));
+    /// The light that a function says leaves each side of each voxel with a surface, from its point and the normal of the side; the other
+    /// voxels are black.
+    pub fn sides(&self, of: impl Fn(&Voxel, Vec3, Vec3) -> Lit + Sync) -> Result<Sides, casca::Error> {
+        let both = |v: &Voxel| match v.point {
+            Some(point) => Ok([of(v, point, v.normal)?, of(v, point, -v.normal)?]),
+            None => Ok([Vec3::ZERO; 2]),
+        };
         self.voxels.par_iter().map(both).collect()
     }
 
     /// What surfaces emit.
     pub fn emission(&self) -> Sides {
-        self.sides(|v, _, _| v.emission)
+        self.voxels.iter().map(|v| [v.emission; 2]).collect()
     }
 
     /// Direct light of lights, with shadows by exact walks to their centres.
-    pub fn direct(&self, lights: &[Light]) -> Sides {
-        self.sides(|v, _, normal| v.albedo * self.lit(lights, v.point, normal) / std::f32::consts::PI)
+    ///
+    /// # Errors
+    /// If the library refuses a walk.
+    pub fn direct(&self, lights: &[Light]) -> Result<Sides, casca::Error> {
+        let share = std::f32::consts::FRAC_1_PI;
+        self.sides(|v, point, normal| Ok(v.albedo * self.lit(lights, point, normal)? * share))
     }
 
-    /// The irradiance of lights at a point of a surface.
-    fn lit(&self, lights: &[Light], point: Vec3, normal: Vec3) -> Vec3 {
+    /// The irradiance of lights at a point of a surface, as [`Self::direct`] finds it.
+    pub(super) fn lit(&self, lights: &[Light], point: Vec3, normal: Vec3) -> Lit {
         let far = 2.0 * self.n as f32 * self.cell;
         let from = point + normal * (OFF * self.cell);
         let mut sum = Vec3::ZERO;
@@ -181,49 +206,35 @@ impl Voxels {
             // The light may be in a lamp.
             let way = (incident.distance.min(far) - OFF * self.cell).max(0.0);
             let to = point + incident.direction * way;
-            if cos > 0.0 && matches!(self.soft.first_hit(from, to), Ok(None)) {
+            if cos > 0.0 && self.soft.first_hit(from, to)?.is_none() {
                 sum += incident.irradiance * cos;
             }
         }
-        sum
+        Ok(sum)
     }
 }
 
 impl Sums {
-    /// Adds a point, with a weight of twice its share of the area.
-    fn add(&mut self, v: &Voxel, weight: f32) {
-        let emitting = if v.emission.max_element() > 0.0 { weight } else { 0.0 };
-        let Voxel { albedo, emission, normal, point } = *v;
-        let voxel = Voxel {
-            albedo: albedo * weight,
-            emission: emission * weight,
-            normal: normal * weight,
-            point: point * weight,
-        };
-        self.merge(&Self { weight, emitting, voxel });
-    }
-
     /// Adds other sums. Normals are turned to the side of those that were added before.
     fn merge(&mut self, other: &Self) {
-        let side = if self.voxel.normal.dot(other.voxel.normal) < 0.0 { -1.0 } else { 1.0 };
+        let side = if self.normal.dot(other.normal) < 0.0 { -1.0 } else { 1.0 };
         self.weight += other.weight;
         self.emitting += other.emitting;
-        self.voxel.albedo += other.voxel.albedo;
-        self.voxel.emission += other.voxel.emission;
-        self.voxel.normal += other.voxel.normal * side;
-        self.voxel.point += other.voxel.point;
+        self.albedo += other.albedo;
+        self.emission += other.emission;
+        self.normal += other.normal * side;
+        self.point += other.point;
     }
 
     /// The means, where `full` is the weight of a surface that lies across a cell.
     fn mean(&self, full: f32) -> Voxel {
         let over = |weight: f32| if weight > 0.0 { 1.0 / weight } else { 0.0 };
-        let Voxel { albedo, emission, normal, point } = self.voxel;
         Voxel {
-            albedo: albedo * over(self.weight),
+            albedo: self.albedo * over(self.weight),
             // A surface behind a lamp takes nothing of its light; one beside it does.
-            emission: emission * over(self.emitting.max(full.min(self.weight))),
-            normal: normal.normalize_or(Vec3::Y),
-            point: point * over(self.weight),
+            emission: self.emission * over(self.emitting.max(full.min(self.weight))),
+            normal: self.normal.normalize_or(Vec3::Y),
+            point: (self.weight > 0.0).then(|| self.point / self.weight),
         }
     }
 }

@@ -54,7 +54,7 @@ pub fn compare(family: Family, case: &Case, effort: &Effort) -> Result<Vec<Agree
     for (way, height, slices, plane) in tries {
         let grid = case.grid(height, slices)?;
         let options = AoOptions { plane, ..case.fitted(&grid, &samples, way)? };
-        let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.repeats)?;
+        let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.seconds)?;
         let fitted = match options.estimator {
             Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => Some(factor),
             Estimator::Extinction { k } => Some(k),

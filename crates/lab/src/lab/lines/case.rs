@@ -1,7 +1,5 @@
 //! One set of lines in one view, with the true occlusion at some of the pixels that show a line.
 
-use std::time::Instant;
-
 use casca_lines::LineSet;
 use casca_lines::buffers::{Fragment, LineBuffer};
 use casca_lines::occlusion::{AoOptions, Estimator, Occlusion};
@@ -12,9 +10,10 @@ use casca_lines::view::View;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::clock::timed;
 use super::score::fit;
 use super::truth::Tubes;
-use crate::lab::{LabError, median};
+use crate::lab::LabError;
 
 /// The radius of hemispheres as a share of the scene's extent, as in the thesis.
 pub const RADIUS: f64 = 0.13;
@@ -34,8 +33,8 @@ pub struct Effort {
     pub receivers: usize,
     /// The square root of the rays at each.
     pub rays: usize,
-    /// Times that a measurement is repeated; the median counts.
-    pub repeats: usize,
+    /// Seconds that a measurement takes at least.
+    pub seconds: f64,
     /// Seed of lines, samples and rays.
     pub seed: u64,
 }
@@ -102,6 +101,14 @@ impl Case {
         Ok(case)
     }
 
+    /// The same with every n-th receiver only.
+    #[must_use]
+    pub fn thinned(mut self, n: usize) -> Self {
+        self.receivers = self.receivers.iter().step_by(n.max(1)).copied().collect();
+        self.truth = self.truth.iter().step_by(n.max(1)).copied().collect();
+        self
+    }
+
     /// The true occlusion at receivers of a view.
     pub fn rays(&self, view: &View, receivers: &[Receiver], effort: &Effort) -> Vec<f64> {
         let one = |(i, (_, f)): (usize, &Receiver)| {
@@ -128,7 +135,7 @@ impl Case {
         Ok(SampleSets::new(samples, SETS.min(8192 / samples.max(1)).max(1), seed)?)
     }
 
-    /// Estimates at receivers, and the median of the microseconds that one takes on one thread.
+    /// Estimates at receivers, and the microseconds that one takes on one thread; measured for some seconds at least.
     ///
     /// # Errors
     /// If an option is out of its range.
@@ -137,17 +144,12 @@ impl Case {
         samples: &SampleSets,
         options: AoOptions,
         receivers: &[Receiver],
-        repeats: usize,
+        seconds: f64,
     ) -> Result<(Vec<f64>, f64), LabError> {
         let occlusion = Occlusion::new(grid, samples, options)?;
-        let (mut values, mut times) = (Vec::new(), Vec::new());
-        for _ in 0..repeats.max(1) {
-            let start = Instant::now();
-            let at = |(pixel, f): &Receiver| f64::from(occlusion.at(f, occlusion.set_of(f, *pixel)));
-            values = receivers.iter().map(at).collect();
-            times.push(start.elapsed().as_secs_f64() * 1e6 / receivers.len().max(1) as f64);
-        }
-        Ok((values, median(&mut times)))
+        let at = |(pixel, f): &Receiver| f64::from(occlusion.at(f, occlusion.set_of(f, *pixel)));
+        let (time, values) = timed(seconds, || receivers.iter().map(at).collect());
+        Ok((values, time * 1e6 / receivers.len().max(1) as f64))
     }
 
     /// The factor or k that fits an estimator's shares best to the truth; 1 for one that has none.
@@ -163,9 +165,10 @@ impl Case {
             Way::RatioOfSums => Estimator::RatioOfSums { factor: SMALL },
             Way::MeanOfRatios | Way::Extinction => Estimator::MeanOfRatios { factor: SMALL },
         };
-        let (small, _) = Self::estimate(grid, samples, options(share), &self.receivers, 1)?;
+        let (small, _) = Self::estimate(grid, samples, options(share), &self.receivers, 0.0)?;
         let shares: Vec<f64> = small.iter().map(|x| x / f64::from(SMALL)).collect();
-        let best = |estimate: fn(f64, f64) -> f64| fit(&shares, &self.truth, [0.1, 1000.0], estimate) as f32;
+        let best =
+            |estimate: fn(f64, f64) -> f64| fit(&shares, &self.truth, [0.001, 1000.0], estimate) as f32;
         let linear = |factor: f64, x: f64| (factor * x).min(1.0);
         Ok(options(match way {
             Way::RatioOfSums => Estimator::RatioOfSums { factor: best(linear) },

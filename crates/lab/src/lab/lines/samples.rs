@@ -27,11 +27,11 @@ pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section
         let grid = case.grid(rows, Slices::S128)?;
         let options = case.fitted(&grid, &Case::samples(SAMPLES, effort.seed)?, way)?;
         let many = Case::samples(most, effort.seed + 1)?;
-        let (reference, _) = Case::estimate(&grid, &many, options, &case.receivers, 1)?;
+        let (reference, _) = Case::estimate(&grid, &many, options, &case.receivers, 0.0)?;
         let (mut errors, mut truths, mut times) = (Vec::new(), Vec::new(), Vec::new());
         for &n in numbers {
             let samples = Case::samples(n, effort.seed)?;
-            let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.repeats)?;
+            let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.seconds)?;
             let (own, true_one) = (rmse(&values, &reference), rmse(&values, &case.truth));
             let numbers = [format!("{own:.4}"), format!("{true_one:.4}"), format!("{micros:.1}")];
             table.row([name.to_owned(), n.to_string()].into_iter().chain(numbers));

@@ -41,7 +41,7 @@ fn brightness(material: &Material) -> f64 {
     material.emission.as_dvec3().element_sum()
 }
 
-fn area(t: &LitTriangle) -> f64 {
+pub(super) fn area(t: &LitTriangle) -> f64 {
     let [a, b, c] = t.corners.map(|p| p.as_dvec3());
     (b - a).cross(c - a).length() / 2.0
 }

@@ -83,7 +83,7 @@ impl PathTracer {
     /// Builds the hierarchy. Material values out of range are brought into it; O(n log n) for n triangles.
     pub fn new(scene: &LitScene) -> Self {
         let triangles = scene.triangles();
-        let materials: Vec<Material> = scene.materials.iter().map(sound).collect();
+        let materials: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
         let part = |(i, t): (usize, &LitTriangle)| Part {
             shape: Primitive::Triangle(t.corners.map(|p| p.as_dvec3())),
             object: i as u32,
@@ -265,19 +265,4 @@ fn mean(samples: u32, mut sample: impl FnMut() -> DVec3) -> (glam::Vec3, glam::V
     }
     let variance = squares / (n * (n - 1.0).max(1.0));
     (mean.as_vec3(), variance.map(f64::sqrt).as_vec3())
-}
-
-/// A material with values in range.
-fn sound(material: &Material) -> Material {
-    let share = |v: glam::Vec3| {
-        if v.is_finite() { v.clamp(glam::Vec3::ZERO, glam::Vec3::ONE) } else { glam::Vec3::ZERO }
-    };
-    let specular = share(material.specular);
-    let emission = if material.emission.is_finite() {
-        material.emission.max(glam::Vec3::ZERO)
-    } else {
-        glam::Vec3::ZERO
-    };
-    let gloss = if material.gloss.is_finite() { material.gloss.clamp(0.0, 1.0) } else { 0.0 };
-    Material { albedo: share(material.albedo).min(glam::Vec3::ONE - specular), specular, gloss, emission }
 }

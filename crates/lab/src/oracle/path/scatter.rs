@@ -9,9 +9,6 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::lit::Material;
 
-/// The exponent of the lobe is 2 to the power of this times the gloss plus 1: 2 to 4096.
-const SHARPEST: f64 = 11.0;
-
 /// A surface that is looked at from one direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scatter {
@@ -34,7 +31,7 @@ impl Scatter {
             mirror: direction - normal * (2.0 * direction.dot(normal)),
             albedo,
             specular,
-            exponent: (SHARPEST * f64::from(material.gloss) + 1.0).exp2(),
+            exponent: material.exponent(),
             diffuse: if d + s > 0.0 { d / (d + s) } else { 1.0 },
         }
     }

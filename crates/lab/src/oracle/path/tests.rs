@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 
+use super::emitters::area;
 use super::*;
 use crate::cases;
 use crate::lit::{Falloff, Kind, LightKind, LitObject};
@@ -180,33 +181,115 @@ fn a_closed_room_keeps_its_energy_until_it_is_absorbed() {
         Mesh::cuboid(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0)),
         Material::matt(Vec3::splat(albedo)),
     )]);
-    room.materials.push(Material { emission: Vec3::splat(5.0), ..room.materials[0] });
-    let materials: Vec<u32> = (0..12).map(|i| u32::from(i / 2 == 3)).collect();
-    room.objects[0].materials = materials.into();
-    let tracer = PathTracer::new(&room);
-    let areas: Vec<f64> = tracer.triangles.iter().map(|t| f64::from(t.cross().length()) / 2.0).collect();
-    let emitted: f64 =
-        tracer.triangles.iter().zip(&areas).filter(|(t, _)| t.material == 1).map(|(_, a)| a * 5.0).sum();
-    for order in 1..4u32 {
-        let mut random = Pcg64Mcg::seed_from_u64(9);
-        let mut total = 0.0;
-        for (t, area) in tracer.triangles.iter().zip(&areas) {
-            let [a, b, c] = t.corners.map(|p| p.as_dvec3());
-            let mut spot = || {
-                let (root, v) = (random.random::<f64>().sqrt(), random.random::<f64>());
-                let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
-                // Boxes look outwards.
-                let at = Surface {
-                    point,
-                    normal: -t.cross().as_dvec3().normalize(),
-                    material: t.material as usize,
+    let lamps = |room: &LitScene| PathTracer::new(room).triangles.iter().map(|t| t.material).sum::<u32>();
+    let ball = LightKind::Point { position: Vec3::new(1.4, 0.5, 1.1), radius: 0.2 };
+    let light = Light { kind: ball, color: Vec3::splat(2.0), falloff: Falloff::INVERSE_SQUARE };
+    // Lights alone, a wall that emits alone, and both.
+    for (lit, emits) in [(true, false), (false, true), (true, true)] {
+        room.lights = if lit { vec![light] } else { Vec::new() };
+        let emission = Vec3::splat(if emits { 5.0 } else { 0.0 });
+        room.materials.truncate(1);
+        room.materials.push(Material { emission, ..room.materials[0] });
+        room.objects[0].materials = (0..12).map(|i| u32::from(i / 2 == 3)).collect();
+        assert_eq!(lamps(&room), 2);
+        let tracer = PathTracer::new(&room);
+        let areas: Vec<f64> = tracer.triangles.iter().map(area).collect();
+        // Radiance times area. All flux of a light of intensity I, 4 pi I, falls on the walls, which make a radiance of 1 / pi of it.
+        let emitted: f64 = tracer.triangles.iter().zip(&areas).map(|(t, a)| f64::from(t.material) * a).sum();
+        let emitted = emitted * f64::from(emission.x) + if lit { 4.0 * 2.0 } else { 0.0 };
+        for order in 1..4u32 {
+            let mut random = Pcg64Mcg::seed_from_u64(9);
+            let mut total = 0.0;
+            for (t, area) in tracer.triangles.iter().zip(&areas) {
+                let [a, b, c] = t.corners.map(|p| p.as_dvec3());
+                let mut spot = || {
+                    let (root, v) = (random.random::<f64>().sqrt(), random.random::<f64>());
+                    let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+                    // Boxes look outwards.
+                    let at = Surface {
+                        point,
+                        normal: -t.cross().as_dvec3().normalize(),
+                        material: t.material as usize,
+                    };
+                    tracer.radiance(Some(at), -at.normal, &(order..=order), &mut random)
                 };
-                tracer.radiance(Some(at), -at.normal, &(order..=order), &mut random)
-            };
-            total += area * f64::from(mean(3000, &mut spot).0.x);
+                total += area * f64::from(mean(3000, &mut spot).0.x);
+            }
+            let truth = emitted * f64::from(albedo).powi(order as i32);
+            near(total, truth, 0.02 * truth);
         }
-        let truth = emitted * f64::from(albedo).powi(order as i32);
-        near(total, truth, 0.02 * truth);
+    }
+}
+
+#[test]
+fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
+    let lamp = square(2.0, 0.7);
+    let corners: Vec<DVec3> = lamp.positions.iter().map(|p| p.as_dvec3()).collect();
+    let floor = |gloss| match gloss {
+        0.0 => Material::matt(Vec3::splat(0.5)),
+        _ => Material { specular: Vec3::splat(0.3), gloss, ..Material::matt(Vec3::splat(0.5)) },
+    };
+    let lit = |gloss: f32, emission: f32, intensity: f32| {
+        let emitter = Material::emitter(Vec3::splat(emission));
+        let mut all = scene(vec![(square(0.0, 5.0), floor(gloss)), (lamp.clone(), emitter)]);
+        // Two lights below the lamp: one of them is a ball.
+        let at = |position, radius| LightKind::Point { position, radius };
+        let kinds = [at(Vec3::new(0.5, 1.0, 0.25), 0.0), at(Vec3::new(-1.0, 1.5, 0.0), 0.3)];
+        let light = |kind| Light { kind, color: Vec3::splat(intensity), falloff: Falloff::INVERSE_SQUARE };
+        all.lights = kinds.map(light).to_vec();
+        PathTracer::new(&all)
+    };
+    for x in [-1.5, 0.0, 2.0] {
+        let (from, to) = (DVec3::new(x + 0.4, 0.5, 0.2), DVec3::new(x, 0.0, 0.5));
+        let (found, error) = look(&lit(0.0, 3.0, 4.0), from, to, 1..=1, 20_000);
+        let by = |position: DVec3| 4.0 * position.y / (position - to).length().powi(3);
+        let lights = by(DVec3::new(0.5, 1.0, 0.25)) + by(DVec3::new(-1.0, 1.5, 0.0));
+        let truth = 0.5 / PI * (3.0 * lambert(&corners, to, DVec3::Y) + lights);
+        assert!(error < 0.01 * truth, "{error} of {truth}");
+        near(found, truth, 5.0 * error);
+        // A glossy floor has no closed form: the parts add up.
+        for gloss in [0.3, 0.8] {
+            let parts = [(3.0, 4.0), (3.0, 0.0), (0.0, 4.0)];
+            let [both, lamp, lights] = parts.map(|(l, p)| look(&lit(gloss, l, p), from, to, 1..=2, 20_000));
+            near(both.0, lamp.0 + lights.0, 5.0 * (both.1 + lamp.1 + lights.1));
+        }
+    }
+}
+
+#[test]
+fn what_is_in_the_shade_gets_nothing_of_a_light() {
+    let black = Material::matt(Vec3::ZERO);
+    let mut shaded = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 0.5), black)]);
+    let position = Vec3::new(0.0, 2.0, 0.0);
+    for radius in [0.0, 0.2] {
+        let light = LightKind::Point { position, radius };
+        shaded.lights = vec![Light { kind: light, color: Vec3::ONE, falloff: Falloff::INVERSE_SQUARE }];
+        let tracer = PathTracer::new(&shaded);
+        let on_floor = |x: f64| look(&tracer, DVec3::new(x, 0.5, 0.2), DVec3::new(x, 0.0, 0.2), 1..=1, 2000);
+        assert_eq!([on_floor(0.0).0, on_floor(0.7).0], [0.0; 2]);
+        let (found, error) = on_floor(2.0);
+        near(found, 2.0 / (4.0f64 + 4.0 + 0.04).powf(1.5) / PI, 5.0 * error + 1e-6);
+    }
+}
+
+#[test]
+fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
+    let ceiling = square(1.0, 0.7);
+    let corners: Vec<DVec3> = ceiling.positions.iter().map(|p| p.as_dvec3()).collect();
+    let grey = Material::matt(Vec3::splat(0.5));
+    let mut room = scene(vec![(square(0.0, 5.0), grey), (ceiling, Material::matt(Vec3::ZERO))]);
+    room.sky = Vec3::splat(3.0);
+    let tracer = PathTracer::new(&room);
+    for x in [0.0, 0.8, 2.0] {
+        let to = DVec3::new(x, 0.0, 0.3);
+        let open = 1.0 - lambert(&corners, to, DVec3::Y) / PI;
+        let from = to + DVec3::Y * 0.5;
+        let (found, error) = look(&tracer, from, to, 1..=1, 10_000);
+        near(found, 0.5 * 3.0 * open, 5.0 * error);
+        let (seen, mut random) = (tracer.hit(from, DVec3::NEG_Y), Pcg64Mcg::seed_from_u64(4));
+        let all = Quantity::Ambient(f32::INFINITY);
+        let (found, error) = mean(10_000, || tracer.sample(seen, DVec3::NEG_Y, &all, &mut random));
+        near(found.x.into(), open, 5.0 * f64::from(error.x));
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::wgpu::{self, BufferUsages, CommandEncoder, Features};
+use wgpu::{BufferUsages, CommandEncoder, Features};
+
+use crate::gpu::{Gpu, GpuError};
 
 /// Submits stages, and measures them if it is asked to.
 pub struct Clock {
@@ -103,7 +104,7 @@ impl Stamps {
     /// The time between them; `None` if the device wrote none.
     fn read(&self, gpu: &Gpu) -> Result<Option<Duration>, GpuError> {
         let bytes = gpu.read_buffer(&self.buffer)?;
-        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        let ticks: Vec<u64> = bytes.as_chunks().0.iter().map(|b| u64::from_le_bytes(*b)).collect();
         let span = ticks[1].checked_sub(ticks[0]).filter(|t| *t > 0);
         let nanoseconds = span.map(|t| t as f64 * f64::from(gpu.queue.get_timestamp_period()));
         Ok(nanoseconds.map(|n| Duration::from_nanos(n as u64)))

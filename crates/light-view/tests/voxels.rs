@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use casca_lab::lit::{Kind, LitScene};
 use casca_light::error::LightError;
 use casca_light::renderer::{Renderer, Settings};
@@ -47,6 +49,39 @@ fn voxels_are_the_cells_that_triangles_touch() {
         }
         assert!(full > 500, "{full}");
     }
+}
+
+#[test]
+fn no_cell_that_a_sliver_touches_is_missing() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::Cornell.build();
+    // A sequence without a pattern (R3, Roberts 2018), as points of the box.
+    let point =
+        |i: usize| 5.4 * (Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * (i as f32 + 0.5)).fract();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for i in 0..40 {
+        let (a, b) = (point(2 * i), point(2 * i + 1));
+        let aside = (b - a).normalize().any_orthonormal_vector() * 0.02 * 0.5_f32.powi(i as i32 % 12);
+        triangles.push([0, 1, 2].map(|k| k + positions.len() as u32));
+        positions.extend([a, b, a.lerp(b, 0.4) + aside]);
+    }
+    scene.objects.truncate(1);
+    scene.objects[0].materials = vec![0; triangles.len()].into();
+    scene.objects[0].mesh = casca_lab::world::Mesh { positions, triangles }.into();
+    let (renderer, surfaces) = voxels(&gpu, &scene, 32);
+    let volume = renderer.volume();
+    let is_full = |cell: &glam::UVec3| {
+        let brick = surfaces.iter().find(|s| s.0 == volume.number(cell / 8));
+        let [x, y, z] = (cell % 8).to_array();
+        brick.is_some_and(|s| s.1[(x + 8 * (y + 8 * z)) as usize] != [0; 4])
+    };
+    let touched = touched_by_clipping(&scene, volume, -1e-4);
+    let missing = touched.iter().filter(|&cell| !is_full(cell)).count();
+    assert!(touched.len() > 500 && missing == 0, "{missing} of {}", touched.len());
+    // The width of the widest sliver, in cells, is a tenth.
+    let near = touched_by_clipping(&scene, volume, 0.1);
+    let full = surfaces.iter().flat_map(|s| &s.1).filter(|c| **c != [0; 4]).count();
+    assert!(full <= near.len(), "{full} of {}", near.len());
 }
 
 #[test]
@@ -122,9 +157,22 @@ fn scenes_and_grids_that_cannot_be_had_are_named() {
     assert!(refused(&scene, bad).unwrap().contains("the step is NaN"));
     let empty = LitScene { objects: Vec::new(), ..scene.clone() };
     assert!(refused(&empty, settings(32)).unwrap().contains("no triangles"));
+    let mut broken = scene.clone();
+    broken.objects.truncate(1);
+    broken.objects[0].materials = Arc::new([0, 99]);
+    let mut mesh = (*broken.objects[0].mesh).clone();
+    mesh.positions[1] = Vec3::NAN;
+    mesh.triangles = vec![[0, 1, 2], [0, 2, 3]];
+    broken.objects[0].mesh = mesh.into();
+    let said = refused(&broken, settings(32)).unwrap();
+    assert!(said.contains("1 have corners") && said.contains("1 have no material"), "{said}");
     if gpu.device.limits().max_storage_buffer_binding_size <= 1 << 27 {
         let said = refused(&scene, settings(512)).unwrap();
         assert!(said.contains("but the adapter has 134217728") && said.contains("fewer cells"), "{said}");
+        let mut renderer = Renderer::new(&gpu, &scene, settings(16)).unwrap();
+        let lights = vec![casca_lab::lit::Light::point(Vec3::ZERO, Vec3::ONE); (1 << 21) + 1];
+        let said = renderer.set_lights(&gpu, &lights).unwrap_err().to_string();
+        assert!(said.contains("lights takes") && said.contains("fewer lights"), "{said}");
     }
 }
 

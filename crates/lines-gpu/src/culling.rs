@@ -1,0 +1,117 @@
+//! Bundles of lines as objects of a scene, in which walls hide them.
+//!
+//! Lines fill a fraction of a pixel, so they never hide anything: only walls are occluders. A pixel depends on the line that it
+//! shows and on the lines that its occlusion reads. Both lie near a point that the eye sees, as near as [`Reach`] says. A bundle
+//! whose bounds, inflated by that reach, are hidden holds no such line. So a picture without it is the same in every pixel.
+
+use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
+use casca_lines::view::View;
+use glam::Vec3;
+
+use crate::error::LinesGpuError;
+use crate::lens::{Reach, view_of_scene};
+use crate::set::Bundle;
+
+/// The user data of walls.
+const WALL: u64 = u64::MAX;
+
+/// The bundles that a frame needs, by their numbers, ascending.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// Those that a pixel may show.
+    pub drawn: Vec<u32>,
+    /// Those that columns must hold: the drawn ones, and those that may darken them.
+    pub read: Vec<u32>,
+}
+
+impl Seen {
+    /// All of so many bundles.
+    pub fn all(bundles: usize) -> Self {
+        let all: Vec<u32> = (0..bundles as u32).collect();
+        Self { drawn: all.clone(), read: all }
+    }
+}
+
+/// Follows the bundles of a set, and says which of them a view needs.
+pub struct Culling {
+    scene: Scene,
+    query: Query,
+    objects: Vec<ObjectId>,
+    bounds: Vec<Aabb>,
+    /// By how much the bounds of the objects are inflated.
+    inflated: f32,
+}
+
+impl Culling {
+    /// A scene of the bundles and of walls.
+    ///
+    /// # Errors
+    /// If a wall or the bounds of a bundle are not finite, or all of them lie at one place so far from the origin that no grid is
+    /// possible.
+    pub fn new(bundles: &[Bundle], walls: &[[Vec3; 2]]) -> Result<Self, LinesGpuError> {
+        let bounds: Vec<Aabb> = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
+        let walls: Vec<Aabb> = walls.iter().map(|w| Aabb::new(w[0], w[1])).collect();
+        let all = bounds.iter().chain(&walls);
+        let joined = all.copied().reduce(|a, b| Aabb::new(a.min.min(b.min), a.max.max(b.max)));
+        let region = joined.unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ONE));
+        let size =
+            (region.max - region.min).max_element().max(region.max.abs().max_element() * 1e-3).max(1e-3);
+        let region = inflate(&region, size * 0.01);
+        let mut scene = Scene::new(&GridSpec::fit(region, bounds.len() + walls.len())?)?;
+        for wall in walls {
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall).user_data(WALL))?;
+        }
+        let insert = |(i, b): (usize, &Aabb)| scene.insert(ObjectDesc::dynamic(*b).user_data(i as u64));
+        let objects = bounds.iter().enumerate().map(insert).collect::<Result<_, _>>()?;
+        Ok(Self { scene, query: Query::new(), objects, bounds, inflated: 0.0 })
+    }
+
+    /// The bundles have moved; there may be more or fewer of them.
+    ///
+    /// # Errors
+    /// If the bounds of a bundle are not finite.
+    pub fn follow(&mut self, bundles: &[Bundle]) -> Result<(), LinesGpuError> {
+        for gone in self.objects.drain(bundles.len().min(self.objects.len())..) {
+            self.scene.remove(gone)?;
+        }
+        self.bounds = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
+        for (i, bounds) in self.bounds.iter().enumerate() {
+            let bounds = inflate(bounds, self.inflated);
+            match self.objects.get(i) {
+                Some(&object) => self.scene.update(object, bounds, None)?,
+                None => {
+                    self.objects.push(self.scene.insert(ObjectDesc::dynamic(bounds).user_data(i as u64))?)
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The bundles that a view needs. Costs a query; if the reach is another than in the last call, also an update of each bundle.
+    ///
+    /// # Errors
+    /// If the scene refuses the view.
+    pub fn look(&mut self, view: &View, reach: Reach) -> Result<Seen, LinesGpuError> {
+        if reach.read != self.inflated {
+            self.inflated = reach.read;
+            for (&object, bounds) in self.objects.iter().zip(&self.bounds) {
+                self.scene.update(object, inflate(bounds, reach.read), None)?;
+            }
+        }
+        let pvs = self.query.run(&self.scene, &view_of_scene(view)?);
+        let bundle = |id| self.scene.user_data(id).ok().and_then(|data| u32::try_from(data).ok());
+        let mut read: Vec<u32> = pvs.iter().filter_map(bundle).collect();
+        read.sort_unstable();
+        let sight = self.query.sight(&self.scene);
+        let may_show = |&&bundle: &&u32| {
+            let bounds = inflate(&self.bounds[bundle as usize], reach.drawn);
+            sight.as_ref().is_none_or(|sight| sight.may_see_box(&bounds))
+        };
+        let drawn = read.iter().filter(may_show).copied().collect();
+        Ok(Seen { drawn, read })
+    }
+}
+
+fn inflate(b: &Aabb, by: f32) -> Aabb {
+    Aabb::new(b.min - Vec3::splat(by), b.max + Vec3::splat(by))
+}

@@ -1,0 +1,67 @@
+//! Why nothing is drawn.
+
+use casca_line_sets::LineError;
+use casca_lines::occlusion::OptionsError;
+use casca_lines::samples::SampleError;
+use casca_lines::view::ViewError;
+use casca_stage::gpu::GpuError;
+
+/// Why lines were refused or not drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinesGpuError {
+    /// There is no adapter, no room, or the device is lost.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The device refused commands.
+    #[error("the graphics device refused {stage}: {why}")]
+    Refused {
+        /// The stage.
+        stage: &'static str,
+        /// The device's words.
+        why: String,
+    },
+    /// The columns need more memory than the adapter has in one buffer.
+    #[error(
+        "{what} of {width} x {height} columns need {bytes} bytes, and the adapter has {most} in one buffer: \
+         take a smaller picture, coarser columns or fewer slices"
+    )]
+    TooLarge {
+        /// The contents.
+        what: &'static str,
+        /// Columns of the grid.
+        width: u32,
+        /// Rows of the grid.
+        height: u32,
+        /// The bytes needed.
+        bytes: u64,
+        /// The adapter's limit.
+        most: u64,
+    },
+    /// The grid of columns.
+    #[error("columns of {0} pixels: the side of a column is 1 to 64 pixels")]
+    Coarse(u32),
+    /// A view was refused.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// An option of the occlusion is out of its range.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    /// Sets of samples were refused.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// Lines were refused.
+    #[error(transparent)]
+    Lines(#[from] LineError),
+    /// The scene refused bounds or a view.
+    #[error("the scene for culling: {0}")]
+    Scene(#[from] casca::Error),
+    /// The bundles are those of another set of lines.
+    #[error("a bundle with number {number}, but the set has {bundles}")]
+    Bundle {
+        /// The number asked for.
+        number: u32,
+        /// The number of bundles.
+        bundles: usize,
+    },
+}

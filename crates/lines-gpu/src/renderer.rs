@@ -1,0 +1,363 @@
+//! Columns, nearest lines, occlusion and pictures of a frame.
+
+use bytemuck::{Pod, Zeroable};
+use casca_lines::buffers::Fragment;
+use casca_lines::occlusion::sector_of;
+use casca_lines::samples::SampleSets;
+use casca_lines::slabs::Slices;
+use casca_lines::view::View;
+use casca_stage::canvas::Target;
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat};
+use glam::Vec3;
+
+use crate::clock::Clock;
+use crate::culling::Seen;
+use crate::error::LinesGpuError;
+use crate::kernel::{Bound, Kernel, bind, filled, shader};
+use crate::lens::GpuLens;
+use crate::set::GpuLines;
+use crate::settings::{GpuAo, Settings};
+
+/// How a picture looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// Lines in flat colours.
+    Plain,
+    /// Lit as tubes.
+    Diffuse,
+    /// Lit as tubes, darkened by their occlusion.
+    Occluded,
+    /// The occlusion alone: white in the open.
+    Occlusion,
+}
+
+/// `Fragment` of view.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GpuFragment {
+    position: [f32; 3],
+    line: u32,
+    tangent: [f32; 3],
+    along: f32,
+}
+
+/// The buffers of a frame.
+struct Frame {
+    view: View,
+    grid: View,
+    slices: Slices,
+    bits: Buffer,
+    lengths: Buffer,
+    nearest: Buffer,
+    owners: Buffer,
+    walls: Buffer,
+    fragments: Buffer,
+    occlusion: Buffer,
+    lens: Buffer,
+    grid_lens: Buffer,
+}
+
+/// Draws lines.
+pub struct Renderer {
+    settings: Settings,
+    columns: Kernel,
+    draw: Kernel,
+    resolve: Kernel,
+    walls: Kernel,
+    estimate: Kernel,
+    picture: wgpu::RenderPipeline,
+    /// The two runs of `draw`.
+    choosing: [Buffer; 2],
+    samples: Buffer,
+    frame: Option<Frame>,
+}
+
+const PICTURE: &[u32] = &[0, 10, 12, 17, 18];
+
+impl Renderer {
+    /// Compiles the shaders, for pictures of a format.
+    ///
+    /// # Errors
+    /// If a setting is out of its range, or the device has no room.
+    pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
+        let raster = shader(gpu, "raster", include_str!("shaders/raster.wgsl"));
+        let walls = shader(gpu, "walls", include_str!("shaders/walls.wgsl"));
+        let occlusion = shader(gpu, "occlusion", include_str!("shaders/occlusion.wgsl"));
+        let flag = |value: u32| filled(gpu, &[value, 0, 0, 0], BufferUsages::UNIFORM);
+        Ok(Self {
+            columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
+            draw: Kernel::new(gpu, &raster, "draw", &[0, 1, 2, 3, 4, 5, 8, 9, 10]),
+            resolve: Kernel::new(gpu, &raster, "resolve", &[0, 2, 3, 9, 11, 12]),
+            walls: Kernel::new(gpu, &walls, "find", &[0, 13, 14]),
+            estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
+            picture: picture(gpu, format),
+            choosing: [flag(0)?, flag(1)?],
+            samples: samples(gpu, &settings)?,
+            settings,
+            frame: None,
+        })
+    }
+
+    /// What is computed.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes what is computed. After an error the old settings stay.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesGpuError> {
+        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed);
+        settings.check()?;
+        if of_samples(&settings) != of_samples(&self.settings) {
+            self.samples = samples(gpu, &settings)?;
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Computes a view of lines: columns of `seen.read`, the nearest lines of `seen.drawn`, and the occlusion. `walls` are boxes
+    /// that hide lines, by their least and greatest corners; they take no part in the occlusion.
+    ///
+    /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to the pixels with lines times the
+    /// samples. Memory on the device: 80 bytes a column with 128 slices, 160 with 256; 52 bytes a pixel.
+    ///
+    /// # Errors
+    /// If the device has no room or is lost, or a bundle is not there.
+    pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        view: &View,
+        (lines, seen): (&GpuLines, &Seen),
+        walls: &[[Vec3; 2]],
+        clock: &mut Clock,
+    ) -> Result<(), LinesGpuError> {
+        self.fit(gpu, view)?;
+        let Some(frame) = &self.frame else { return Ok(()) };
+        let settings = &self.settings;
+        let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
+        let storage = BufferUsages::STORAGE;
+        let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
+        let corners: Vec<[f32; 4]> = walls.iter().flatten().map(|c| c.extend(0.0).to_array()).collect();
+        let boxes = filled(gpu, &corners, storage)?;
+        let ao = filled(gpu, &[GpuAo::new(settings, view.size())], BufferUsages::UNIFORM)?;
+        let set: [Bound<'_>; 4] =
+            [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order), (11, &lines.tangents)];
+        clock.stage(gpu, "columns", |encoder| {
+            [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
+            let bound = [(0, &frame.grid_lens), (5, &read_list), (6, &frame.bits), (7, &frame.lengths)];
+            self.columns.run_chunks(gpu, encoder, read.len(), &[&set[..], &bound[..]].concat());
+            Ok(())
+        })?;
+        clock.stage(gpu, "walls", |encoder| {
+            let bound = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
+            self.walls.run_pixels(gpu, encoder, view.size(), &bound);
+            Ok(())
+        })?;
+        clock.stage(gpu, "nearest lines", |encoder| {
+            [&frame.nearest, &frame.owners].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
+            for choosing in &self.choosing {
+                let bound = [
+                    (0, &frame.lens),
+                    (1, choosing),
+                    (5, &drawn_list),
+                    (8, &frame.nearest),
+                    (9, &frame.owners),
+                    (10, &frame.walls),
+                ];
+                self.draw.run_chunks(gpu, encoder, drawn.len(), &[&set[..], &bound[..]].concat());
+            }
+            let bound = [(0, &frame.lens), (9, &frame.owners), (12, &frame.fragments)];
+            self.resolve.run_pixels(gpu, encoder, view.size(), &[&set[..], &bound[..]].concat());
+            Ok(())
+        })?;
+        clock.stage(gpu, "occlusion", |encoder| {
+            let bound = [
+                (0, &frame.grid_lens),
+                (6, &frame.bits),
+                (7, &frame.lengths),
+                (12, &frame.fragments),
+                (15, &self.samples),
+                (16, &ao),
+                (17, &frame.occlusion),
+            ];
+            self.estimate.run_pixels(gpu, encoder, view.size(), &bound);
+            Ok(())
+        })
+    }
+
+    /// Paints the last frame; nothing before the first. `strength` scales the occlusion.
+    ///
+    /// # Errors
+    /// If the device is lost or out of memory.
+    pub fn paint(
+        &self,
+        gpu: &Gpu,
+        target: &Target,
+        look: Look,
+        strength: f32,
+        background: Vec3,
+        clock: &mut Clock,
+    ) -> Result<(), LinesGpuError> {
+        let Some(frame) = &self.frame else { return Ok(()) };
+        let [r, g, b] = background.to_array().map(f32::to_bits);
+        let look = filled(gpu, &[r, g, b, look as u32, strength.to_bits(), 0, 0, 0], BufferUsages::UNIFORM)?;
+        clock.stage(gpu, "picture", |encoder| {
+            let bound: [Bound<'_>; 5] = [
+                (0, &frame.lens),
+                (10, &frame.walls),
+                (12, &frame.fragments),
+                (17, &frame.occlusion),
+                (18, &look),
+            ];
+            let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &bound);
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &target.colour,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.picture);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+            Ok(())
+        })
+    }
+
+    /// The words of all columns, row by row: bit 0 of the first is the nearest slice.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_columns(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        self.read(gpu, |frame| &frame.bits)
+    }
+
+    /// The length in each group of slices of each column, row by row, in units of the scene.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_lengths(&self, gpu: &Gpu) -> Result<Vec<f64>, GpuError> {
+        let words: Vec<u64> = self.read(gpu, |frame| &frame.lengths)?;
+        let range = self.frame.as_ref().map_or(0.0, |f| f.grid.depths()[1] - f.grid.depths()[0]);
+        Ok(words.into_iter().map(|w| w as f64 * range / crate::numeric::LENGTH_UNITS).collect())
+    }
+
+    /// The nearest line of each pixel, row by row, as [`casca_lines::buffers::LineBuffer`] has it.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_fragments(&self, gpu: &Gpu) -> Result<Vec<Option<Fragment>>, GpuError> {
+        let all: Vec<GpuFragment> = self.read(gpu, |frame| &frame.fragments)?;
+        let fragment = |f: &GpuFragment| {
+            let (position, tangent) = (Vec3::from_array(f.position), Vec3::from_array(f.tangent));
+            (f.line != u32::MAX).then_some(Fragment { position, tangent, line: f.line, along: f.along })
+        };
+        Ok(all.iter().map(fragment).collect())
+    }
+
+    /// The occlusion of each pixel, row by row.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_occlusion(&self, gpu: &Gpu) -> Result<Vec<f32>, GpuError> {
+        self.read(gpu, |frame| &frame.occlusion)
+    }
+
+    fn read<T: Pod>(&self, gpu: &Gpu, of: impl Fn(&Frame) -> &Buffer) -> Result<Vec<T>, GpuError> {
+        let bytes = self.frame.as_ref().map_or(Ok(Vec::new()), |frame| gpu.read_buffer(of(frame)))?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Buffers for a view: the old ones if their sizes are right.
+    fn fit(&mut self, gpu: &Gpu, view: &View) -> Result<(), LinesGpuError> {
+        let slices = self.settings.slices;
+        let grid = self.settings.grid(view)?;
+        let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices);
+        let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices);
+        if !self.frame.as_ref().is_some_and(fits) {
+            // The old ones are freed first.
+            self.frame = None;
+            self.frame = Some(Frame::new(gpu, view, grid, slices)?);
+        }
+        if let Some(frame) = &mut self.frame {
+            (frame.view, frame.grid) = (*view, grid);
+            let lens = |of: &View| [GpuLens::new(of, slices)];
+            gpu.queue.write_buffer(&frame.lens, 0, bytemuck::cast_slice(&lens(view)));
+            gpu.queue.write_buffer(&frame.grid_lens, 0, bytemuck::cast_slice(&lens(&grid)));
+        }
+        Ok(())
+    }
+}
+
+impl Frame {
+    fn new(gpu: &Gpu, view: &View, grid: View, slices: Slices) -> Result<Self, LinesGpuError> {
+        let count = |of: &View| of.size().iter().map(|&s| u64::from(s)).product::<u64>();
+        let storage = BufferUsages::STORAGE;
+        let of_columns = |what, bytes: u32| {
+            let bytes = count(&grid) * u64::from(bytes);
+            let [width, height] = grid.size();
+            let large = |most| LinesGpuError::TooLarge { what, width, height, bytes, most };
+            gpu.buffer(bytes, storage).map_err(|e| match e {
+                GpuError::NoRoom { most, .. } => large(most),
+                other => other.into(),
+            })
+        };
+        let of_pixels = |bytes: u64| gpu.buffer(count(view) * bytes, storage);
+        let lens = || gpu.buffer(size_of::<GpuLens>() as u64, BufferUsages::UNIFORM);
+        Ok(Self {
+            view: *view,
+            grid,
+            slices,
+            bits: of_columns("the bits", slices.count() / 8)?,
+            lengths: of_columns("the lengths", slices.groups() as u32 * 8)?,
+            nearest: of_pixels(4)?,
+            owners: of_pixels(4)?,
+            walls: of_pixels(8)?,
+            fragments: of_pixels(size_of::<GpuFragment>() as u64)?,
+            occlusion: of_pixels(4)?,
+            lens: lens()?,
+            grid_lens: lens()?,
+        })
+    }
+}
+
+fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
+    settings.check()?;
+    let sets = SampleSets::new(settings.samples, settings.sets, settings.seed)?;
+    let all = (0..sets.count()).flat_map(|i| sets.set(i));
+    let flat: Vec<[f32; 4]> = all.map(|s| [s.at.x, s.at.y, s.area, sector_of(s) as f32]).collect();
+    Ok(filled(gpu, &flat, BufferUsages::STORAGE)?)
+}
+
+fn picture(gpu: &Gpu, format: TextureFormat) -> wgpu::RenderPipeline {
+    let module = shader(gpu, "picture", include_str!("shaders/picture.wgsl"));
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("picture"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("whole"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("paint"),
+            compilation_options: Default::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,64 @@
+// The picture: lines and walls with or without light and occlusion.
+
+struct Look {
+    background: vec3f,
+    // As the enum `Look`.
+    kind: u32,
+    strength: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+@group(0) @binding(10) var<storage, read> walls: array<vec2f>;
+@group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
+@group(0) @binding(17) var<storage, read> occlusion: array<f32>;
+@group(0) @binding(18) var<uniform> look: Look;
+
+const WALL: vec3f = vec3f(0.62, 0.64, 0.68);
+
+@vertex
+fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// A pale colour for each line, so that lines that cross can be told apart.
+fn colour_of(line: u32) -> vec3f {
+    let mixed = (line * 0x9e3779b1u) ^ ((line * 0x85ebca6bu) >> 13u);
+    let t = f32(mixed >> 16u) / 65535.0;
+    return mix(mix(vec3f(0.95, 0.72, 0.42), vec3f(0.92, 0.86, 0.70), saturate(2.0 * t)), vec3f(0.55, 0.76, 0.90), saturate(2.0 * t - 1.0));
+}
+
+// Light on a tube: the side that is turned to the viewer, lit from the upper left, with a highlight.
+fn lit(colour: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
+    let to_light = normalize(vec3f(-0.45, 0.7, 0.6));
+    let diffuse = max(dot(normal, to_light), 0.0);
+    let shine = pow(max(dot(normal, normalize(to_light + to_eye)), 0.0), 24.0);
+    return colour * open * (0.45 + 0.6 * diffuse) + vec3f(0.25 * shine * open);
+}
+
+@fragment
+fn paint(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let pixel = pixel_number(min(vec2u(at.xy), lens.size - 1u));
+    let fragment = fragments[pixel];
+    var colour = look.background;
+    if fragment.line != NONE {
+        let open = saturate(1.0 - look.strength * occlusion[pixel]);
+        let away = away_at(fragment.position);
+        let normal = pole_of(fragment.tangent, away);
+        let plain = colour_of(fragment.line);
+        switch look.kind {
+            case 0u: { colour = plain; }
+            case 1u: { colour = lit(plain, normal, -away, 1.0); }
+            case 2u: { colour = lit(plain, normal, -away, open); }
+            default: { colour = vec3f(open); }
+        }
+    } else if walls[pixel].x < FAR_AWAY {
+        // Sides along x, y and z have shades of their own.
+        let side = walls[pixel].y;
+        colour = WALL * (0.7 + 0.12 * abs(side) * select(0.9, 1.0, side > 0.0));
+    }
+    return vec4f(colour, 1.0);
+}
+
+const FAR_AWAY: f32 = 1e38;

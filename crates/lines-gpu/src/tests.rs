@@ -1,0 +1,368 @@
+//! The shaders beside the processor's version and exact clipping, and pictures with and without culling.
+
+use casca_line_sets::LineSet;
+use casca_line_sets::generate::{Family, Recipe};
+use casca_line_sets::random::Random;
+use casca_lines::buffers::LineBuffer;
+use casca_lines::occlusion::{AoOptions, BasePlane, Estimator, Occlusion, SetChoice};
+use casca_lines::samples::SampleSets;
+use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
+use casca_lines::view::{Lens, View};
+use casca_stage::canvas::Canvas;
+use casca_stage::gpu::{COLOUR, Gpu, GpuError};
+use glam::{DVec3, Vec3, vec3};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+
+use crate::clock::Clock;
+use crate::culling::{Culling, Seen};
+use crate::error::LinesGpuError;
+use crate::lens::{Reach, view_of_scene};
+use crate::numeric::{IN_DOUBT, OCCLUSION_OFF};
+use crate::renderer::{Look, Renderer};
+use crate::rooms::House;
+use crate::set::GpuLines;
+use crate::settings::Settings;
+
+const SIZE: [u32; 2] = [64, 48];
+
+/// A device, or `None` and a line that says so.
+fn gpu() -> Option<Gpu> {
+    Gpu::headless(false).map_err(|_| println!("skipped: no adapter")).ok()
+}
+
+fn set(family: Family, lines: u32) -> LineSet {
+    Recipe { lines, ..Recipe::new(family, 3) }.make().unwrap()
+}
+
+/// Segments of all directions, many far longer than the picture, some steep, and dots.
+fn wild(seed: u64) -> LineSet {
+    let mut random = Random::new(seed);
+    let mut point =
+        |s: f64| Vec3::from_array(std::array::from_fn(|_| (random.within(-s, s) * random.unit()) as f32));
+    let lines = (0..120).map(|i| match i % 4 {
+        0 => vec![point(9.0), point(9.0)],
+        1 => (0..6).map(|_| point(1.5)).collect(),
+        2 => {
+            let start = point(1.0);
+            vec![start, start + vec3(0.3, 0.4, 1.0) * (i as f32 / 60.0) + point(0.01)]
+        }
+        _ => vec![point(1.2)],
+    });
+    LineSet::new(lines).unwrap()
+}
+
+fn views(bounds: [Vec3; 2]) -> [View; 2] {
+    [None, Some(0.8)].map(|fov| View::around(bounds, vec3(0.3, 0.4, 1.0), fov, SIZE).unwrap())
+}
+
+fn settings(ao: AoOptions) -> Settings {
+    Settings { samples: 60, sets: 4, coarse: 1, slices: Slices::S128, ao, ..Settings::new(0.3, 0.01) }
+}
+
+/// A frame of all lines without walls.
+fn run(gpu: &Gpu, lines: &LineSet, view: &View, settings: Settings) -> Renderer {
+    let on_device = GpuLines::new(gpu, lines).unwrap();
+    let mut renderer = Renderer::new(gpu, COLOUR, settings).unwrap();
+    let seen = Seen::all(on_device.bundles().len());
+    renderer.update(gpu, view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();
+    renderer
+}
+
+/// Whether a segment enters a cell of a column: exact clipping in homogeneous coordinates, in double precision. The cell is larger
+/// on each side by a part of a pixel and of a slice.
+fn enters(view: &View, [a, b]: [DVec3; 2], [x, y]: [u32; 2], slice: u32, slices: u32, larger: f64) -> bool {
+    let [near, far] = view.depths();
+    let thick = (far - near) / f64::from(slices);
+    let cell = |i: u32| (f64::from(i) - larger, f64::from(i) + 1.0 + larger);
+    let ((left, right), (top, bottom), (first, last)) = (cell(x), cell(y), cell(slice));
+    // The outermost slices take what rounding leaves outside.
+    let depths = (near + thick * first, near + thick * last);
+    let sides = |p: DVec3| {
+        let q = view.project(p);
+        let (x, y) = ((q.x - left * q.z, right * q.z - q.x), (q.y - top * q.z, bottom * q.z - q.y));
+        [x.0, x.1, y.0, y.1, -p.z - depths.0, depths.1 + p.z]
+    };
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for (at_a, at_b) in sides(a).into_iter().zip(sides(b)) {
+        if at_a < 0.0 && at_b < 0.0 {
+            return false;
+        }
+        let crossing = at_a / (at_a - at_b);
+        if at_a < 0.0 {
+            from = from.max(crossing);
+        } else if at_b < 0.0 {
+            to = to.min(crossing);
+        }
+    }
+    from <= to
+}
+
+#[test]
+fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_where_rounding_decides() {
+    let Some(gpu) = gpu() else { return };
+    let (mut differing, mut all) = (0, 0);
+    let sets = [wild(1), wild(2), set(Family::Abc, 60), set(Family::PomPom, 150), set(Family::Parallel, 200)];
+    for (number, lines) in sets.iter().enumerate() {
+        for view in views([-Vec3::ONE, Vec3::ONE]) {
+            let slices = if number % 2 == 0 { Slices::S128 } else { Slices::S256 };
+            let with = Settings { slices, ..settings(AoOptions::new(0.3, 0.01)) };
+            let renderer = run(&gpu, lines, &view, with);
+            let words = renderer.read_columns(&gpu).unwrap();
+            let grid = SlabGrid::of_lines(lines, &view, slices, SpanRule::Span);
+            let points: Vec<DVec3> = lines.points().iter().map(|&p| view.to_eye(p)).collect();
+            let segments: Vec<[DVec3; 2]> =
+                lines.segments().map(|s| [points[s.a as usize], points[s.b as usize]]).collect();
+            let count = slices.count();
+            for (column, words) in words.chunks(count as usize / 32).enumerate() {
+                let at = [column as u32 % SIZE[0], column as u32 / SIZE[0]];
+                let expected = grid.column(at[0], at[1]);
+                for slice in 0..count {
+                    let found = words[slice as usize / 32] >> (slice % 32) & 1 == 1;
+                    let on_processor = expected[slice as usize / 128] >> (slice % 128) & 1 == 1;
+                    all += usize::from(found);
+                    if found != on_processor {
+                        differing += 1;
+                        let larger = f64::from(IN_DOUBT) * if found { 1.0 } else { -1.0 };
+                        let entered = segments.iter().any(|&s| enters(&view, s, at, slice, count, larger));
+                        assert_eq!(entered, found, "set {number}, column {at:?}, slice {slice}: {view:?}");
+                    }
+                }
+            }
+            let lengths = renderer.read_lengths(&gpu).unwrap();
+            let groups = slices.groups();
+            let (mut off, mut sum) = (0.0, 0.0);
+            for (column, found) in lengths.chunks(groups).enumerate() {
+                let expected = grid.lengths(column as u32 % SIZE[0], column as u32 / SIZE[0]);
+                for (found, expected) in found.iter().zip(expected) {
+                    off += (found - f64::from(*expected)).abs();
+                    sum += found;
+                }
+            }
+            assert!(sum > 1.0 && off < sum * 1e-4, "set {number}: {off} of {sum}");
+        }
+    }
+    assert!(all > 50_000 && differing * 2000 < all, "{differing} of {all} bits differ");
+}
+
+#[test]
+fn nearest_lines_are_those_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let (mut covered, mut others) = (0, 0);
+    for lines in [wild(3), set(Family::Spiral, 80), set(Family::Reservoir, 100)] {
+        for view in views([-Vec3::ONE, Vec3::ONE]) {
+            let renderer = run(&gpu, &lines, &view, settings(AoOptions::new(0.3, 0.01)));
+            let found = renderer.read_fragments(&gpu).unwrap();
+            let buffer = LineBuffer::new(&lines, &view);
+            for (found, expected) in found.iter().zip(buffer.fragments()) {
+                covered += usize::from(expected.is_some());
+                let is_same = match (found, expected) {
+                    (None, None) => true,
+                    (Some(a), Some(b)) if a.line == b.line => {
+                        let off = a.position.distance(b.position).max(a.tangent.distance(b.tangent) * 0.1);
+                        off < 1e-3 && (a.along - b.along).abs() < 1e-3
+                    }
+                    _ => false,
+                };
+                others += usize::from(!is_same);
+            }
+        }
+    }
+    assert!(covered > 2000 && others * 500 < covered, "{others} of {covered} fragments differ");
+}
+
+#[test]
+fn the_occlusion_is_that_of_the_processor_for_all_estimators_and_choices() {
+    let Some(gpu) = gpu() else { return };
+    let base = AoOptions::new(0.3, 0.02);
+    let options = [
+        base,
+        AoOptions { choice: SetChoice::One, ..AoOptions::new(0.8, 0.05) },
+        AoOptions::thesis(0.3),
+        AoOptions { plane: BasePlane::ThesisSign, by_distance: false, ..AoOptions::thesis(0.2) },
+        AoOptions { estimator: Estimator::RatioOfSums { factor: 3.0 }, by_angle: false, ..base },
+        AoOptions { estimator: Estimator::Extinction { k: 9.0 }, choice: SetChoice::Screen, ..base },
+    ];
+    for (number, ao) in options.into_iter().enumerate() {
+        let lines = set(Family::ALL[number % 5], 250);
+        for view in views(lines.bounds()) {
+            let settings = settings(ao);
+            let renderer = run(&gpu, &lines, &view, settings);
+            let found = renderer.read_occlusion(&gpu).unwrap();
+            // The same receivers: others are the matter of another test.
+            let receivers = renderer.read_fragments(&gpu).unwrap();
+            let grid = SlabGrid::of_lines(&lines, &view, settings.slices, SpanRule::Span);
+            let samples = SampleSets::new(settings.samples, settings.sets, settings.seed).unwrap();
+            let occlusion = Occlusion::new(&grid, &samples, ao).unwrap();
+            let (mut off, mut far_off, mut covered, mut sum) = (0.0, 0, 0, 0.0);
+            for (pixel, (found, fragment)) in found.iter().zip(&receivers).enumerate() {
+                let at = [pixel as u32 % SIZE[0], pixel as u32 / SIZE[0]];
+                let expected = fragment.as_ref().map_or(0.0, |f| occlusion.at(f, occlusion.set_of(f, at)));
+                covered += usize::from(fragment.is_some());
+                sum += expected;
+                off += (found - expected).abs();
+                far_off += usize::from((found - expected).abs() > OCCLUSION_OFF);
+            }
+            let mean = off / covered as f32;
+            assert!(sum / covered as f32 > 0.05, "{number}: {sum} over {covered} pixels");
+            assert!(
+                covered > 300 && far_off * 50 <= covered && mean < OCCLUSION_OFF / 4.0,
+                "{number}, {view:?}: {far_off} of {covered} pixels are off, by {mean} on average"
+            );
+        }
+    }
+}
+
+#[test]
+fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
+    let Some(gpu) = gpu() else { return };
+    let house = House::new(4, 120, 5, 0.0).unwrap();
+    let lines = GpuLines::new(&gpu, &house.lines).unwrap();
+    let mut culling = Culling::new(lines.bundles(), &house.walls).unwrap();
+    let canvas = Canvas::new(&gpu, (160, 120));
+    let everything = Seen::all(lines.bundles().len());
+    let thesis = Settings { slices: Slices::S128, coarse: 1, ..settings(AoOptions::thesis(0.3)) };
+    let (mut drawn, mut read, mut dark) = (0, 0, 0.0);
+    for (frame, with) in [Settings::new(0.35, 0.01), thesis].into_iter().cycle().take(8).enumerate() {
+        let mut renderer = Renderer::new(&gpu, COLOUR, Settings { samples: 30, ..with }).unwrap();
+        let [eye, target] = house.eye(frame as u32 * 2);
+        let (lens, depths) = match frame {
+            // Parallel rays that look down over the walls.
+            7 => (Lens::Orthographic { half_height: 2.0 }, [-1.0, 6.0]),
+            _ => (Lens::Perspective { fov_y: 1.1 }, [0.05, 15.0]),
+        };
+        let view = View::look_at([eye, target, Vec3::Y], lens, depths, [160, 120]).unwrap();
+        let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
+        let mut shot = |seen: &Seen| {
+            renderer.update(&gpu, &view, (&lines, seen), &house.walls, &mut Clock::off()).unwrap();
+            renderer
+                .paint(&gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off())
+                .unwrap();
+            (canvas.read_picture(&gpu).unwrap(), renderer.read_occlusion(&gpu).unwrap())
+        };
+        let (all, culled) = (shot(&everything), shot(&seen));
+        let differing = all.0.iter().zip(&culled.0).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "frame {frame}: {} of {} bundles", seen.read.len(), everything.read.len());
+        assert!(all.1 == culled.1, "frame {frame}");
+        dark += all.1.iter().sum::<f32>();
+        drawn += seen.drawn.len();
+        read += seen.read.len();
+    }
+    let total = 8 * lines.bundles().len();
+    assert!(
+        drawn * 2 < total && drawn < read && read < total && dark > 500.0,
+        "{drawn} {read} {total} {dark}"
+    );
+}
+
+#[test]
+fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixels_would_differ() {
+    let Some(gpu) = gpu() else { return };
+    // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden ones.
+    let walls = [[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]];
+    let cube = Recipe { lines: 1000, vertices: 100, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
+    let lines = GpuLines::new(&gpu, &cube).unwrap();
+    let mut culling = Culling::new(lines.bundles(), &walls).unwrap();
+    for view in
+        [None, Some(0.5)].map(|fov| View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap())
+    {
+        let with = Settings { samples: 40, sets: 4, coarse: 1, ..Settings::new(0.15, 0.02) };
+        let mut renderer = Renderer::new(&gpu, COLOUR, with).unwrap();
+        let mut values = |seen: &Seen| {
+            renderer.update(&gpu, &view, (&lines, seen), &walls, &mut Clock::off()).unwrap();
+            (renderer.read_occlusion(&gpu).unwrap(), renderer.read_fragments(&gpu).unwrap())
+        };
+        let reach = with.reach(&view).unwrap();
+        let seen = culling.look(&view, reach).unwrap();
+        let short = culling.look(&view, Reach { read: reach.drawn, ..reach }).unwrap();
+        let counts = [short.read.len(), seen.read.len(), lines.bundles().len()];
+        assert!(counts.is_sorted_by(|a, b| a < b), "{counts:?}");
+        let all = values(&Seen::all(lines.bundles().len()));
+        assert!(all == values(&seen), "{} of {} bundles", seen.read.len(), lines.bundles().len());
+        let (darkness, shown) = values(&short);
+        assert!(shown == all.1 && darkness != all.0);
+    }
+}
+
+proptest! {
+    #![proptest_config(Config { cases: 200, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..Config::default() })]
+
+    #[test]
+    fn views_of_scenes_hold_just_the_points_of_the_picture(
+        p in [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0], from in [-1.0f32..1.0, -1.0f32..1.0, 0.1f32..1.0], perspective: bool
+    ) {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::from(from), perspective.then_some(0.7), [48, 33]).unwrap();
+        let eye = view.to_eye(Vec3::from(p));
+        let (place, [near, far]) = (view.project(eye), view.depths());
+        // How far inside of each side, as a share of the view; negative outside.
+        let inside = [place.x / place.z / 48.0, place.y / place.z / 33.0, (-eye.z - near) / (far - near)];
+        let inside = inside.map(|share| share.min(1.0 - share)).into_iter().fold(f64::MAX, f64::min);
+        prop_assume!(inside.abs() > 1e-4);
+        let scene = casca::Scene::new(&casca::GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: glam::UVec3::splat(8) }).unwrap();
+        let mut query = casca::Query::new();
+        query.run(&scene, &view_of_scene(&view).unwrap());
+        let sight = query.sight(&scene).unwrap();
+        prop_assert_eq!(sight.may_see_point(Vec3::from(p)), inside > 0.0, "{:?} {}", view, inside);
+    }
+}
+
+#[test]
+fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed() {
+    let Some(gpu) = gpu() else { return };
+    let at = |z: f32| LineSet::new([[vec3(-0.5, 0.02, z), vec3(0.5, 0.02, z)]]).unwrap();
+    let wall = [[vec3(-2.0, -2.0, -0.1), vec3(2.0, 2.0, 0.1)]];
+    for fov in [None, Some(0.8)] {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap();
+        let mut renderer = Renderer::new(&gpu, COLOUR, settings(AoOptions::new(0.3, 0.01))).unwrap();
+        let mut lines = GpuLines::new(&gpu, &at(0.5)).unwrap();
+        let mut culling = Culling::new(lines.bundles(), &wall).unwrap();
+        for z in [0.5, -0.9, 0.6] {
+            lines = GpuLines::new(&gpu, &at(z)).unwrap();
+            culling.follow(lines.bundles()).unwrap();
+            // Without the reach of the occlusion, so that the line behind the wall is culled.
+            let seen = culling.look(&view, Reach { drawn: 0.01, read: 0.01 }).unwrap();
+            assert_eq!(seen.drawn.len(), usize::from(z > 0.0), "{z}");
+            for seen in [&seen, &Seen::all(1)] {
+                renderer.update(&gpu, &view, (&lines, seen), &wall, &mut Clock::off()).unwrap();
+                let shown = renderer.read_fragments(&gpu).unwrap().iter().flatten().count();
+                assert_eq!(shown > 10, z > 0.0, "{z}: {shown}");
+            }
+        }
+        culling.follow(&[]).unwrap();
+        assert_eq!(culling.look(&view, Reach { drawn: 0.0, read: 0.0 }).unwrap(), Seen::default());
+        drop(lines);
+    }
+}
+
+#[test]
+fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
+    let Some(gpu) = gpu() else { return };
+    let good = settings(AoOptions::new(0.3, 0.01));
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
+    let renderer = run(&gpu, &LineSet::default(), &view, good);
+    assert!(renderer.read_fragments(&gpu).unwrap().iter().all(Option::is_none));
+    assert!(renderer.read_occlusion(&gpu).unwrap().iter().all(|&o| o == 0.0));
+    let error = |with: Settings| Renderer::new(&gpu, COLOUR, with).err().unwrap().to_string();
+    assert!(error(Settings { coarse: 0, ..good }).contains("1 to 64 pixels"));
+    assert!(error(Settings { samples: 0, ..good }).contains("1 or more"));
+    assert!(error(settings(AoOptions::new(f32::NAN, 0.1))).contains("radius"));
+    // A picture beyond the limits of the adapter, and the renderer goes on.
+    let mut renderer = Renderer::new(&gpu, COLOUR, Settings { slices: Slices::S256, ..good }).unwrap();
+    let lines = GpuLines::new(&gpu, &set(Family::Spiral, 5)).unwrap();
+    let mut update = |size: [u32; 2], seen: &Seen| {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, size).unwrap();
+        renderer.update(&gpu, &view, (&lines, seen), &[], &mut Clock::off())
+    };
+    let limits = gpu.device.limits();
+    let needed = 8192 * 8192 * 128;
+    if limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) < needed {
+        let why = update([8192; 2], &Seen::all(1)).unwrap_err();
+        assert!(matches!(why, LinesGpuError::TooLarge { width: 8192, .. }), "{why}");
+    }
+    update(SIZE, &Seen::all(lines.bundles().len())).unwrap();
+    let unknown = update(SIZE, &Seen::all(lines.bundles().len() + 1)).unwrap_err();
+    assert!(matches!(unknown, LinesGpuError::Bundle { .. }), "{unknown}");
+    let nan = [[Vec3::NAN, Vec3::ONE]];
+    assert!(matches!(Culling::new(lines.bundles(), &nan), Err(LinesGpuError::Scene(_))));
+    assert!(matches!(LinesGpuError::from(GpuError::NoAdapter("x".into())), LinesGpuError::Gpu(_)));
+}

@@ -1,0 +1,57 @@
+//! Pictures without a window.
+
+use std::path::PathBuf;
+
+use casca_lines_gpu::clock::Clock;
+use casca_lines_gpu::culling::{Culling, Seen};
+use casca_lines_gpu::renderer::Renderer;
+use casca_lines_gpu::set::GpuLines;
+use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::window::Done;
+use clap::ValueEnum;
+use glam::Vec3;
+
+use crate::options::{Options, say};
+use crate::source::Source;
+
+/// Behind lines.
+pub const BACKGROUND: Vec3 = Vec3::splat(1.0);
+
+/// Draws the pictures that the command line asks for.
+pub fn pictures(options: &Options, source: &Source) -> Done {
+    let gpu = Gpu::headless(options.software)?;
+    let canvas = Canvas::new(&gpu, options.size);
+    let size = <[u32; 2]>::from(canvas.size());
+    let view = source.view(options, source.start(options, size, 0)?, size)?;
+    let set = source.at(f64::from(options.at))?;
+    let lines = GpuLines::new(&gpu, &set)?;
+    let mut renderer = Renderer::new(&gpu, COLOUR, source.settings(options, &view))?;
+    let seen = match options.cull {
+        true => {
+            Culling::new(lines.bundles(), &source.walls)?.look(&view, renderer.settings().reach(&view)?)?
+        }
+        false => Seen::all(lines.bundles().len()),
+    };
+    renderer.update(&gpu, &view, (&lines, &seen), &source.walls, &mut Clock::off())?;
+    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("target/lines"));
+    std::fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
+    say(format_args!(
+        "{} lines with {} vertices in {} bundles, {} drawn and {} in columns, on {}",
+        set.len(),
+        lines.vertices(),
+        lines.bundles().len(),
+        seen.drawn.len(),
+        seen.read.len(),
+        gpu.name
+    ));
+    for look in &options.look {
+        let (target, strength) = (canvas.picture(), options.factor);
+        renderer.paint(&gpu, &target, look.look(), strength, BACKGROUND, &mut Clock::off())?;
+        let name = look.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let path = folder.join(format!("lines_{}_{name}.png", source.name));
+        write_png(&path, canvas.size(), &canvas.read_picture(&gpu)?)?;
+        say(format_args!("{}", path.display()));
+    }
+    Ok(())
+}
