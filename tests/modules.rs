@@ -23,8 +23,8 @@ const ROOTS: [&str; 14] = [
     "crates/line-sets/src",
     "crates/lines/src",
     "crates/fur/src",
+    "crates/fur-gpu/src",
     "crates/fur-view/src",
-    "crates/fur-program/src",
     "crates/lines-gpu/src",
     "crates/lines-view/src",
 ];

@@ -9,7 +9,7 @@
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
 //! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many layers each object gets.
 //!
-//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls; `casca-fur-view` draws them.
+//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls; `casca-fur-gpu` draws them.
 
 mod error;
 pub mod maps;

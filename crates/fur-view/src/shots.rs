@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use casca_fur_view::error::FurViewError;
-use casca_fur_view::records::{DrawList, Sun};
-use casca_fur_view::renderer::Renderer;
+use casca_fur_gpu::error::FurViewError;
+use casca_fur_gpu::records::{DrawList, Sun};
+use casca_fur_gpu::renderer::Renderer;
 use casca_lab::world::Camera;
 use casca_stage::canvas::{Canvas, halved};
 use casca_stage::gpu::Gpu;

@@ -2,11 +2,11 @@
 
 use std::error::Error;
 
+use casca_fur_gpu::culling::{Demand, Herd, Way, camera_at};
+use casca_fur_gpu::records::Sun;
+use casca_fur_gpu::renderer::Renderer;
 use casca_fur_scenes::animals::Animal;
 use casca_fur_scenes::field::{Field, Hiding};
-use casca_fur_view::culling::{Demand, Herd, Way, camera_at};
-use casca_fur_view::records::Sun;
-use casca_fur_view::renderer::Renderer;
 use casca_lab::command_line::{Outcome, say};
 use casca_lab::world::Camera;
 use casca_stage::canvas::write_png;

@@ -4,9 +4,9 @@ use std::error::Error;
 
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
-use casca_fur_view::look::Look;
-use casca_fur_view::reference::{Reference, Tint};
-use casca_fur_view::renderer::Renderer;
+use casca_fur_gpu::look::Look;
+use casca_fur_gpu::reference::{Reference, Tint};
+use casca_fur_gpu::renderer::Renderer;
 use casca_lab::command_line::{PathError, say};
 use casca_lab::pictures::palette::OTHERS;
 use casca_lab::pictures::{Axis, Line, lines};

@@ -2,12 +2,12 @@
 
 use casca_fur::mesh::{Coat, Mesh, Vertex};
 use casca_fur::strands::Fur;
+use casca_fur_gpu::culling::{Demand, Herd, Way, camera_at};
+use casca_fur_gpu::look::{Look, Mapping};
+use casca_fur_gpu::records::{Block, DrawList, Stand, Sun};
+use casca_fur_gpu::reference::Reference;
+use casca_fur_gpu::renderer::Renderer;
 use casca_fur_scenes::field::{Field, Hiding};
-use casca_fur_view::culling::{Demand, Herd, Way, camera_at};
-use casca_fur_view::look::{Look, Mapping};
-use casca_fur_view::records::{Block, DrawList, Stand, Sun};
-use casca_fur_view::reference::Reference;
-use casca_fur_view::renderer::Renderer;
 use casca_lab::world::{self, Camera};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
