@@ -2,15 +2,15 @@
 //! visibility.
 
 use casca::soft::SoftGrid;
-use casca::{Aabb, DrawItem, DrawOptions, Error, Method, Query, View};
+use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
 use casca_fur::mesh::Mesh;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
 use casca_fur_scenes::animals::LEVELS;
-use casca_fur_scenes::field::{Field, Kind};
+use casca_fur_scenes::field::{Field, Hiding, Kind};
 use casca_lab::world::Camera;
 use glam::Vec3;
 
-use crate::error::FurViewError;
+use crate::error::FurGpuError;
 use crate::numeric::FRACTION_RAYS;
 use crate::records::{Block, DrawList, Stand};
 
@@ -68,6 +68,8 @@ pub struct Drawn {
     pub list: DrawList,
     /// How many animals it holds.
     pub animals: usize,
+    /// How many animals that can be seen it lacks, since their skins alone exceed the budget.
+    pub dropped: usize,
     /// Vertices of all skins and layers.
     pub vertices: u64,
 }
@@ -76,8 +78,11 @@ impl Herd {
     /// The animals of a field, which stands still or [walks](Field::walk).
     ///
     /// # Errors
-    /// The field's grid is refused.
-    pub fn new(field: Field) -> Result<Self, Error> {
+    /// The species' furs differ, since a renderer draws one fur; or the field's grid is refused.
+    pub fn new(field: Field) -> Result<Self, FurGpuError> {
+        if field.species().windows(2).any(|pair| pair[0].1 != pair[1].1) {
+            return Err(FurGpuError::Furs);
+        }
         let grid = field.scene.grid();
         let spec = casca::GridSpec {
             min: grid.min().as_vec3(),
@@ -107,7 +112,7 @@ impl Herd {
     ///
     /// # Errors
     /// As [`Field::walk`].
-    pub fn walk(&mut self, time: f64) -> Result<(), FurViewError> {
+    pub fn walk(&mut self, time: f64) -> Result<(), FurGpuError> {
         self.field.walk(time)?;
         self.soft.follow(&self.field.scene)?;
         Ok(())
@@ -136,7 +141,7 @@ impl Herd {
     ///
     /// # Errors
     /// The camera is refused: a matrix that is not finite, for example.
-    pub fn look(&mut self, camera: &Camera, demand: &Demand) -> Result<Drawn, FurViewError> {
+    pub fn look(&mut self, camera: &Camera, demand: &Demand) -> Result<Drawn, FurGpuError> {
         let view = match demand.way {
             // Everything is in sight of an eye that looks everywhere.
             Way::All => View::omnidirectional(camera.eye)?,
@@ -156,11 +161,14 @@ impl Herd {
                 None => {}
             }
         }
+        let mut dropped = 0;
         let chosen: Vec<(usize, usize, u32)> = match demand.way {
             Way::Layered => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
                 self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
-                self.planned(&items, camera, demand)?
+                let planned = self.planned(&items, camera, demand)?;
+                dropped = items.len() - planned.len();
+                planned
             }
             _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
         };
@@ -171,7 +179,8 @@ impl Herd {
         });
         let vertices = vertices.sum();
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
-        Ok(Drawn { list: DrawList::new(&stands, camera.eye, blocks), animals: stands.len(), vertices })
+        let list = DrawList::new(&stands, camera.eye, blocks);
+        Ok(Drawn { list, animals: stands.len(), dropped, vertices })
     }
 
     /// Animals with their level of detail and layers, within the budget.
@@ -180,12 +189,14 @@ impl Herd {
         items: &[DrawItem],
         camera: &Camera,
         demand: &Demand,
-    ) -> Result<Vec<(usize, usize, u32)>, FurViewError> {
+    ) -> Result<Vec<(usize, usize, u32)>, FurGpuError> {
+        // Where the finest meshes hide others, coarser ones would leave gaps.
+        let levels = if self.field.hiding() == Hiding::Meshes { 1 } else { LEVELS };
         let vertices: Vec<Vec<u32>> = self
             .field
             .species()
             .iter()
-            .map(|(animal, _)| animal.levels().iter().map(|m| m.vertices().len() as u32).collect())
+            .map(|(animal, _)| animal.levels()[..levels].iter().map(|m| m.vertices().len() as u32).collect())
             .collect();
         let number = |id| match self.field.kind(id) {
             Some(Kind::Animal(animal)) => Some(animal),

@@ -5,10 +5,15 @@ use casca_stage::gpu::GpuError;
 /// Why nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FurViewError {
+pub enum FurGpuError {
     /// The fur or the mesh is refused.
     #[error(transparent)]
     Fur(#[from] casca_fur::Error),
+    /// The species of a field have different furs.
+    #[error(
+        "the species of the field have different furs, but a renderer draws one: give all species the same"
+    )]
+    Furs,
     /// The device fails, or has no room.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -2,10 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use casca_fur::Error;
-use casca_fur::maps::{Neighborhood, fur_map};
+use casca_fur::maps::blue_noise;
 use casca_fur::mesh::Mesh;
 use casca_fur::shading::Material;
-use casca_fur::strands::Fur;
+use casca_fur::strands::{Fur, MAX_PER_CELL};
 use glam::Vec3;
 
 use crate::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
@@ -15,7 +15,7 @@ use crate::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
 pub enum Mapping {
     /// Points in hashed cells: [`Fur::strand_at`].
     Cells,
-    /// The thesis' map on the faces of a cube, looked up in the direction normal + position, for comparison.
+    /// The thesis' map on the faces of a cube, looked up in the direction normal + position, for comparison. Its hairs are blue noise.
     CubeMap,
 }
 
@@ -50,7 +50,7 @@ impl Look {
             radius: fur.radius,
             taper: fur.taper,
             variation: fur.variation,
-            per_cell: fur.per_cell,
+            per_cell: fur.per_cell.min(MAX_PER_CELL),
             seed: fur.seed,
             mapping: u32::from(self.mapping == Mapping::CubeMap),
             steps: if self.marched { STEPS } else { 1 },
@@ -77,7 +77,7 @@ impl Look {
         }
         let texels = (0..6).map(|face| {
             let seed = u64::from(self.fur.seed) * 6 + face;
-            fur_map(MAP_SIDE, f64::from(self.fur.density()), Neighborhood::None, seed).map(|map| map.texels())
+            blue_noise(MAP_SIDE, f64::from(self.fur.density()), seed).map(|map| map.texels())
         });
         let faces: Vec<Vec<[u8; 4]>> = texels.collect::<Result<_, _>>()?;
         Ok((MAP_SIDE, faces.concat().iter().map(|texel| texel[3]).collect()))
@@ -86,6 +86,12 @@ impl Look {
 
 /// The colour behind everything, in linear light.
 pub(crate) const SKY: [f32; 3] = [0.58, 0.71, 0.86];
+
+/// The bytes of a pixel that shows the sky alone, without haze.
+pub fn sky_pixel() -> [u8; 4] {
+    let [r, g, b] = stored(Vec3::from_array(SKY)).to_array().map(|c| (c * 255.0).round() as u8);
+    [r, g, b, 255]
+}
 
 /// Linear light as pictures store it, 0 to 1.
 pub(crate) fn stored(light: Vec3) -> Vec3 {

@@ -145,21 +145,21 @@ impl DrawList {
     /// innermost, so that nearer fragments come first.
     pub fn new(animals: &[(Stand, u32)], eye: Vec3, blocks: Vec<Block>) -> Self {
         let mut list = Self { blocks, ..Self::default() };
-        let meshes = animals.iter().map(|(stand, _)| stand.mesh + 1).max().unwrap_or(0);
         list.records = animals.iter().map(|(stand, _)| Record::new(stand, eye)).collect();
-        for mesh in 0..meshes {
+        let mut order: Vec<(usize, u32, u32)> = (0..)
+            .zip(animals)
+            .map(|(i, (stand, layers))| (stand.mesh, i, *layers.min(&MOST_LAYERS)))
+            .collect();
+        // Stable: near to far within a mesh.
+        order.sort_by_key(|&(mesh, ..)| mesh);
+        for of_mesh in order.chunk_by(|a, b| a.0 == b.0) {
             let first = list.shells.len() as u32;
-            let of_mesh = || {
-                let all = animals.iter().enumerate().filter(move |(_, (stand, _))| stand.mesh == mesh);
-                all.map(|(i, &(_, layers))| (i as u32, layers.min(MOST_LAYERS)))
-            };
-            list.shells.extend(of_mesh().map(|(i, layers)| [i, layers << 16]));
-            for (i, layers) in of_mesh() {
+            list.shells.extend(of_mesh.iter().map(|&(_, i, layers)| [i, layers << 16]));
+            for &(_, i, layers) in of_mesh {
                 list.shells.extend((1..=layers).rev().map(|layer| [i, layers << 16 | layer]));
             }
-            list.runs.push((mesh, first..list.shells.len() as u32));
+            list.runs.push((of_mesh[0].0, first..list.shells.len() as u32));
         }
-        list.runs.retain(|(_, run)| !run.is_empty());
         list
     }
 

@@ -9,7 +9,7 @@ use casca_stage::wgpu::{
     vertex_attr_array,
 };
 
-use crate::error::FurViewError;
+use crate::error::FurGpuError;
 use crate::look::{Corner, Look, LookRecord, SKY, corners_of};
 use crate::records::{Block, DrawList, Frame, SHADOW_SIZE, Sun};
 
@@ -90,7 +90,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A mesh does not fit into the memory of the device.
-    pub fn new(gpu: &Gpu, format: TextureFormat, meshes: &[Mesh], look: &Look) -> Result<Self, FurViewError> {
+    pub fn new(gpu: &Gpu, format: TextureFormat, meshes: &[Mesh], look: &Look) -> Result<Self, FurGpuError> {
         let device = &gpu.device;
         let layouts = layouts(device);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -148,7 +148,7 @@ impl Renderer {
     ///
     /// # Errors
     /// The fur map cannot hold as many hairs.
-    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurViewError> {
+    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurGpuError> {
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.record()));
         let map = look.map_faces()?;
         if self.faces != map {

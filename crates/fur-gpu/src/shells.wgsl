@@ -103,8 +103,8 @@ fn dither(base: vec3f, width: f32, layer: u32) -> vec4u {
     return hash(vec4u(bitcast<vec3u>(cell), layer));
 }
 
-/// The strand in a fragment of a shell. `width` is that of a pixel in object space.
-fn seen(in: Shell, normal: vec3f, width: f32) -> Seen {
+/// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
+fn seen(in: Shell, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let t = height_of(in.which);
     let long = in.coat.w;
     let height = t * long;
@@ -120,7 +120,6 @@ fn seen(in: Shell, normal: vec3f, width: f32) -> Seen {
         return strand_here(in.base, normal, height, long);
     }
     // Along the ray through the slab below this shell, to the next one: shells seen from the side do not come apart.
-    let ray = normalize(in.base + extrusion(look, normal, height) - records[in.which.x].eye.xyz);
     let down = dot(ray, normal);
     // Where on the skin the ray goes, seen along bent strands.
     let side = ray - normal * down - bend_at(look, normal) * (2.0 * height * down);
@@ -175,7 +174,8 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         return stored(skin * colour * (look.ambient + look.diffuse * sun) + wet * sun, at);
     }
     let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
-    let hit = seen(in, normal, width);
+    let ray = normalize(in.base + extrusion(look, normal, in.coat.w * t) - records[record].eye.xyz);
+    let hit = seen(in, normal, width, ray);
     if !hit.found {
         discard;
     }
@@ -189,8 +189,10 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
 @fragment
 fn shell_shadow(in: Shell) {
     if in.which.y > 0u {
-        let scale = records[in.which.x].eye.w;
-        if !seen(in, normalize(in.normal), frame.shadow.x / scale).found {
+        let rows = records[in.which.x].rows;
+        // The sun's rays, turned back into object space: whoever looks changes no shadow.
+        let ray = -normalize(frame.sun.x * rows[0].xyz + frame.sun.y * rows[1].xyz + frame.sun.z * rows[2].xyz);
+        if !seen(in, normalize(in.normal), frame.shadow.x / records[in.which.x].eye.w, ray).found {
             discard;
         }
     }

@@ -3,6 +3,7 @@
 use casca_fur::mesh::{Coat, Mesh, Vertex};
 use casca_fur::strands::Fur;
 use casca_fur_gpu::culling::{Demand, Herd, Way, camera_at};
+use casca_fur_gpu::error::FurGpuError;
 use casca_fur_gpu::look::{Look, Mapping};
 use casca_fur_gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur_gpu::reference::Reference;
@@ -178,6 +179,31 @@ fn fur_that_stands_out_behind_a_wall_is_drawn_and_the_wall_hides_the_rest() {
 }
 
 #[test]
+fn shadows_do_not_depend_on_the_eye() {
+    let Some(gpu) = gpu() else { return };
+    let mesh = [ball()];
+    let look = Look::new(Fur { spacing: 0.08, ..Fur::for_radius(1.0, 0.3, 0.4).unwrap() });
+    let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();
+    let canvas = Canvas::new(&gpu, (96, 96));
+    let camera = Camera::look_at(Vec3::new(1.0, 3.0, 4.0), Vec3::ZERO, 60.0, 1.0, 0.1, 20.0);
+    let ground = Block { min: [-4.0, -1.5, -4.0], paint: 0, max: [4.0, -1.3, 4.0], pad: 0 };
+    let list = |eye: Vec3| DrawList::new(&[(stand(), 8)], eye, vec![ground]);
+    let sun = Sun { towards: TO_SUN, center: Vec3::ZERO, radius: 4.0, shadows: true };
+    let [here, there] = [Vec3::Z * 4.0, Vec3::new(-3.0, 0.5, -3.0)].map(|eye| {
+        renderer.cast_shadows(&gpu, &list(eye), &sun).unwrap();
+        renderer.draw(&gpu, &canvas.picture(), &camera, &list(camera.eye), &sun).unwrap();
+        canvas.read_picture(&gpu).unwrap()
+    });
+    assert!(here == there, "the map of shadows follows whoever looked when it was made");
+}
+
+#[test]
+fn species_with_different_furs_are_refused() {
+    let field = Field::new(12, 3, 5, Hiding::Walls, |radius| Fur::for_radius(radius, 0.1, 0.4)).unwrap();
+    assert!(matches!(Herd::new(field), Err(FurGpuError::Furs)));
+}
+
+#[test]
 fn absurd_lists_and_looks_neither_panic_nor_end_the_device() {
     let Some(gpu) = gpu() else { return };
     let mesh = [ball()];
@@ -187,8 +213,8 @@ fn absurd_lists_and_looks_neither_panic_nor_end_the_device() {
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 40.0, 1.0, 0.1, 20.0);
     let nowhere = Stand { place: Affine3A::from_scale(Vec3::ZERO), ..stand() };
     let lost = Stand { place: Affine3A::from_translation(Vec3::NAN), ..stand() };
-    let unknown = Stand { mesh: 7, ..stand() };
-    for stands in [&[][..], &[(nowhere, 2), (lost, 2), (unknown, 2)], &[(stand(), 1)]] {
+    let [unknown, last] = [7, usize::MAX].map(|mesh| Stand { mesh, ..stand() });
+    for stands in [&[][..], &[(nowhere, 2), (lost, 2), (unknown, 2), (last, 2)], &[(stand(), 1)]] {
         let list = DrawList::new(stands, camera.eye, Vec::new());
         assert_eq!(shoot(&gpu, &mut renderer, &canvas, &camera, &list).len(), 16 * 16 * 4);
     }
@@ -198,6 +224,10 @@ fn absurd_lists_and_looks_neither_panic_nor_end_the_device() {
         let list = DrawList::new(&[(stand(), 1)], camera.eye, Vec::new());
         assert_eq!(shoot(&gpu, &mut renderer, &canvas, &camera, &list).len(), 16 * 16 * 4);
     }
+    let crowded = Fur { per_cell: u32::MAX, ..look.fur };
+    renderer.set_look(&gpu, &Look { fur: crowded, ..look }).unwrap();
+    let list = DrawList::new(&[(stand(), 1)], camera.eye, Vec::new());
+    assert_eq!(shoot(&gpu, &mut renderer, &canvas, &camera, &list).len(), 16 * 16 * 4);
     // The map of the thesis cannot be denser than full.
     let dense = Fur { per_cell: 4, radius: 0.43, ..look.fur };
     assert!(renderer.set_look(&gpu, &Look { fur: dense, mapping: Mapping::CubeMap, ..look }).is_err());

@@ -68,6 +68,7 @@ pub struct Field {
     animals: Vec<Resident>,
     walls: Vec<Aabb>,
     ground: Aabb,
+    hiding: Hiding,
 }
 
 /// The edge of a lot, in units.
@@ -159,7 +160,7 @@ impl Field {
             let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
             animals.push(Resident { id, species: kind, placement, walk });
         }
-        Ok(Self { scene, species, animals, walls, ground })
+        Ok(Self { scene, species, animals, walls, ground, hiding })
     }
 
     /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they were made.
@@ -194,6 +195,11 @@ impl Field {
     /// The ground.
     pub fn ground(&self) -> Aabb {
         self.ground
+    }
+
+    /// What hides others besides walls.
+    pub fn hiding(&self) -> Hiding {
+        self.hiding
     }
 
     /// What an object of the scene is; `None` for ids that are not of this field.

@@ -65,7 +65,7 @@ pub struct Choices {
     /// How fragments find their strands
     #[arg(long, value_enum, default_value_t = Map::Cells)]
     pub mapping: Map,
-    /// Fragments know only their own shell's height, as in the thesis; else they follow their ray to the next shell
+    /// Look up each fragment at the height of its own shell only, as the thesis does; by default it follows the ray to the next shell
     #[arg(long)]
     pub plain: bool,
     /// For layers by visibility: the share of the weight that may be drawn, 0 to 1

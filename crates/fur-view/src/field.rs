@@ -105,7 +105,12 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
                     .sum();
                 // A quarter of the bytes is opacity, which never differs.
                 let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
-                say(format_args!("{head}, RMSE {rmse:.4} from the picture of everything"));
+                let dropped = if drawn.dropped > 0 {
+                    format!(", {} more dropped by the budget", drawn.dropped)
+                } else {
+                    String::new()
+                };
+                say(format_args!("{head}{dropped}, RMSE {rmse:.4} from the picture of everything"));
                 write_png(
                     &choices.out.join(format!("field-{i}-layered.png")),
                     picture.size,

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use casca_fur_gpu::error::FurViewError;
+use casca_fur_gpu::error::FurGpuError;
 use casca_fur_gpu::records::{DrawList, Sun};
 use casca_fur_gpu::renderer::Renderer;
 use casca_lab::world::Camera;
@@ -63,7 +63,7 @@ impl<'a> Shooter<'a> {
         camera: &Camera,
         list: &DrawList,
         sun: &Sun,
-    ) -> Result<Picture, FurViewError> {
+    ) -> Result<Picture, FurGpuError> {
         renderer.draw(self.gpu, &self.canvas.picture(), camera, list, sun)?;
         let (mut size, mut pixels) = (self.canvas.size(), self.canvas.read_picture(self.gpu)?);
         for _ in 0..self.smooth {
@@ -76,8 +76,8 @@ impl<'a> Shooter<'a> {
     /// The milliseconds that `frame` takes until the device is done.
     pub fn time(
         &self,
-        frame: &mut dyn FnMut(&Canvas) -> Result<(), FurViewError>,
-    ) -> Result<f64, FurViewError> {
+        frame: &mut dyn FnMut(&Canvas) -> Result<(), FurGpuError>,
+    ) -> Result<f64, FurGpuError> {
         self.gpu.wait()?;
         let start = Instant::now();
         frame(&self.canvas)?;

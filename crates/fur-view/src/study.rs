@@ -4,7 +4,7 @@ use std::error::Error;
 
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
-use casca_fur_gpu::look::Look;
+use casca_fur_gpu::look::{Look, sky_pixel};
 use casca_fur_gpu::reference::{Reference, Tint};
 use casca_fur_gpu::renderer::Renderer;
 use casca_lab::command_line::{PathError, say};
@@ -76,6 +76,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let reference = Reference::new(mesh, &look)?;
             let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
             let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
+            let sky = sky_pixel();
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
             let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
             let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
@@ -95,8 +96,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                 for layers in LAYERS {
                     let list = one::list(subject, layers, camera.eye, false);
                     let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
-                    // The corner of the picture is sky.
-                    let rmse = rmse(&truth, &pixels, &truth[..4]);
+                    let rmse = rmse(&truth, &pixels, &sky);
                     let way = if marched { "followed" } else { "plain" };
                     say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
                     if SHOWN.contains(&(layers, marched)) {
@@ -107,7 +107,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                         renderer.set_look(gpu, &Look { marched, ..shining })?;
                         let list = one::tinted(layers, camera.eye, ([0.0; 3], [1.0; 3]));
                         let shells = shooter.shoot(&mut renderer, &camera, &list, &sun)?.pixels;
-                        row.gaps = gaps(&tips, &shells, &truth[..4]);
+                        row.gaps = gaps(&tips, &shells, &sky);
                         renderer.set_look(gpu, &look)?;
                     }
                     rows.push(row);
@@ -179,8 +179,13 @@ fn conclude(rows: &[Row]) {
     }
 }
 
-/// Where a falling curve of errors, with the logarithm of the layers between its points, first reaches an error.
+/// Where a falling curve of errors, with the logarithm of the layers between its points, first reaches an error: its first point, if
+/// that is below already.
 fn layers_for_error(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
+    let &(first, error) = curve.first()?;
+    if error <= goal {
+        return Some(first);
+    }
     let pair = curve.windows(2).find(|w| w[0].1 >= goal && w[1].1 < goal)?;
     let share = (pair[0].1 - goal) / (pair[0].1 - pair[1].1);
     Some((pair[0].0.ln() * (1.0 - share) + pair[1].0.ln() * share).exp())

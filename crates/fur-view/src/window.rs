@@ -180,12 +180,12 @@ impl Viewer {
         let Self { panel, choices, way, smooth, .. } = self;
         let line =
             format!("{:.1} ms   {} objects, {} shells", self.milliseconds, self.counts.0, self.counts.1);
-        let mut fur_changed = false;
+        let (mut fur_changed, mut layers_changed) = (false, false);
         let many = matches!(self.shown, Shown::Many(_));
         panel.control(screen, target, &mut |context: &egui::Context| {
             controls(context, "fur", Align2::LEFT_TOP, [12.0, 12.0], &mut |ui| {
                 ui.label(&line);
-                ui.add(Slider::new(&mut choices.layers, 0..=96).text("layers"));
+                layers_changed |= ui.add(Slider::new(&mut choices.layers, 0..=96).text("layers")).changed();
                 let mut slide = |ui: &mut egui::Ui, value: &mut f32, range, text| {
                     // A field is made anew, when the slider is let go.
                     let answer = ui.add(Slider::new(value, range).text(text));
@@ -213,6 +213,9 @@ impl Viewer {
                 ui.label(HELP);
             });
         });
+        if layers_changed {
+            self.sun = None;
+        }
         if fur_changed { self.change(&screen.gpu, old) } else { Ok(()) }
     }
 }

@@ -33,7 +33,7 @@ pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;
 pub(crate) const MAX_RADIUS: f32 = 0.43;
 
 /// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole surface.
-pub(crate) const MAX_PER_CELL: u32 = 4;
+pub const MAX_PER_CELL: u32 = 4;
 
 /// The most explicit strands: 64 bytes each, so about a gigabyte.
 pub(crate) const MAX_STRANDS: usize = 1 << 24;
@@ -51,7 +51,7 @@ pub(crate) const ON_EDGE: f64 = 1e-6;
 /// three products and three sums, a transform four each; 16 units of 2^-24 cover both with room.
 pub(crate) const EXTRUSION_ERROR: f32 = 1e-6;
 
-/// Layers at most: the value fits a byte, and more bring nothing that a picture shows.
+/// Layers at most: more bring nothing that a picture shows.
 pub(crate) const MAX_LAYERS: u32 = 256;
 
 /// The distance between layers that hides that they are layers, in pixels. Two neighbouring layers then share most pixels.

@@ -25,7 +25,7 @@ pub enum NormalRule {
 ///
 /// Where a vertex of the list has no normal (length 0), that of its face counts. Where normals cancel, as on the two sides of a thin
 /// sheet, the position gets its first normal that is not zero; the result counts these positions. If all faces at a position have
-/// no area and no normals are given, it gets the y axis. Costs a hash table of the positions.
+/// no area and no normals are given, it gets the y axis. Costs a hash table of the positions, and with [`NormalRule::SumDistinct`] one of the normals at each.
 ///
 /// # Errors
 /// Refuses lists whose length is no multiple of 3, empty ones, more than 2^29 triangles, and values that are not finite or above 1e9.
@@ -68,13 +68,19 @@ pub fn continuous_normals(soup: &mut [Vertex], rule: NormalRule) -> Result<usize
     Ok(finished.iter().filter(|f| f.1).count())
 }
 
+/// 1 or -1.
+fn side(bit: u32) -> f64 {
+    if bit == 0 { -1.0 } else { 1.0 }
+}
+
 /// What is known of one position.
 #[derive(Default)]
 struct Sum {
     sum: DVec3,
     weight: f64,
     first: Option<DVec3>,
-    distinct: Vec<DVec3>,
+    /// By cells of twice the tolerance: each holds a few.
+    distinct: HashMap<[i64; 3], Vec<DVec3>>,
 }
 
 impl Sum {
@@ -87,8 +93,12 @@ impl Sum {
     }
 
     fn add_distinct(&mut self, normal: DVec3) {
-        if self.distinct.iter().all(|n| n.distance_squared(normal) > SAME_NORMAL) {
-            self.distinct.push(normal);
+        let (near, cell) = (SAME_NORMAL.sqrt(), 2.0 * SAME_NORMAL.sqrt());
+        let at = |offset: DVec3| ((normal + offset * near) / cell).floor().as_i64vec3().to_array();
+        let around = |k: u32| DVec3::new(side(k & 1), side(k & 2), side(k & 4));
+        let same = |n: &DVec3| n.distance_squared(normal) <= SAME_NORMAL;
+        if !(0..8).any(|k| self.distinct.get(&at(around(k))).is_some_and(|cell| cell.iter().any(same))) {
+            self.distinct.entry(at(DVec3::ZERO)).or_default().push(normal);
             self.add(normal, 1.0);
         }
     }

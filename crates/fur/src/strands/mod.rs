@@ -12,4 +12,6 @@ mod roots;
 
 pub use fur::{Fur, Strand};
 pub use hash::{hash, unit};
+
+pub use crate::numeric::MAX_PER_CELL;
 pub use roots::{Root, roots};

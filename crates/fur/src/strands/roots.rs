@@ -263,10 +263,11 @@ mod tests {
                         differ += u32::from(fragment != strand);
                     }
                     println!(
-                        "{name}, density {density}, height {height}: of 1500 samples {fragments} in fragments' strands, {strands} in explicit ones, {differ} differ"
+                        "{name}, density {density}, height {height}: of 1500 samples {fragments} in fragments' strands, {strands} in explicit ones, {differ} differ: {:.1}% of those found",
+                        200.0 * f64::from(differ) / f64::from(fragments + strands)
                     );
                     // The normals at a fragment and at the root of its strand differ a little.
-                    assert!(fragments > 20 && strands > 20 && differ < 30, "{name}");
+                    assert!(fragments > 20 && strands > 20 && 12 * differ < fragments + strands, "{name}");
                 }
             }
         }

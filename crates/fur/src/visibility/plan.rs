@@ -192,7 +192,8 @@ fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
     plan
 }
 
-/// Drops the objects that appear smallest until the bases of the others are within the budget.
+/// Keeps the objects that appear largest, as far as their bases are within the budget. A base that does not fit leaves its room to
+/// smaller ones.
 fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId>) {
     let mut order: Vec<usize> = (0..wishes.len()).collect();
     // Largest first; among equals the nearest.
@@ -200,11 +201,10 @@ fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId
     let mut keep = vec![false; wishes.len()];
     let mut used = 0.0;
     for i in order {
-        if used + wishes[i].pass > budget {
-            break;
+        if used + wishes[i].pass <= budget {
+            used += wishes[i].pass;
+            keep[i] = true;
         }
-        used += wishes[i].pass;
-        keep[i] = true;
     }
     dropped.extend(wishes.iter().zip(&keep).filter(|(_, k)| !**k).map(|(w, _)| w.id));
     let mut at = keep.iter();
@@ -298,6 +298,11 @@ mod tests {
             assert_eq!(plan.entries.len() + plan.dropped.len(), items.len());
             // No object is lost while the bases fit, and none has fur beside lost ones that fit.
             assert_eq!(plan.dropped.is_empty(), bases <= budget, "step {step}");
+            if plan.entries.iter().any(|e| e.layers > 0) {
+                let dropped = free.entries.iter().filter(|e| plan.dropped.contains(&e.id));
+                let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
+                assert!(dropped.map(base).all(|base| base > budget - plan.weight), "step {step}");
+            }
             if budget >= free.weight {
                 assert_eq!(plan, free);
             } else if bases <= budget {
@@ -322,11 +327,15 @@ mod tests {
         let options = PlanOptions { budget: 500_000.0, ..PlanOptions::default() };
         let plan = plan(&items, |_| FURRY, &options).unwrap();
         assert!(!plan.entries.is_empty() && plan.weight <= 500_000.0);
+        let of = |ids: &[ObjectId]| -> Vec<usize> {
+            (0..items.len()).filter(|&i| ids.contains(&items[i].id)).collect()
+        };
         let kept: Vec<_> = plan.entries.iter().map(|e| e.id).collect();
-        assert_eq!(
-            kept.iter().chain(&plan.dropped).copied().collect::<Vec<_>>(),
-            items.iter().map(|i| i.id).collect::<Vec<_>>()
-        );
+        assert_eq!(of(&kept)[..2], [0, 1], "the nearest appear largest");
+        assert_eq!(of(&kept).len() + of(&plan.dropped).len(), items.len());
+        // The nearest alone is more than this budget: others take its room.
+        let little = super::plan(&items, |_| FURRY, &PlanOptions { budget: 330_000.0, ..options }).unwrap();
+        assert!(!little.entries.is_empty() && little.weight > 200_000.0);
         let none = PlanOptions { budget: 0.0, ..options };
         assert_eq!(super::plan(&items, |_| FURRY, &none).unwrap().dropped.len(), 50);
         assert_eq!(super::plan(&[], |_| FURRY, &none).unwrap(), Plan::default());
