@@ -9,8 +9,6 @@ use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitObject, LitScene, Mater
 use casca_lab::world::{Camera, Mesh};
 use glam::{Affine3A, Quat, Vec3};
 
-/// Degrees of the view from bottom to top, where the program places the camera.
-const FOV_Y: f32 = 60.0;
 /// Radius of a ball, as a share of the scene's shortest side.
 const BALL: f32 = 0.04;
 /// Irradiance of the sun that is added.
@@ -72,10 +70,14 @@ impl Start {
         }
     }
 
-    /// A camera for pictures that are so many times as wide as high.
+    /// A camera for pictures that are so many times as wide as high, with the field of view of the scene's camera. It sees all of the scene
+    /// from anywhere.
     pub fn looking(&self, eye: Vec3, target: Vec3, aspect: f32) -> Camera {
-        let far = 4.0 * (self.bounds.1 - self.bounds.0).length().max(1e-3);
-        Camera::look_at(eye, target, FOV_Y, aspect, far * 1e-4, far)
+        let (min, max) = self.bounds;
+        let size = 4.0 * (max - min).length().max(1e-3);
+        let fov_y = 2.0 * self.scene.camera.projection.y_axis.y.recip().atan().to_degrees();
+        let far = size + eye.distance(0.5 * (min + max));
+        Camera::look_at(eye, target, fov_y.clamp(1.0, 170.0), aspect, size * 1e-4, far)
     }
 
     /// The scene's camera, for pictures of another shape.
@@ -102,5 +104,25 @@ impl Start {
         let place = Vec3::new(0.5 + 0.4 * share * angle.cos(), height, 0.5 + 0.4 * share * angle.sin());
         let radius = Vec3::splat(BALL * size.min_element().max(1e-3));
         Affine3A::from_scale_rotation_translation(radius, Quat::IDENTITY, min + size * place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_see_the_scene_from_afar_with_its_field_of_view() {
+        let start = Start::open("cornell-point", 0).unwrap();
+        let (min, max) = start.bounds;
+        let own = start.scene.camera.projection;
+        for away in [1.0, 10.0, 1e3] {
+            let camera = start.looking(min - (max - min) * away, max, casca_lab::lit::ASPECT);
+            assert!((camera.projection.y_axis.y - own.y_axis.y).abs() < 1e-4);
+            for corner in [min, max] {
+                let depth = camera.view_projection().project_point3(corner).z;
+                assert!((0.0..=1.0).contains(&depth), "{away}: {depth}");
+            }
+        }
     }
 }

@@ -4,13 +4,17 @@ mod common;
 
 use std::sync::Arc;
 
-use casca_lab::lit::{Kind, LitScene};
+use casca_lab::lit::{Kind, LitObject, LitScene, Material};
 use casca_light::error::LightError;
+use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
 use casca_light::timing::Clock;
 use casca_stage::gpu::Gpu;
-use common::{ball, gpu, touched_by_clipping};
+use common::{ball, gpu, limited, touched_by_clipping};
 use glam::{Affine3A, Vec3};
+
+/// Radius of a ball that fills many bricks of a grid of 4 m and 8x8x8 bricks.
+const LARGE: f32 = 1.3;
 
 type Surfaces = Vec<(u32, Vec<[u32; 4]>)>;
 
@@ -89,6 +93,7 @@ fn the_order_of_triangles_does_not_matter() {
     let Some(gpu) = gpu() else { return };
     let mut scene = Kind::LightBox.build();
     scene.objects.push(ball(0, Vec3::new(0.2, 0.1, 0.3), 0.7));
+    scene.materials[0].emission = Vec3::ONE;
     let (_, first) = voxels(&gpu, &scene, 24);
     scene.objects.reverse();
     for object in &mut scene.objects {
@@ -145,6 +150,83 @@ fn what_moves_before_the_first_update_is_where_it_went() {
 }
 
 #[test]
+fn a_dim_lamp_shines_beside_a_very_bright_one() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = Kind::Emissive.build();
+    let lamps = |scene: &LitScene| {
+        let (_, surfaces) = voxels(&gpu, scene, 32);
+        // The words of a cell hold albedo, emission and normal.
+        surfaces.iter().flat_map(|s| &s.1).filter(|c| c[2] != 0).count()
+    };
+    let dim = lamps(&scene);
+    scene.materials.push(Material { emission: Vec3::splat(1e12), ..Material::matt(Vec3::ONE) });
+    let (min, max) = scene.bounds();
+    scene.objects.push(ball(scene.materials.len() as u32 - 1, min.lerp(max, 0.2), 0.2));
+    let both = lamps(&scene);
+    assert!(dim > 0 && both > dim, "{dim}, then {both}");
+}
+
+#[test]
+fn a_layer_of_one_triangle_in_one_brick_holds_no_other() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = common::wall_scene(1);
+    scene.materials.push(Material::matt(Vec3::splat(0.2)));
+    // Across the wall, within a cell or two.
+    let at = scene.objects[0].mesh.positions[0].y;
+    let positions =
+        [[0.1, -0.02], [0.12, 0.02], [0.14, -0.02]].map(|[x, y]| Vec3::new(x, at + y, 0.1)).into();
+    scene.objects.push(LitObject {
+        name: "small".to_owned(),
+        materials: vec![1].into(),
+        mesh: casca_lab::world::Mesh { positions, triangles: vec![[0, 1, 2]] }.into(),
+        transform: Affine3A::IDENTITY,
+        moves: false,
+    });
+    let (_, fixed) = voxels(&gpu, &scene, 64);
+    scene.objects.last_mut().unwrap().moves = true;
+    assert!(fixed == voxels(&gpu, &scene, 64).1);
+}
+
+#[test]
+fn after_an_update_that_failed_the_next_one_makes_everything_again() {
+    let Some(gpu) = gpu() else { return };
+    // Room for 200 bricks: the wall and a large ball have 166, and half as many as move are added, for moves to come.
+    let gpu = limited(&gpu, |limits| limits.max_storage_buffer_binding_size = 200 * 512 * 16);
+    let mut scene = common::wall_scene(1);
+    // Small triangles instead of large ones without area, whose boxes have all bricks.
+    let corners =
+        [-2.0_f32, 2.0].map(|c| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|way| Vec3::splat(c) - way * 0.01 * c));
+    let triangles = vec![[0, 1, 2], [3, 4, 5]];
+    scene.objects[1].mesh = casca_lab::world::Mesh { positions: corners.concat(), triangles }.into();
+    scene.lights.push(casca_lab::lit::Light::point(Vec3::new(0.5, 1.5, 0.5), Vec3::ONE));
+    scene.objects.push(ball(0, Vec3::new(-0.5, 0.2, 0.0), 0.2));
+    let object = scene.objects.len() - 1;
+    let mut renderer = Renderer::new(&gpu, &scene, settings(64)).unwrap();
+    renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    let too_large = Affine3A::from_scale(Vec3::splat(LARGE));
+    renderer.move_object(&gpu, object, too_large).unwrap();
+    let said = renderer.update(&gpu, None, &mut Clock::off()).unwrap_err().to_string();
+    assert!(said.contains("surfaces takes"), "{said}");
+    scene.objects[object].transform.translation.x += 1.0;
+    renderer.move_object(&gpu, object, scene.objects[object].transform).unwrap();
+    renderer.update(&gpu, None, &mut Clock::off()).unwrap();
+    let mut new = Renderer::new(&gpu, &scene, settings(64)).unwrap();
+    new.update(&gpu, None, &mut Clock::off()).unwrap();
+    for layer in [Layer::Picture, Layer::Voxels] {
+        let [after, expected] = [&mut renderer, &mut new].map(|r| common::draw(&gpu, r, &scene, layer));
+        assert!(after == expected && after.iter().any(|p| p[0] > 0.01), "{layer:?}");
+    }
+}
+
+#[test]
+fn an_adapter_that_binds_too_few_buffers_is_refused_by_name() {
+    let Some(gpu) = gpu() else { return };
+    let gpu = limited(&gpu, |limits| limits.max_storage_buffers_per_shader_stage = 8);
+    let said = Renderer::new(&gpu, &Kind::Cornell.build(), settings(16)).err().unwrap().to_string();
+    assert!(said.contains("nine storage buffers"), "{said}");
+}
+
+#[test]
 fn scenes_and_grids_that_cannot_be_had_are_named() {
     let Some(gpu) = gpu() else { return };
     let refused =
@@ -180,7 +262,7 @@ fn scenes_and_grids_that_cannot_be_had_are_named() {
 fn scenes_of_any_size_and_place_are_taken_or_refused() {
     let Some(gpu) = gpu() else { return };
     for (scale, shift) in
-        [(1e-30, 0.0), (1e-3, 1e4), (1.0, 1e30), (1e30, 0.0), (3e38, 0.0), (0.0, 5.0), (0.0, 0.0)]
+        [(1e-30, 0.0), (1e-3, 1e4), (1.0, 1e30), (1.0, 0.0), (1e30, 0.0), (3e38, 0.0), (0.0, 5.0), (0.0, 0.0)]
     {
         let mut scene = Kind::Cornell.build();
         for object in &mut scene.objects {
@@ -188,9 +270,15 @@ fn scenes_of_any_size_and_place_are_taken_or_refused() {
                 Affine3A::from_translation(Vec3::splat(shift)) * Affine3A::from_scale(Vec3::splat(scale));
         }
         scene.lights.push(casca_lab::lit::Light::point(Vec3::NAN, Vec3::INFINITY));
+        let near = Vec3::splat(2.7 * scale + shift);
+        scene.lights.push(casca_lab::lit::Light::point(near, Vec3::splat(1e38)));
+        scene.sky = Vec3::INFINITY;
         let Ok(mut renderer) = Renderer::new(&gpu, &scene, settings(16)) else { continue };
         renderer.update(&gpu, None, &mut Clock::off()).unwrap();
         let light = common::draw(&gpu, &mut renderer, &scene, casca_light::picture::Layer::Picture);
         assert!(light.iter().flatten().all(|v| v.is_finite()), "scale {scale}, shift {shift}");
+        // Where single precision tells cells, the light of 1e38 is in the picture.
+        let is_lit = light.iter().any(|p| p[0] > 1e15);
+        assert!(is_lit || scale != 1.0 || shift != 0.0, "scale {scale}, shift {shift}");
     }
 }

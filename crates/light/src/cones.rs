@@ -112,26 +112,3 @@ impl Settings {
         self.reach * volume.dims.max_element() as f32
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-
-    #[test]
-    fn cones_fill_the_hemisphere_and_weigh_as_its_light() {
-        for count in [ConeCount::Six, ConeCount::Sixteen] {
-            let cones = count.cones();
-            assert!(cones.len() <= MOST_CONES);
-            let sum: f32 = cones.iter().map(|c| c.share).sum();
-            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
-            let solid = |c: &Cone| TAU * (1.0 - c.slope.atan().cos());
-            let solid: f32 = cones.iter().map(solid).sum();
-            assert!((solid - TAU).abs() < 1e-4, "{solid}");
-            // The mean of the directions, weighted, is that of light by the cosine law: two thirds of the normal. The rule of
-            // one direction for a sector is a few percent off.
-            let mean: Vec3 = cones.iter().map(|c| Vec3::from_array(c.direction) * c.share).sum();
-            assert!(mean.abs_diff_eq(Vec3::Z * 2.0 / 3.0, 0.05), "{mean}");
-        }
-    }
-}

@@ -1,6 +1,6 @@
 //! Triangles, materials and lights as the shaders take them: lengths in cells from the corner of the grid.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
@@ -8,7 +8,7 @@ use casca_lab::lit::{self, LightKind, LitObject, LitScene};
 use glam::{Affine3A, Vec3};
 
 use crate::error::LightError;
-use crate::numeric::{FARTHEST, GROWTH, MOST_TRIANGLES};
+use crate::numeric::{BRIGHTEST, FARTHEST, GROWTH, MOST_TRIANGLES};
 use crate::volume::Volume;
 
 /// A triangle in cells.
@@ -43,8 +43,8 @@ pub struct Material {
     pad_e: f32,
 }
 
-/// A finite number from 0 on.
-fn sound(v: Vec3, most: f32) -> [f32; 3] {
+/// Numbers from 0 to `most`; infinite ones and those that are no numbers become 0.
+pub(crate) fn sound(v: Vec3, most: f32) -> [f32; 3] {
     v.to_array().map(|c| if c.is_finite() { c.clamp(0.0, most) } else { 0.0 })
 }
 
@@ -52,7 +52,7 @@ impl Material {
     fn new(m: &lit::Material) -> Self {
         let gloss = if m.gloss.is_finite() { m.gloss.clamp(0.0, 1.0) } else { 0.0 };
         let (albedo, specular) = (sound(m.albedo, 1.0), sound(m.specular, 1.0));
-        Self { albedo, gloss, specular, pad: 0.0, emission: sound(m.emission, f32::MAX), pad_e: 0.0 }
+        Self { albedo, gloss, specular, pad: 0.0, emission: sound(m.emission, BRIGHTEST), pad_e: 0.0 }
     }
 }
 
@@ -86,7 +86,7 @@ impl Light {
     fn new(light: &lit::Light, volume: &Volume) -> Self {
         let f = light.falloff;
         let mut new = Self {
-            color: sound(light.color, f32::MAX),
+            color: sound(light.color, BRIGHTEST),
             falloff: [f.constant, f.linear, f.quadratic],
             ..Self::zeroed()
         };
@@ -263,41 +263,48 @@ fn triangles_of(object: &LitObject, volume: &Volume, emits: &[bool]) -> Vec<Tria
 /// formula: by the bends of its edges), a sheet by half a cell along its rim. So the power of a small lamp does not depend on the
 /// cells. Rooms that are closed around the light do not grow inwards. O(n log n).
 fn emission_share(triangles: &[Triangle], emits: &[bool]) -> f32 {
-    let (mut area, mut edges) = (0.0, BTreeMap::<_, Vec<_>>::new());
+    let (mut areas, mut corners, mut edges) = (Vec::new(), BTreeSet::new(), BTreeMap::<_, Vec<_>>::new());
     for t in triangles.iter().filter(|t| **t != NOWHERE && emits[t.material as usize]) {
         let c = t.corners();
         let cross = (c[1] - c[0]).cross(c[2] - c[0]);
         let Some(normal) = cross.try_normalize() else { continue };
-        area += 0.5 * cross.length();
+        areas.push(0.5 * cross.length());
         for i in 0..3 {
             let [p, q] = [c[i], c[(i + 1) % 3]].map(|p| p.to_array().map(f32::to_bits));
+            corners.insert(p);
             edges.entry([p.min(q), p.max(q)]).or_default().push((normal, c[(i + 2) % 3], p < q));
         }
     }
-    let (mut bends, mut rims) = (0.0, 0.0);
-    for (ends, sides) in &edges {
+    // Sorted and in double precision, sums do not depend on the order of triangles.
+    areas.sort_unstable_by(f32::total_cmp);
+    let area: f64 = areas.iter().copied().map(f64::from).sum();
+    let (mut bends, mut rims) = (0.0_f64, 0.0_f64);
+    for (ends, sides) in &mut edges {
+        sides.sort_unstable_by_key(|side| side.1.to_array().map(f32::to_bits));
         let [p, q] = ends.map(|p| Vec3::from_array(p.map(f32::from_bits)));
         match sides[..] {
-            [_] => rims += p.distance(q),
+            [_] => rims += f64::from(p.distance(q)),
             // Convex if the second triangle lies behind the first; neighbours run along their edge in opposite ways.
             [(n, _, forward), (m, third, other)] if forward != other => {
-                bends += p.distance(q) * n.dot(m).clamp(-1.0, 1.0).acos().copysign(n.dot(p - third));
+                let bend = n.dot(m).clamp(-1.0, 1.0).acos().copysign(n.dot(p - third));
+                bends += f64::from(p.distance(q) * bend);
             }
             _ => {}
         }
     }
-    let ends = if rims > 0.0 { 1.0 } else { 4.0 * PI * GROWTH * GROWTH };
-    let grown = area + GROWTH * bends + 0.5 * rims + ends;
-    if area < grown { area / grown } else { 1.0 }
+    // Euler's characteristic counts bodies twice and sheets once.
+    let count = corners.len() as f64 + areas.len() as f64 - edges.len() as f64;
+    let growth = f64::from(GROWTH);
+    let end = if rims > 0.0 { 1.0 } else { 2.0 * f64::from(PI) * growth * growth };
+    let grown = area + growth * bends + 0.5 * rims + end * count.max(0.0);
+    if area < grown { (area / grown) as f32 } else { 1.0 }
 }
 
-/// Materials, and the greatest emission among them (at least a tiny number). There is at least one.
-pub fn materials_of(scene: &LitScene) -> (Vec<Material>, f32) {
+/// Materials. There is at least one.
+pub fn materials_of(scene: &LitScene) -> Vec<Material> {
     let grey = lit::Material::matt(Vec3::splat(0.5));
     let materials = if scene.materials.is_empty() { std::slice::from_ref(&grey) } else { &scene.materials };
-    let materials: Vec<Material> = materials.iter().map(Material::new).collect();
-    let brightest = materials.iter().flat_map(|m| m.emission).fold(f32::MIN_POSITIVE, f32::max);
-    (materials, brightest)
+    materials.iter().map(Material::new).collect()
 }
 
 #[cfg(test)]
@@ -328,7 +335,21 @@ mod tests {
             };
             triangles_of(&object, &volume, &[true])[0].share
         };
+        // Twenty bodies or sheets in one object, far from one another.
+        let twenty = |mesh: &Mesh| {
+            let mut all = Mesh { positions: Vec::new(), triangles: Vec::new() };
+            for i in 0..20 {
+                let first = all.positions.len() as u32;
+                all.positions.extend(mesh.positions.iter().map(|p| p + Vec3::X * 4.0 * i as f32));
+                all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+            }
+            all
+        };
         for size in [0.5_f32, 4.0, 30.0] {
+            for mesh in [&square, &cube, &Mesh::ball(2)] {
+                let (one, many) = (share(mesh, size), share(&twenty(mesh), size));
+                assert!((one - many).abs() < 1e-3, "{size}: {one} and {many}");
+            }
             // The cells that an axis-parallel square or cube of this size touches, on the mean over its places.
             let grown = (size / (size + 1.0)).powi(2);
             assert!((share(&square, size) - grown).abs() < 1e-4, "{size}: {}", share(&square, size));

@@ -27,6 +27,9 @@ pub enum LightError {
     /// There is no device, or it is lost.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The adapter lacks something that the shaders need.
+    #[error("the adapter lacks {0}, which the shaders need: choose another adapter or driver")]
+    Lacks(&'static str),
     /// The scene has no triangles at all.
     #[error("the scene has no triangles")]
     NoTriangles,

@@ -20,7 +20,7 @@ fn constants() -> String {
         ("NORMAL_ROUNDING", n::NORMAL_ROUNDING),
         ("PUSH_OFF", n::PUSH_OFF),
         ("UNIT", n::UNIT),
-        ("UNIT_EMISSION", n::UNIT_EMISSION),
+        ("BRIGHTEST", n::BRIGHTEST),
         ("UNIT_NORMAL", n::UNIT_NORMAL),
         ("CANCELLED", n::CANCELLED),
         ("LARGEST_HALF", n::LARGEST_HALF),
@@ -160,35 +160,5 @@ pub fn held<T>(gpu: &Gpu, part: Part, make: impl FnOnce() -> T) -> Result<T, Lig
     match pollster::block_on(scope.pop()) {
         Some(_) => Err(LightError::NoMemory(part)),
         None => Ok(made),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_device_without_memory_is_an_error_by_name() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
-        let most = gpu.device.limits().max_texture_dimension_3d;
-        let size = wgpu::Extent3d { width: most, height: most, depth_or_array_layers: most };
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        // Each takes most³ x 8 bytes: 64 GiB at 2048 texels.
-        let textures: Vec<_> = (0..64)
-            .map(|_| held(&gpu, Part::of_cells("voxels"), || gpu.device.create_texture(&descriptor)))
-            .take_while(|made| made.is_ok())
-            .collect();
-        assert!(textures.len() < 64, "the device has memory for everything");
-        let said = LightError::NoMemory(Part::of_cells("voxels")).to_string();
-        assert_eq!(said, "the device has no memory for voxels; fewer cells take less");
     }
 }

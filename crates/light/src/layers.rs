@@ -126,7 +126,7 @@ impl Layers {
             occupancy: zeros(gpu, OCCUPANCY, 0)?,
             surfaces: zeros(gpu, SURFACES, 0)?,
             voxelize: Kernel::new(gpu, &module, "voxelize", &[0, 6, 20, 21, 22, 23, 24]),
-            merge: Kernel::new(gpu, &module, "merge", &[0, 1, 6, 25, 26, 27, 28, 29, 30, 31]),
+            merge: Kernel::new(gpu, &module, "merge", &[1, 6, 25, 26, 27, 28, 29, 30, 31]),
         };
         new.assign_slots(gpu)?;
         Ok(new)

@@ -23,17 +23,17 @@ pub const TOUCH: f32 = 1.0 / 2048.0;
 /// normal, so that the test of its plane must allow for it.
 pub const NORMAL_ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// A ray or cone starts so many cells above a surface, times the sum of the components of its normal. A plane touches
-/// cells whose centres are up to half that sum away. From a point, a filter sees centres within one sum, and a voxel's centre may lie
-/// half a sum behind its plane: 0.5 + 1 from the surface, and no less from a centre, as the exact walk needs no filter.
+/// A ray or cone starts this many cells above a surface, times the sum s of the absolute components of its normal. Its first samples must not
+/// read the surface. A plane touches cells whose centres are up to s / 2 away from it. A linear filter reads centres up to s away,
+/// measured along the normal. Together these make 1.5 s.
 pub const PUSH_OFF: f32 = 1.5;
 
-/// Albedo is summed as integers of 10 bits, so that [`MOST_TRIANGLES`] of them fit into 32 bits.
+/// Albedos from 0 to 1 become integers of 10 bits. The sum of [`MOST_TRIANGLES`] of them fits into 32 bits.
 pub const UNIT: f32 = 1023.0;
-/// The same for normals, which have a sign.
+/// Components of normals become integers of 9 bits and a sign.
 pub const UNIT_NORMAL: f32 = 511.0;
-/// Of the emission of a cell the greatest counts, as a share of the brightest in the scene: as many steps as single precision tells with room.
-pub const UNIT_EMISSION: f32 = 1_048_575.0;
+/// Emission and the light of lamps are cut here: highlights make 653 times as much of it, and the sum over all lights stays finite.
+pub const BRIGHTEST: f32 = 1e30;
 /// Triangles of a scene: 2^22 sums of 10 bits fit into 32.
 pub const MOST_TRIANGLES: usize = 1 << 22;
 
@@ -60,6 +60,9 @@ const _: () = assert!(MOST_STEPS as f32 * LEAST_STEP > 1.7321 * *RESOLUTIONS.end
 pub const NEAR_FADE: f32 = 99.0;
 /// The tangent of half the angle of the narrowest reflection: one degree, below which it costs only time (digest 2.4).
 pub const NARROWEST: f32 = 0.0175;
+
+/// Storage buffers that one shader binds: `merge` has the most.
+pub const STORAGE_BUFFERS: u32 = 9;
 
 /// So many pairs of bricks are looked at for shadows that change, a few dozen milliseconds; where there are more, all light is made anew.
 pub const MOST_SHADOW_PAIRS: usize = 1 << 22;

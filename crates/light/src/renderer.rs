@@ -14,18 +14,18 @@ use casca_lab::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
-use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages};
+use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages, DownlevelFlags};
 use glam::{Affine3A, Vec3};
 
 use crate::cones::MOST_CONES;
 pub use crate::cones::Settings;
-use crate::data::{Geometry, Light, Triangle, lights_of, materials_of};
+use crate::data::{Geometry, Light, Triangle, lights_of, materials_of, sound};
 use crate::error::{LightError, Part};
 use crate::kernel::filled;
 use crate::layers::Layers;
-use crate::numeric::{MOST_SHADOW_PAIRS, WIDEST_REFLECTION};
+use crate::numeric::{LARGEST_HALF, MOST_SHADOW_PAIRS, STORAGE_BUFFERS, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
-use crate::reach::{Mask, Reach, bricks_read, grown, shadows_change};
+use crate::reach::{Mask, Reach, beside, bricks_read, grown, shadows_change};
 use crate::shading::{List, Shading};
 use crate::volume::Volume;
 
@@ -38,7 +38,7 @@ struct Uniform {
     bricks: [u32; 3],
     light_count: u32,
     sky: [f32; 3],
-    brightest: f32,
+    pad: f32,
     step: f32,
     reach: f32,
     cell: f32,
@@ -79,8 +79,7 @@ pub struct Renderer {
     volume: Volume,
     settings: Settings,
     geometry: Geometry,
-    sky: Vec3,
-    brightest: f32,
+    sky: [f32; 3],
     /// As the shaders take them.
     shining: Vec<Light>,
     /// Tangent of half the angle of the widest reflection; 0 if nothing reflects.
@@ -93,6 +92,8 @@ pub struct Renderer {
     shading: Shading,
     picture: Picture,
     changes: Changes,
+    /// An update began and did not end: buffers may be lost or hold anything.
+    torn: bool,
     /// By brick: whether its direct light, its second bounce and its texels are up to date.
     shaded: Mask,
     bounced: Mask,
@@ -103,21 +104,26 @@ impl Renderer {
     /// Puts a scene on the device. Costs its triangles; voxels and light are made by the first [`Renderer::update`].
     ///
     /// # Errors
-    /// A setting out of its range, a scene without triangles or with too many, and what the adapter cannot hold.
+    /// A setting out of its range, a scene without triangles or with too many, and what the adapter lacks or cannot hold.
     pub fn new(gpu: &Gpu, scene: &LitScene, settings: Settings) -> Result<Self, LightError> {
         settings.check()?;
+        if gpu.device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            return Err(LightError::Lacks("nine storage buffers for a shader"));
+        }
+        if !gpu.adapter.get_downlevel_capabilities().flags.contains(DownlevelFlags::VERTEX_STORAGE) {
+            return Err(LightError::Lacks("storage buffers in vertex shaders"));
+        }
         let volume = Volume::new(scene.bounds(), settings.resolution)?;
         let geometry = Geometry::new(scene, &volume)?;
         let layers = Layers::new(gpu, volume, &geometry.triangles, geometry.fixed)?;
         let shading = Shading::new(gpu, volume, layers.capacity())?;
-        let (materials, brightest) = materials_of(scene);
+        let materials = materials_of(scene);
         let lights = lights_of(&scene.lights, &volume);
         let no_brick = vec![false; volume.brick_count()];
         let new = Self {
             exposure: 1.0,
             settings,
-            sky: scene.sky.max(Vec3::ZERO),
-            brightest,
+            sky: sound(scene.sky, LARGEST_HALF),
             widest: if scene.materials.iter().any(|m| m.specular.max_element() > 0.0) {
                 WIDEST_REFLECTION
             } else {
@@ -142,6 +148,7 @@ impl Renderer {
             shading,
             picture: Picture::new(gpu)?,
             changes: Changes { fixed: true, moved: false },
+            torn: false,
             shaded: no_brick.clone(),
             bounced: no_brick.clone(),
             written: no_brick,
@@ -159,8 +166,7 @@ impl Renderer {
             cone_count: cones.len() as u32,
             bricks: self.volume.bricks().to_array(),
             light_count: self.shining.len() as u32,
-            sky: self.sky.to_array(),
-            brightest: self.brightest,
+            sky: self.sky,
             step: self.settings.step,
             reach: self.settings.reach_cells(&self.volume),
             cell: self.volume.cell,
@@ -238,13 +244,18 @@ impl Renderer {
 
     /// The bricks that a picture can read, if the boxes that its camera may see (in metres) are those that `sees` says.
     pub fn reach(&self, sees: &dyn Fn((Vec3, Vec3)) -> bool) -> Reach {
-        let mut seen = vec![false; self.volume.brick_count()];
-        let mut look = |brick: u32| seen[brick as usize] = sees(self.volume.brick_box(brick));
-        self.layers.bricks().iter().for_each(|&brick| look(brick));
-        // Slots follow moves only in the next update.
-        if self.changes.moved {
-            let moving = &self.geometry.triangles[self.geometry.fixed..];
-            moving.iter().for_each(|t| self.volume.bricks_of(t.corners(), &mut look));
+        let mut full = vec![false; self.volume.brick_count()];
+        let mut seen = full.clone();
+        self.layers.bricks().iter().for_each(|&brick| full[brick as usize] = true);
+        for t in &self.geometry.triangles[self.geometry.fixed..] {
+            // Slots follow moves only in the next update.
+            if self.changes.moved {
+                self.volume.bricks_of(t.corners(), &mut |brick| full[brick as usize] = true);
+            }
+            beside(&self.volume, t.corners(), self.settings.step, &mut seen);
+        }
+        for (brick, seen) in seen.iter_mut().enumerate() {
+            *seen |= full[brick] && sees(self.volume.brick_box(brick as u32));
         }
         Reach::around(&self.volume, seen, self.bricks_read(), self.settings.bounce)
     }
@@ -276,8 +287,22 @@ impl Renderer {
     /// Brings voxels and light up to date: all light, or that in the bricks that a picture can read ([`Renderer::reach`]).
     ///
     /// # Errors
-    /// What the adapter cannot hold; the device is lost.
+    /// What the adapter cannot hold; the device is lost. The next update then makes everything again.
     pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        reach: Option<&Reach>,
+        clock: &mut Clock,
+    ) -> Result<Updated, LightError> {
+        if self.torn {
+            self.changes = Changes { fixed: true, moved: true };
+        }
+        let updated = self.update_all(gpu, reach, clock);
+        self.torn = updated.is_err();
+        updated
+    }
+
+    fn update_all(
         &mut self,
         gpu: &Gpu,
         reach: Option<&Reach>,
@@ -285,14 +310,8 @@ impl Renderer {
     ) -> Result<Updated, LightError> {
         let merged = self.update_voxels(gpu, clock)?;
         self.voxels_changed(&merged);
-        let everything;
-        let reach = match reach {
-            Some(reach) => reach,
-            None => {
-                everything = Reach::all(&self.volume);
-                &everything
-            }
-        };
+        let everything = Reach::all(&self.volume);
+        let reach = reach.unwrap_or(&everything);
         let bricks = self.layers.bricks();
         let those = |wanted: &Mask, done: &Mask| -> Vec<u32> {
             bricks.iter().copied().filter(|&b| wanted[b as usize] && !done[b as usize]).collect()
@@ -333,7 +352,7 @@ impl Renderer {
         if moved {
             let capacity = self.layers.capacity();
             changed = self.layers.move_triangles(gpu, &self.geometry.triangles, self.geometry.fixed)?;
-            if self.layers.capacity() != capacity {
+            if self.torn || self.layers.capacity() != capacity {
                 self.shading.resize(gpu, self.layers.capacity())?;
                 self.light_changed();
             }
@@ -343,6 +362,8 @@ impl Renderer {
                 self.layers.voxelize(gpu, e, false, &|b| self.resource(b))
             })?;
             changed.extend_from_slice(self.layers.bricks());
+            // Bricks that lost their slot in a torn update are still written.
+            changed.extend((0..self.written.len() as u32).filter(|&b| self.torn && self.written[b as usize]));
             changed.sort_unstable();
             changed.dedup();
         }

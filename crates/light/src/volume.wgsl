@@ -4,8 +4,8 @@
 struct Volume {
   dims: vec3u, cone_count: u32,
   bricks: vec3u, light_count: u32,
-  // Radiance where nothing is hit, and the greatest emission of a material.
-  sky: vec3f, brightest: f32,
+  // Radiance where nothing is hit.
+  sky: vec3f, pad: f32,
   // Steps in texels, how far cones gather, edge of a cell in metres.
   step: f32, reach: f32, cell: f32, specular_floor: f32,
   // Directions around the normal (z), with the tangent of half the angle, and shares of the hemisphere.
@@ -102,7 +102,9 @@ fn incident(light: Light, at: vec3f) -> Incident {
   let distance = max(length(way), TINY);
   let direction = way / distance;
   let metres = distance * volume.cell;
-  var irradiance = light.color / max(dot(light.falloff, vec3f(1.0, metres, metres * metres)), TINY);
+  // No light where the falloff is not positive, as in Falloff::at of casca-lab.
+  let falloff = dot(light.falloff, vec3f(1.0, metres, metres * metres));
+  var irradiance = select(vec3f(0.0), min(light.color / falloff, vec3f(BRIGHTEST)), falloff > 0.0);
   if (light.kind == SPOT) { irradiance *= smoothstep(light.outer, light.inner, dot(light.axis, -direction)); }
   return Incident(direction, distance, irradiance, light.radius / distance);
 }

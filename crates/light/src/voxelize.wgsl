@@ -2,7 +2,7 @@
 // avoided).
 
 @group(0) @binding(22) var<storage, read> pairs: array<vec2u>;
-// By cell: three sums of albedo, the greatest emission by channel, three sums of normals and a count. A lamp that shares a cell with the
+// By cell: three sums of albedo, the greatest emission by channel (as bits), three sums of normals and a count. A lamp that shares a cell with the
 // ceiling shines as bright as elsewhere.
 @group(0) @binding(23) var<storage, read_write> colours: array<atomic<u32>>;
 @group(0) @binding(24) var<storage, read_write> normals: array<atomic<u32>>;
@@ -30,7 +30,8 @@ fn touches(a: vec3f, b: vec3f, c: vec3f) -> bool {
 
 fn add(cell: u32, material: Material, share: f32, normal: vec3f) {
   let albedo = vec3u(round(clamp(material.albedo, vec3f(0.0), vec3f(1.0)) * UNIT));
-  let emission = vec3u(round(clamp(share * material.emission / volume.brightest, vec3f(0.0), vec3f(1.0)) * UNIT_EMISSION));
+  // The bits of numbers that are not negative have their order; the mask takes the sign of a zero away.
+  let emission = bitcast<vec3u>(min(share * material.emission, vec3f(LARGEST_HALF))) & vec3u(0x7fffffffu);
   // Negative numbers are added as what they are modulo 2^32.
   let direction = bitcast<vec3u>(vec3i(round(normal * UNIT_NORMAL)));
   for (var i = 0u; i < 3u; i++) {
@@ -45,7 +46,8 @@ fn add(cell: u32, material: Material, share: f32, normal: vec3f) {
 @compute @workgroup_size(8, 8)
 fn voxelize(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
   let number = group_number(group, groups) * 8u + local.y;
-  if (number >= arrayLength(&pairs)) { return; }
+  // A single pair leaves room for another in the least buffer, of zeros. A true pair of zeros comes first.
+  if (number >= arrayLength(&pairs) || (number > 0u && all(pairs[number] == vec2u(0u)))) { return; }
   let pair = pairs[number];
   let triangle = triangles[pair.x];
   let corner = vec3f(8u * brick_place(list[pair.y]));
@@ -113,7 +115,7 @@ fn surface(albedo: vec3u, emission: vec3u, normal: vec3i, count: u32) -> vec4u {
   if (count == 0u) { return vec4u(0u); }
   let scale = 1.0 / (f32(count) * UNIT);
   let a = vec3f(albedo) * scale;
-  let e = min(vec3f(emission) / UNIT_EMISSION * volume.brightest, vec3f(LARGEST_HALF));
+  let e = bitcast<vec3f>(emission);
   let mean = vec3f(normal) / (f32(count) * UNIT_NORMAL);
   let size = length(mean);
   var n = vec4f(0.0);

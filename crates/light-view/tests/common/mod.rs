@@ -29,6 +29,15 @@ pub fn gpu() -> Option<Gpu> {
     gpu
 }
 
+/// A device of the same adapter with lower limits.
+pub fn limited(gpu: &Gpu, lower: impl FnOnce(&mut wgpu::Limits)) -> Gpu {
+    let mut required_limits = gpu.adapter.limits();
+    lower(&mut required_limits);
+    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(gpu.adapter.request_device(&descriptor)).unwrap();
+    Gpu { name: gpu.name.clone(), adapter: gpu.adapter.clone(), device, queue }
+}
+
 /// A ball that moves.
 pub fn ball(material: u32, center: Vec3, radius: f32) -> LitObject {
     let mesh = Mesh::ball(2);
@@ -72,8 +81,8 @@ pub fn wall_scene(axis: usize) -> LitScene {
         [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]
             .map(|[x, z]| turned(Vec3::new(x * half, y, z * half)))
     };
-    // 62 cells span 4 m, and planes of cells begin at -2 m.
-    let y = 4.0 / 62.0 * 20.5 - 2.0;
+    // In a grid of 64 cells, 56 span 4 m, and planes of cells begin at -2 m.
+    let y = 4.0 / 56.0 * 20.5 - 2.0;
     let object = |name: &str, corners: Vec<Vec3>| LitObject {
         name: name.to_owned(),
         materials: vec![0; 2].into(),
