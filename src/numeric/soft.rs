@@ -45,5 +45,17 @@ pub(crate) const EVEN_STEPS: [f64; 3] =
 
 /// A walk may stray from its line into cells that are this far from it, in cells.
 ///
-/// Walks start in the grid, and their positions are rounded relative to the way from there: by 2^-38 cells at most in a grid of 8192.
+/// Near the origin of the world positions are rounded by 2^-38 cells at most. A grid may lie 2^28 cells from the origin: there they are
+/// rounded by about 2^-24 cells, which is 6e-8.
 pub(crate) const STRAY: f64 = 1e-6;
+
+/// A cell whose middle is a whole cell from a point counts this much for it.
+///
+/// A point on a surface may be just there, with an open cell in front that has no other weight. The weights of others are in sum 1.
+pub(crate) const LEAST_WEIGHT: f64 = 1e-6;
+
+/// For each ray of a cell, a brick is compared with so many that changed at most before it is walked in without comparing.
+///
+/// A comparison takes some divisions on each axis. A brick on a floor holds hundreds of cells near the surface, and a walk from each takes several
+/// steps at least: beyond about a thousand comparisons, one walk from each cell costs less.
+pub(crate) const COMPARED: usize = 1024;

@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks, Pages};
 use crate::grid::cell_box::CellBox;
 use crate::matrix::bits::{BitMatrix, Mask, NONE, block_mask, both, cells_of, either};
-use crate::numeric::soft::{EVEN_STEPS, STRAY};
+use crate::numeric::soft::{COMPARED, EVEN_STEPS, LEAST_WEIGHT, STRAY};
 use crate::soft::cone::between;
 use crate::soft::grid::SoftGrid;
 use crate::soft::rays::check_rays;
@@ -26,6 +26,9 @@ struct Values(Option<Box<[u8; 512]>>);
 
 /// The share of a light's rays that reaches each cell that is occupied or next to an occupied one. It holds for the grid as it was at the
 /// last [`VisibilityVolume::update`].
+///
+/// The share of an occupied cell is not the light on the surface in it: from inside a flat floor, rays to a low sun cross the cells of the
+/// floor beside. [`VisibilityVolume::least`] and [`VisibilityVolume::smooth`] therefore use the open cells in front of a surface.
 #[derive(Clone)]
 pub struct VisibilityVolume {
     grid: Grid,
@@ -81,7 +84,7 @@ impl VisibilityVolume {
     /// Finds which cells a light reaches, by so many exact walks from points of each cell (1 to 4096; the first is its middle). The
     /// cell itself does not hide the light from itself, nor does the cell that a point or spot light is in. A spot light counts as shining in all directions.
     ///
-    /// Costs the occupied cells, those inside of solids too, and those next to them, times the rays.
+    /// Costs the number of rays times the number of cells that are occupied or next to an occupied one. Cells inside solids count.
     ///
     /// # Errors
     /// Refuses a light whose numbers are not finite (but for the range) or without direction, and numbers of rays out of range.
@@ -95,11 +98,12 @@ impl VisibilityVolume {
     }
 
     /// Brings the volume up to date with a grid, as of its last [`SoftGrid::rebuild`]. Walks again only in those bricks of 8x8x8 cells
-    /// near which cells changed, or whose rays to the light may cross a brick that changed. Returns the number of these bricks.
-    /// The result is that of a new volume, to the bit. A grid with other cells starts it anew.
+    /// near which cells changed, or whose rays to the light may cross a brick that changed. Returns the number of bricks that it walked in,
+    /// and of those that it let go because no surface is near them any longer. The result is that of a new volume, to the bit. A grid
+    /// with other cells starts it anew, and so does a change of so many bricks that new walks cost less than the comparisons.
     ///
-    /// Costs the cells of these bricks times the rays, and a comparison of each brick near a surface with each one that changed. With the
-    /// feature `rayon`, several threads share the bricks.
+    /// Costs the cells of these bricks times the rays, and a comparison of each brick near a surface with each one that changed, but hardly
+    /// more than a new volume. With the feature `rayon`, several threads share the bricks.
     ///
     /// ```
     /// use casca::soft::{Layer, SoftGrid, VisibilityVolume};
@@ -121,6 +125,11 @@ impl VisibilityVolume {
     /// # }
     /// ```
     pub fn update(&mut self, soft: &SoftGrid) -> usize {
+        self.update_comparing(soft, COMPARED * self.rays as usize)
+    }
+
+    /// [`Self::update`], which starts anew if a brick had to be compared with more than `most` others.
+    fn update_comparing(&mut self, soft: &SoftGrid, most: usize) -> usize {
         let now = soft.pyramid().any_bits(0);
         if self.grid != *soft.grid() {
             self.grid = *soft.grid();
@@ -138,16 +147,21 @@ impl VisibilityVolume {
         let near = self.around_bricks(now.masks().chain(self.occupied.masks()).map(|(brick, _)| brick));
         let blocks = self.changed_blocks(&changed, now);
         let crosses = |brick: IVec3| blocks.iter().any(|block| self.may_cross(brick, block));
-        let stale: Vec<IVec3> = near.iter().filter(|&b| near_changed.get(b) || crosses(b)).collect();
-        let made = for_each(&stale, |brick| self.walks(soft, brick));
-        for (&brick, values) in stale.iter().zip(made) {
+        let all: Vec<IVec3> = near.iter().collect();
+        let stale = |brick: IVec3| blocks.len() > most || near_changed.get(brick) || crosses(brick);
+        let made = for_each(&all, |brick| stale(brick).then(|| self.walks(soft, brick)));
+        let mut count = 0;
+        for (&brick, values) in all.iter().zip(made) {
+            let Some(values) = values else { continue };
+            let held = self.values.get(brick).0.is_some();
+            count += usize::from(held || values.is_some());
             match values {
                 Some(_) => self.values.get_mut(brick).0 = values,
                 None => self.values.release(brick),
             }
         }
         self.occupied = now.clone();
-        stale.len()
+        count
     }
 
     /// Some bricks and those beside them, as a matrix with a bit for each brick.
@@ -244,27 +258,42 @@ impl VisibilityVolume {
         (value != UNKNOWN).then(|| f32::from(value) / FULL as f32)
     }
 
-    /// The least share of the eight cells around a point in world units, the conservative choice: interpolation would let light through
-    /// walls. `None` if all eight are far from surfaces.
+    /// The least share of the cells around a point in world units, the conservative choice: interpolation would let light through walls.
+    /// `None` if all of them are far from surfaces.
+    ///
+    /// The cells are the open ones of the eight around the point. If none of these is open, as in the lower half of the cells of a floor,
+    /// they are the open ones of the 26 beside the point's cell, and all eight if none of those is open, as deep inside a solid. A
+    /// point on a wall of one cell has open cells on both sides: to ask for one side, add the length of a cell along its normal.
     pub fn least(&self, point: Vec3) -> Option<f32> {
         self.around(point).map(|(share, _)| share).reduce(f32::min)
     }
 
-    /// The share at a point in world units, interpolated between those of the eight cells around that are known. `None` if none is.
+    /// The share at a point in world units, interpolated between the same cells as those of [`VisibilityVolume::least`]. `None` if none of
+    /// them is known.
     pub fn smooth(&self, point: Vec3) -> Option<f32> {
         let (sum, all) = self.around(point).fold((0.0, 0.0), |(sum, all), (v, w)| (sum + v * w, all + w));
         (all > 0.0).then(|| sum / all)
     }
 
-    /// The shares of the eight cells around a point, and their weights.
+    /// The shares of cells around a point, and their weights: of the nearest open cells, else of all eight around it.
     fn around(&self, point: Vec3) -> impl Iterator<Item = (f32, f32)> {
         let at = (point.as_dvec3() - self.grid.min()) / self.grid.cell_size() - 0.5;
-        let low = at.floor();
-        (0..8).filter(move |_| point.is_finite()).filter_map(move |i| {
-            let high = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
-            let weight = DVec3::select(high.cmpeq(IVec3::ONE), at - low, 1.0 - (at - low)).element_product();
-            let cell = low.clamp(DVec3::splat(-2.0), self.grid.dims().as_dvec3()).as_ivec3() + high;
-            Some((self.get(cell)?, weight as f32))
+        let at = at.clamp(DVec3::splat(-3.0), self.grid.dims().as_dvec3() + 2.0);
+        let choices = [(1.0, true), (1.5, true), (1.0, false)].into_iter().filter(move |_| point.is_finite());
+        let mut choices = choices.map(move |(reach, open)| self.within(at, reach, open).peekable());
+        choices.find_map(|mut cells| cells.peek().is_some().then_some(cells)).into_iter().flatten()
+    }
+
+    /// The known shares of cells whose middle is at most `reach` cells from a place along each axis, 1 or 1.5, and their weights: of open
+    /// cells or of all. The place is in cells from the middle of the first one.
+    fn within(&self, at: DVec3, reach: f64, open: bool) -> impl Iterator<Item = (f32, f32)> {
+        (0..27).filter_map(move |i| {
+            let cell = at.round().as_ivec3() + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
+            let room = reach - (cell.as_dvec3() - at).abs();
+            if room.min_element() < 0.0 || open && self.occupied.get(cell) {
+                return None;
+            }
+            Some((self.get(cell)?, room.element_product().max(LEAST_WEIGHT) as f32))
         })
     }
 
@@ -317,4 +346,43 @@ fn place(cell: IVec3) -> usize {
 /// Points of a unit cell, evenly spread; the first is its middle.
 fn place_in_cell(k: u32) -> DVec3 {
     (DVec3::from_array(EVEN_STEPS) * f64::from(k) + 0.5).fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec3;
+
+    use super::*;
+    use crate::soft::Layer;
+    use crate::{Aabb, GridSpec};
+
+    /// A cube of one cell in each of 16 x 16 x 5 bricks, at a place in its brick, and a plate of 16 x 16 bricks above.
+    fn cubes(at: f32) -> SoftGrid {
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 128, 64) };
+        let mut grid = SoftGrid::new(&spec).unwrap();
+        for i in 0..16 * 16 * 5 {
+            let brick = IVec3::new(i % 16, i / 16 % 16, i / 256);
+            let middle = (brick * BRICK).as_vec3() + at;
+            grid.insert(Aabb::from_center(middle, Vec3::splat(0.2)), Layer::Fixed).unwrap();
+        }
+        let plate = Aabb::new(Vec3::new(0.0, 0.0, 60.2), Vec3::new(128.0, 128.0, 60.8));
+        grid.insert(plate, Layer::Fixed).unwrap();
+        grid.rebuild();
+        grid
+    }
+
+    #[test]
+    fn large_changes_start_anew_with_the_same_result_to_the_bit() {
+        let (before, after) = (cubes(3.5), cubes(4.5));
+        let sun = Light::Directional(Vec3::NEG_Z);
+        let [old, new] = [&before, &after].map(|grid| VisibilityVolume::new(grid, &sun, 1).unwrap());
+        let (mut compared, mut anew) = (old.clone(), old);
+        // The change does not shade the plate.
+        assert_eq!(compared.update_comparing(&after, usize::MAX), 1280);
+        assert_eq!(anew.update(&after), 1280 + 256);
+        for cell in (CellBox { lo: IVec3::ZERO, hi: after.grid().dims() - 1 }).cells() {
+            let share = new.get(cell);
+            assert_eq!([compared.get(cell), anew.get(cell)], [share; 2], "{cell}");
+        }
+    }
 }

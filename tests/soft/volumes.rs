@@ -90,10 +90,83 @@ fn only_bricks_beside_and_behind_a_change_are_walked_again() {
     let done = volume.update(&grid);
     // Both places have at most 2x2x2 bricks with 4x4x4 around them, and 4x4 bricks of the floor below: of 144 in all.
     assert!((8..=2 * (64 + 16)).contains(&done), "{done}");
-    let shade = |x, y| volume.get(IVec3::new(x, y, 4));
-    assert_eq!([shade(20, 20), shade(68, 68), shade(40, 40)], [Some(1.0), Some(0.0), Some(1.0)]);
+    // On the floor, and in the open cells above.
+    for z in [3.5, 4.5] {
+        let shade = |x, y| volume.least(Vec3::new(x, y, z));
+        assert_eq!(
+            [shade(20.5, 20.5), shade(68.5, 68.5), shade(40.5, 40.5)],
+            [Some(1.0), Some(0.0), Some(1.0)]
+        );
+    }
     let new = VisibilityVolume::new(&grid, &sun, 1).unwrap();
     assert!(bits(&volume, IVec3::splat(96)) == bits(&new, IVec3::splat(96)));
+}
+
+#[test]
+fn open_floors_are_lit_and_those_in_shade_are_dark() {
+    // Whatever part of its cell the top of the floor takes, whatever the height of the sun.
+    for (height, degrees) in
+        [3.05f32, 3.3, 3.5, 3.7, 3.95].into_iter().flat_map(|h| [5f32, 30.0, 60.0, 90.0].map(|d| (h, d)))
+    {
+        let mut grid = soft(UVec3::splat(48));
+        grid.insert(Aabb::new(Vec3::ZERO, Vec3::new(48.0, 48.0, height)), Layer::Fixed).unwrap();
+        grid.rebuild();
+        let sun = Light::Directional(-Vec3::new(degrees.to_radians().cos(), 0.1, degrees.to_radians().sin()));
+        let open = VisibilityVolume::new(&grid, &sun, 4).unwrap();
+        let roof = Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(48.0, 48.0, 20.5));
+        grid.insert(roof, Layer::Fixed).unwrap();
+        let wall = Aabb::new(Vec3::new(47.2, 0.0, 0.0), Vec3::new(47.8, 48.0, 20.5));
+        grid.insert(wall, Layer::Fixed).unwrap();
+        grid.rebuild();
+        let shut = VisibilityVolume::new(&grid, &sun, 4).unwrap();
+        let mut dice = Dice(7);
+        for _ in 0..200 {
+            let p = dice.point(4.0, 40.0).with_z(height);
+            for p in [p, p.round().with_z(height), p.floor().with_z(height) + Vec3::new(0.5, 0.5, 0.0)] {
+                let found = (open.least(p), open.smooth(p));
+                assert_eq!(found, (Some(1.0), Some(1.0)), "{p}, sun at {degrees}");
+                assert_eq!((shut.least(p), shut.smooth(p)), (Some(0.0), Some(0.0)), "{p}, sun at {degrees}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shares_on_one_side_of_a_thin_wall_are_not_those_of_the_other() {
+    let mut grid = soft(UVec3::splat(32));
+    let wall = Aabb::new(Vec3::new(16.2, 0.0, 0.0), Vec3::new(16.6, 32.0, 32.0));
+    grid.insert(wall, Layer::Fixed).unwrap();
+    grid.rebuild();
+    let sun = Light::Directional(Vec3::new(-1.0, -0.1, -0.2));
+    let volume = VisibilityVolume::new(&grid, &sun, 4).unwrap();
+    for (x, share) in [(15.2, 0.0), (15.6, 0.0), (17.2, 1.0), (17.6, 1.0)] {
+        let at = Vec3::new(x, 16.3, 16.8);
+        assert_eq!((volume.least(at), volume.smooth(at)), (Some(share), Some(share)), "{x}");
+    }
+    // Deep inside a solid no cell is open: its own cells answer.
+    grid.insert(Aabb::new(Vec3::ZERO, Vec3::splat(10.0)), Layer::Fixed).unwrap();
+    grid.rebuild();
+    let volume = VisibilityVolume::new(&grid, &sun, 1).unwrap();
+    assert_eq!([volume.least(Vec3::splat(4.5)), volume.smooth(Vec3::splat(4.5))], [Some(0.0); 2]);
+}
+
+#[test]
+fn updates_count_the_bricks_that_they_walk_in_and_let_go() {
+    let mut grid = soft(UVec3::splat(64));
+    let lamp = Light::Point { position: Vec3::new(2.0, 2.0, 60.0), range: f32::INFINITY };
+    let mut volume = VisibilityVolume::new(&grid, &lamp, 1).unwrap();
+    let small = |x: f32| Aabb::from_center(Vec3::new(x, 28.5, 28.5), Vec3::splat(0.2));
+    // All cells beside it are in its brick; then some are in the next one.
+    let id = grid.insert(small(27.5), Layer::Moving).unwrap();
+    for (x, done) in [(Some(27.5), 1), (Some(31.5), 2), (Some(32.5), 2), (Some(35.5), 2), (None, 1)] {
+        match x {
+            Some(x) => grid.update(id, small(x)).unwrap(),
+            None => grid.remove(id).unwrap(),
+        }
+        grid.rebuild();
+        assert_eq!(volume.update(&grid), done, "{x:?}");
+    }
+    assert!((0..64 * 64).all(|i| volume.get(IVec3::new(i % 64, 28, i / 64)).is_none()));
 }
 
 #[test]

@@ -91,7 +91,7 @@ impl Question {
 }
 
 /// The share of the first light that a cone lets through to a surface; 0 for surfaces that face away, and without lights.
-fn shadow(case: &Case, voxels: &Voxels, at: &Surface, march: &March) -> Result<f32, casca::Error> {
+pub(super) fn shadow(case: &Case, voxels: &Voxels, at: &Surface, march: &March) -> Result<f32, casca::Error> {
     let (point, normal) = (at.point.as_vec3(), at.normal.as_vec3());
     let Some(light) = case.scene.lights.first().and_then(|l| l.incident(point)) else { return Ok(0.0) };
     if light.direction.dot(normal) <= 0.0 {

@@ -1,14 +1,17 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use casca::soft::March;
 use glam::Vec3;
 
 use super::case::{Case, LAST, generated};
 use super::rows::{CONES, WALKS};
+use super::shadows::shadow;
+use super::voxels::OFF;
 use super::*;
-use crate::lit::{HdrImage, Kind, Light, LitScene, Material};
-use crate::oracle::path::Quantity;
-use crate::world::Mesh;
+use crate::lit::{HdrImage, Kind, Light, LightKind, LitScene, Material};
+use crate::oracle::path::{Quantity, Surface};
+use crate::world::{Camera, Mesh};
 
 const SIZE: (usize, usize) = (20, 15);
 
@@ -155,6 +158,91 @@ fn a_lobe_under_an_even_sky_reflects_the_cosine() {
         let below = Spot { look: -look, ..at };
         assert_eq!(volume.scattered(&below, &material, CONES).unwrap(), Vec3::ZERO);
     }
+}
+
+#[test]
+fn shadows_of_a_sun_that_grazes_a_wall_err_by_the_start_of_rays_not_by_voxels() {
+    let mut scene = Kind::Plane.build();
+    scene.objects.truncate(2);
+    // A wall, and a ledge on it that shades the two metres below.
+    let boxes = [([-0.5, 0.0, -2.0], [0.0, 4.0, 2.0]), ([0.0, 3.0, -2.0], [0.24, 3.2, 2.0])];
+    for (object, (min, max)) in scene.objects.iter_mut().zip(boxes) {
+        object.mesh = Arc::new(Mesh::cuboid(min.into(), max.into()));
+    }
+    let sun = Vec3::new(0.12, 1.0, 0.0).normalize();
+    scene.lights[0].kind = LightKind::Directional { direction: -sun, half_angle: 0.0 };
+    scene.camera = Camera::look_at(Vec3::new(4.0, 2.0, 0.0), Vec3::Y * 2.0, 60.0, 4.0 / 3.0, 0.01, 100.0);
+    let case = Case::new(scene, (48, 36)).unwrap();
+    let truth = case.tracer.render(&case.scene.camera, case.size, &Quantity::Shadow(0), 1, 1).unwrap().image;
+    let exact = |off: f32| {
+        let open = |at: &Surface| {
+            let hit = || case.tracer.hit(at.point + at.normal * f64::from(off), sun.as_dvec3());
+            at.normal.dot(sun.as_dvec3()) > 0.0 && hit().is_none()
+        };
+        case.image(|at| Ok::<_, LabError>(Vec3::splat(f32::from(u8::from(open(at)))))).unwrap()
+    };
+    let error = |image: &HdrImage| difference(&truth, image).unwrap().rmse;
+    assert!(error(&exact(1e-4)) < 0.05);
+    let mut before = f64::INFINITY;
+    for n in [32, 64, 128] {
+        let voxels = Voxels::new(&case.scene, n).unwrap();
+        let share = |at: &Surface| shadow(&case, &voxels, at, &March::Rays(1)).map(Vec3::splat);
+        let (found, start) = (error(&case.image(share).unwrap()), error(&exact(OFF * voxels.cell)));
+        println!("N = {n}: voxels err by {found:.2}, exact rays from the same start by {start:.2}");
+        // Cells make the ledge wider by less than a cell, which mends a part of what the start errs.
+        assert!(
+            start > 0.5 && start < before && (0.6..1.1).contains(&(found / start)),
+            "{n}: {found} {start}"
+        );
+        before = start;
+    }
+}
+
+#[test]
+fn lamps_light_the_surface_that_they_are_near() {
+    let scene = Kind::Plane.build();
+    let voxels = Voxels::new(&scene, 32).unwrap();
+    let (point, off) = (Vec3::new(0.6, 0.0, 0.7), voxels.cell);
+    let lit = |cells: f32, side: f32| {
+        let lamp = Light::point(point + Vec3::new(0.1, 1.0, 0.0) * (cells * off), Vec3::ONE);
+        voxels.lit(&[lamp], point, Vec3::Y * side).unwrap().x
+    };
+    for cells in [0.2, 0.9, 1.7, 1.9, 2.6, 3.4, 3.7, 6.0] {
+        let expected = 1.0 / (cells * off).powi(2) / (1.0f32 + 0.01).powf(1.5);
+        let found = lit(cells, 1.0);
+        assert!((found / expected - 1.0).abs() < 1e-3, "{cells} cells: {found}, not {expected}");
+        assert_eq!(lit(cells, -1.0), 0.0);
+    }
+    // The block hides a lamp behind it.
+    let hidden = Light::point(Vec3::new(-1.6, 0.3, -0.85), Vec3::ONE);
+    assert_eq!(voxels.lit(&[hidden], Vec3::new(0.0, 0.0, -0.85), Vec3::Y).unwrap(), Vec3::ZERO);
+}
+
+#[test]
+fn rooms_are_not_filled_and_solids_are() {
+    let inside = Vec3::new(2.0, 1.25, 1.5);
+    let mut scene = Kind::Emissive.build();
+    scene.objects.truncate(1);
+    let room = scene.objects[0].clone();
+    let filled = |before: &[[u32; 3]], turned: bool| {
+        let mut mesh = Mesh::clone(&room.mesh);
+        mesh.positions.extend([Vec3::new(1.0, 0.1, 0.1), Vec3::new(1.1, 0.1, 0.1), Vec3::new(1.0, 0.2, 0.1)]);
+        if turned {
+            mesh.triangles.iter_mut().for_each(|t| t.reverse());
+        }
+        mesh.triangles.splice(0..0, before.iter().copied());
+        let mut scene = scene.clone();
+        scene.objects[0].materials = vec![room.materials[0]; mesh.triangles.len()].into();
+        scene.objects[0].mesh = Arc::new(mesh);
+        let voxels = Voxels::new(&scene, 24).unwrap();
+        voxels.at(voxels.to_cells(inside).floor().as_ivec3()).is_some()
+    };
+    // Triangles without area, and a loose one.
+    let (point, line, loose) = ([0, 0, 0], [0, 1, 1], [8, 9, 10]);
+    for before in [&[][..], &[point], &[line], &[loose], &[point, line, loose], &[line, point]] {
+        assert!(!filled(before, false), "{before:?}");
+    }
+    assert!(filled(&[], true) && filled(&[point], true));
 }
 
 #[test]

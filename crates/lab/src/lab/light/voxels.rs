@@ -8,7 +8,7 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::lab::LabError;
-use crate::lit::{Light, LitScene, LitTriangle, Material};
+use crate::lit::{Incident, Light, LitScene, LitTriangle, Material};
 use crate::world::Mesh;
 
 /// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would lie on the sides of cells and fill two.
@@ -85,11 +85,7 @@ impl Voxels {
                 positions: object.iter().flat_map(|t| t.corners).collect(),
                 triangles: (0..object.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             };
-            // The library fills closed meshes. One that faces inwards is a room: it must not be filled, so it is inserted as two open ones.
-            let whole = if mesh.is_closed() { 0 } else { 1 };
-            let (first, rest) = mesh.triangles.split_at(whole);
-            for part in [first, rest].into_iter().filter(|t| !t.is_empty()) {
-                let part = TriMesh::bounds_only(mesh.positions.clone(), part.to_vec())?;
+            for part in parts(&mesh)? {
                 soft.insert(Arc::new(part), Layer::Fixed)?;
             }
         }
@@ -198,20 +194,53 @@ impl Voxels {
 
     /// The irradiance of lights at a point of a surface, as [`Self::direct`] finds it.
     pub(super) fn lit(&self, lights: &[Light], point: Vec3, normal: Vec3) -> Lit {
-        let far = 2.0 * self.n as f32 * self.cell;
-        let from = point + normal * (OFF * self.cell);
+        let (far, off) = (2.0 * self.n as f32 * self.cell, OFF * self.cell);
+        let from = point + normal * off;
         let mut sum = Vec3::ZERO;
         for incident in lights.iter().filter_map(|l| l.incident(point)) {
             let cos = incident.direction.dot(normal);
-            // The light may be in a lamp.
-            let way = (incident.distance.min(far) - OFF * self.cell).max(0.0);
-            let to = point + incident.direction * way;
-            if cos > 0.0 && self.soft.first_hit(from, to)?.is_none() {
+            if cos > 0.0 && self.open(point, from, &incident, far)? {
                 sum += incident.irradiance * cos;
             }
         }
         Ok(sum)
     }
+
+    /// Whether nothing hides a light from a point in front of a surface. Cells near the surface, and near a light, may be those of the
+    /// surface or of its lamp: nothing hides a light whose distance is no more than both parts of the way that are left out.
+    fn open(&self, point: Vec3, from: Vec3, light: &Incident, far: f32) -> Result<bool, casca::Error> {
+        let off = OFF * self.cell;
+        if light.distance <= 2.0 * off {
+            return Ok(true);
+        }
+        let to = if light.distance < far {
+            let lamp = point + light.direction * light.distance;
+            lamp - (lamp - from).normalize_or_zero() * off
+        } else {
+            from + light.direction * far
+        };
+        Ok(self.soft.first_hit(from, to)?.is_none())
+    }
+}
+
+/// A mesh, or open parts of it. The library fills closed meshes; one that faces inwards is a room, which must not be filled. A closed mesh
+/// is open without one of its triangles that has an area.
+fn parts(mesh: &Mesh) -> Result<Vec<TriMesh>, casca::Error> {
+    let outward = mesh.is_closed();
+    let (mut parts, mut rest) = (Vec::new(), &mesh.triangles[..]);
+    while !rest.is_empty() {
+        let part = TriMesh::bounds_only(mesh.positions.clone(), rest.to_vec())?;
+        if outward || !part.is_closed() {
+            parts.push(part);
+            break;
+        }
+        let corners = |t: &[u32; 3]| t.map(|v| mesh.positions[v as usize]);
+        let flat = |[a, b, c]: [Vec3; 3]| a == b || b == c || c == a;
+        let first = rest.iter().position(|t| !flat(corners(t))).map_or(rest.len(), |i| i + 1);
+        parts.push(TriMesh::bounds_only(mesh.positions.clone(), rest[..first].to_vec())?);
+        rest = &rest[first..];
+    }
+    Ok(parts)
 }
 
 impl Sums {
