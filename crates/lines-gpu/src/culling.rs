@@ -38,7 +38,7 @@ pub struct Culling {
     query: Query,
     objects: Vec<ObjectId>,
     bounds: Vec<Aabb>,
-    /// By how much the bounds of the objects are inflated.
+    /// By how much the bounds of the objects are inflated; NaN if not all of them are inflated alike.
     inflated: f32,
 }
 
@@ -71,12 +71,20 @@ impl Culling {
     /// # Errors
     /// If the bounds of a bundle are not finite.
     pub fn follow(&mut self, bundles: &[Bundle]) -> Result<(), LinesGpuError> {
-        for gone in self.objects.drain(bundles.len().min(self.objects.len())..) {
-            self.scene.remove(gone)?;
-        }
         self.bounds = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
+        // After an error, the reach of the next view decides.
+        self.place(if self.inflated.is_nan() { 0.0 } else { self.inflated })
+    }
+
+    /// Puts the objects of all bundles where their bounds are, inflated by `by`. After an error no reach is that of the objects, so that
+    /// the next view places them anew instead of trusting bounds that are too small.
+    fn place(&mut self, by: f32) -> Result<(), LinesGpuError> {
+        self.inflated = f32::NAN;
+        while self.objects.len() > self.bounds.len() {
+            self.objects.pop().map_or(Ok(()), |gone| self.scene.remove(gone))?;
+        }
         for (i, bounds) in self.bounds.iter().enumerate() {
-            let bounds = inflate(bounds, self.inflated);
+            let bounds = inflate(bounds, by);
             match self.objects.get(i) {
                 Some(&object) => self.scene.update(object, bounds, None)?,
                 None => {
@@ -84,19 +92,17 @@ impl Culling {
                 }
             }
         }
+        self.inflated = by;
         Ok(())
     }
 
     /// The bundles that a view needs. Costs a query; if the reach is another than in the last call, also an update of each bundle.
     ///
     /// # Errors
-    /// If the scene refuses the view.
+    /// If the scene refuses the view, or bounds with this reach: they must be finite.
     pub fn look(&mut self, view: &View, reach: Reach) -> Result<Seen, LinesGpuError> {
         if reach.read != self.inflated {
-            self.inflated = reach.read;
-            for (&object, bounds) in self.objects.iter().zip(&self.bounds) {
-                self.scene.update(object, inflate(bounds, reach.read), None)?;
-            }
+            self.place(reach.read)?;
         }
         let pvs = self.query.run(&self.scene, &view_of_scene(view)?);
         let bundle = |id| self.scene.user_data(id).ok().and_then(|data| u32::try_from(data).ok());
@@ -114,4 +120,28 @@ impl Culling {
 
 fn inflate(b: &Aabb, by: f32) -> Aabb {
     Aabb::new(b.min - Vec3::splat(by), b.max + Vec3::splat(by))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn after_a_refused_reach_or_motion_no_view_is_answered_from_old_bounds() {
+        let bundle = |at: Vec3| Bundle::of_bounds([at, at + 0.1]);
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [64, 48]).unwrap();
+        let mut culling = Culling::new(&[bundle(Vec3::ZERO), bundle(Vec3::X * 0.5)], &[]).unwrap();
+        let reach = |read: f32| Reach { drawn: 0.01, read };
+        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1]);
+        for _ in 0..2 {
+            assert!(culling.look(&view, reach(f32::INFINITY)).is_err());
+        }
+        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1]);
+        assert!(culling.follow(&[bundle(Vec3::ZERO), bundle(Vec3::NAN), bundle(Vec3::ONE)]).is_err());
+        for _ in 0..2 {
+            assert!(culling.look(&view, reach(0.1)).is_err());
+        }
+        culling.follow(&[bundle(Vec3::ZERO), bundle(Vec3::X * 0.5), bundle(Vec3::Y * 0.5)]).unwrap();
+        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1, 2]);
+    }
 }

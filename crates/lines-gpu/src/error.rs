@@ -38,6 +38,17 @@ pub enum LinesGpuError {
         /// The adapter's limit.
         most: u64,
     },
+    /// The depths of a view are too near to each other.
+    #[error(
+        "depths from {near} to {far}: single precision needs a range of at least 1/64 of the greatest depth: \
+         move the eye nearer, or one of the depths outwards"
+    )]
+    Depths {
+        /// The nearest depth.
+        near: f64,
+        /// The farthest depth.
+        far: f64,
+    },
     /// The grid of columns.
     #[error("columns of {0} pixels: the side of a column is 1 to 64 pixels")]
     Coarse(u32),

@@ -105,7 +105,7 @@ pub(crate) fn filled<T: Pod>(
     let bytes: &[u8] = bytemuck::cast_slice(contents);
     let buffer = gpu.buffer((bytes.len() as u64).max(16), usage)?;
     if !bytes.is_empty() {
-        gpu.queue.write_buffer(&buffer, 0, bytes);
+        gpu.write(&buffer, bytes)?;
     }
     Ok(buffer)
 }

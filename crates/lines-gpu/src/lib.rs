@@ -1,6 +1,6 @@
 //! Dense sets of lines on the graphics processor: the columns, the nearest lines and the occlusion of `casca-lines` as compute
 //! shaders of `wgpu`, for lines that move in every frame; and bundles of lines as objects of a [`casca::Scene`], so that lines
-//! behind walls cost nothing.
+//! behind walls are not drawn, and those beyond the reach of the occlusion not voxelised either.
 //!
 //! - [`set`]: lines in the memory of a device, in bundles.
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.

@@ -16,6 +16,7 @@ use crate::culling::Seen;
 use crate::error::LinesGpuError;
 use crate::kernel::{Bound, Kernel, bind, filled, shader};
 use crate::lens::GpuLens;
+use crate::numeric::FARTHEST;
 use crate::set::GpuLines;
 use crate::settings::{GpuAo, Settings};
 
@@ -125,7 +126,8 @@ impl Renderer {
     /// samples. Memory on the device: 80 bytes a column with 128 slices, 160 with 256; 52 bytes a pixel.
     ///
     /// # Errors
-    /// If the device has no room or is lost, or a bundle is not there.
+    /// If the device has no room or is lost, a bundle is not there, or a depth of the view is more than [`FARTHEST`] times the range
+    /// of its depths away.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -188,7 +190,8 @@ impl Renderer {
         })
     }
 
-    /// Paints the last frame; nothing before the first. `strength` scales the occlusion.
+    /// Paints the last frame, and the background alone if there is none: before the first, and after one that the device had no room
+    /// for. `strength` scales the occlusion.
     ///
     /// # Errors
     /// If the device is lost or out of memory.
@@ -201,10 +204,23 @@ impl Renderer {
         background: Vec3,
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
-        let Some(frame) = &self.frame else { return Ok(()) };
+        let [red, green, blue] = background.to_array().map(f64::from);
         let [r, g, b] = background.to_array().map(f32::to_bits);
         let look = filled(gpu, &[r, g, b, look as u32, strength.to_bits(), 0, 0, 0], BufferUsages::UNIFORM)?;
         clock.stage(gpu, "picture", |encoder| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &target.colour,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color { r: red, g: green, b: blue, a: 1.0 }),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            let Some(frame) = &self.frame else { return Ok(()) };
             let bound: [Bound<'_>; 5] = [
                 (0, &frame.lens),
                 (10, &frame.walls),
@@ -213,18 +229,6 @@ impl Renderer {
                 (18, &look),
             ];
             let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &bound);
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &target.colour,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
             pass.set_pipeline(&self.picture);
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
@@ -279,6 +283,10 @@ impl Renderer {
     /// Buffers for a view: the old ones if their sizes are right.
     fn fit(&mut self, gpu: &Gpu, view: &View) -> Result<(), LinesGpuError> {
         let slices = self.settings.slices;
+        let [near, far] = view.depths();
+        if near.abs().max(far.abs()) > FARTHEST * (far - near) {
+            return Err(LinesGpuError::Depths { near, far });
+        }
         let grid = self.settings.grid(view)?;
         let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices);
         let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices);
@@ -290,8 +298,8 @@ impl Renderer {
         if let Some(frame) = &mut self.frame {
             (frame.view, frame.grid) = (*view, grid);
             let lens = |of: &View| [GpuLens::new(of, slices)];
-            gpu.queue.write_buffer(&frame.lens, 0, bytemuck::cast_slice(&lens(view)));
-            gpu.queue.write_buffer(&frame.grid_lens, 0, bytemuck::cast_slice(&lens(&grid)));
+            gpu.write(&frame.lens, bytemuck::cast_slice(&lens(view)))?;
+            gpu.write(&frame.grid_lens, bytemuck::cast_slice(&lens(&grid)))?;
         }
         Ok(())
     }

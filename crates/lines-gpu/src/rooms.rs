@@ -32,10 +32,11 @@ impl House {
     /// rooms.
     ///
     /// # Errors
-    /// As [`Recipe::make`].
+    /// As [`Recipe::make`]. A room without lines counts as one with a line.
     pub fn new(side: u32, lines: u32, seed: u64, time: f64) -> Result<Self, LineError> {
         let vertices = FAMILIES.map(|family| family.usual().1).into_iter().max().unwrap_or(1);
-        let most = u128::from(side).pow(2) * u128::from(lines) * u128::from(vertices);
+        // Rooms without lines count as well: their walls take memory, too.
+        let most = u128::from(side).pow(2) * u128::from(lines.max(1)) * u128::from(vertices);
         if most > MOST_VERTICES as u128 {
             return Err(LineError::TooMany);
         }

@@ -29,6 +29,14 @@ pub struct Bundle {
     pub segments: u32,
 }
 
+#[cfg(test)]
+impl Bundle {
+    /// Of bounds alone.
+    pub(crate) fn of_bounds(bounds: [Vec3; 2]) -> Self {
+        Self { bounds, first: 0, segments: 1 }
+    }
+}
+
 /// Lines in the memory of a device.
 pub struct GpuLines {
     pub(crate) vertices: Buffer,

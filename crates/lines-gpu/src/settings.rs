@@ -35,11 +35,12 @@ impl Settings {
     /// The view of the columns of a view.
     ///
     /// # Errors
-    /// As [`View::with_height`].
+    /// If the side of a column is out of its range.
     pub fn grid(&self, view: &View) -> Result<View, LinesGpuError> {
         match self.coarse {
             1 => Ok(*view),
-            n => Ok(view.with_height(view.size()[1].div_ceil(n))?),
+            side @ 2..=64 => Ok(view.with_columns(side)?),
+            side => Err(LinesGpuError::Coarse(side)),
         }
     }
 

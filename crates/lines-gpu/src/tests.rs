@@ -69,6 +69,11 @@ fn run(gpu: &Gpu, lines: &LineSet, view: &View, settings: Settings) -> Renderer 
     renderer
 }
 
+fn run_on(gpu: &Gpu, view: &View, lines: (&GpuLines, &Seen)) -> Result<(), LinesGpuError> {
+    let mut renderer = Renderer::new(gpu, COLOUR, settings(AoOptions::new(0.3, 0.01)))?;
+    renderer.update(gpu, view, lines, &[], &mut Clock::off())
+}
+
 /// Whether a segment enters a cell of a column: exact clipping in homogeneous coordinates, in double precision. The cell is larger
 /// on each side by a part of a pixel and of a slice.
 fn enters(view: &View, [a, b]: [DVec3; 2], [x, y]: [u32; 2], slice: u32, slices: u32, larger: f64) -> bool {
@@ -76,7 +81,6 @@ fn enters(view: &View, [a, b]: [DVec3; 2], [x, y]: [u32; 2], slice: u32, slices:
     let thick = (far - near) / f64::from(slices);
     let cell = |i: u32| (f64::from(i) - larger, f64::from(i) + 1.0 + larger);
     let ((left, right), (top, bottom), (first, last)) = (cell(x), cell(y), cell(slice));
-    // The outermost slices take what rounding leaves outside.
     let depths = (near + thick * first, near + thick * last);
     let sides = |p: DVec3| {
         let q = view.project(p);
@@ -104,7 +108,10 @@ fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_
     let (mut differing, mut all) = (0, 0);
     let sets = [wild(1), wild(2), set(Family::Abc, 60), set(Family::PomPom, 150), set(Family::Parallel, 200)];
     for (number, lines) in sets.iter().enumerate() {
-        for view in views([-Vec3::ONE, Vec3::ONE]) {
+        // The last view is from as far away as the renderer takes.
+        let from_afar =
+            View::around([-Vec3::ONE, Vec3::ONE], vec3(0.3, 0.4, 1.0), Some(0.0163), SIZE).unwrap();
+        for view in views([-Vec3::ONE, Vec3::ONE]).into_iter().chain([from_afar]) {
             let slices = if number % 2 == 0 { Slices::S128 } else { Slices::S256 };
             let with = Settings { slices, ..settings(AoOptions::new(0.3, 0.01)) };
             let renderer = run(&gpu, lines, &view, with);
@@ -143,6 +150,54 @@ fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_
         }
     }
     assert!(all > 50_000 && differing * 2000 < all, "{differing} of {all} bits differ");
+}
+
+#[test]
+fn lines_on_borders_of_tiles_are_in_the_columns_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
+    let lines = LineSet::new([[vec3(-0.5, 0.0, 0.0), vec3(0.5, 0.0, 0.0)]]).unwrap();
+    let renderer = run(&gpu, &lines, &view, settings(AoOptions::new(0.3, 0.01)));
+    let grid = SlabGrid::of_lines(&lines, &view, Slices::S128, SpanRule::Span);
+    let pixels = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+    let words = pixels().flat_map(|[x, y]| (0..4).map(move |i| (x, y, i)));
+    let expected: Vec<u32> = words.map(|(x, y, i)| (grid.column(x, y)[0] >> (32 * i)) as u32).collect();
+    assert!(renderer.read_columns(&gpu).unwrap() == expected);
+    let sum: f64 = renderer.read_lengths(&gpu).unwrap().iter().sum();
+    assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+    let shown: Vec<bool> = renderer.read_fragments(&gpu).unwrap().iter().map(Option::is_some).collect();
+    let buffer = LineBuffer::new(&lines, &view);
+    assert!(shown.iter().eq(buffer.fragments().iter().map(Option::is_some).collect::<Vec<_>>().iter()));
+}
+
+#[test]
+fn the_unit_of_length_changes_nothing() {
+    let Some(gpu) = gpu() else { return };
+    for lines in [wild(1), set(Family::PomPom, 150)] {
+        // Powers of 2 scale without rounding, but their squares do not fit into single precision.
+        let in_unit = |unit: f32| {
+            let points = |line: &[Vec3]| line.iter().map(|&p| p * unit).collect::<Vec<_>>();
+            let scaled = LineSet::new(lines.iter().map(points)).unwrap();
+            views([Vec3::splat(-unit), Vec3::splat(unit)]).map(|view| {
+                let renderer = run(&gpu, &scaled, &view, settings(AoOptions::new(0.3 * unit, 0.02 * unit)));
+                let lengths = renderer.read_lengths(&gpu).unwrap();
+                (
+                    renderer.read_columns(&gpu).unwrap(),
+                    lengths.into_iter().map(|l| l / f64::from(unit)).collect::<Vec<f64>>(),
+                    renderer.read_occlusion(&gpu).unwrap(),
+                )
+            })
+        };
+        let expected = in_unit(1.0);
+        for unit in [2f32.powi(-80), 2f32.powi(80)] {
+            for (found, expected) in in_unit(unit).into_iter().zip(&expected) {
+                assert!(found.0 == expected.0, "columns in units of {unit}");
+                assert!(found.1 == expected.1, "lengths in units of {unit}");
+                assert!(found.2 == expected.2, "occlusion in units of {unit}");
+                assert!(found.2.iter().sum::<f32>() > 10.0);
+            }
+        }
+    }
 }
 
 #[test]
@@ -360,8 +415,20 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
         assert!(matches!(why, LinesGpuError::TooLarge { width: 8192, .. }), "{why}");
     }
     update(SIZE, &Seen::all(lines.bundles().len())).unwrap();
+    let lens = Lens::Perspective { fov_y: 0.01 };
+    let afar = View::look_at([Vec3::Z * 200.0, Vec3::ZERO, Vec3::Y], lens, [199.0, 201.0], SIZE).unwrap();
+    let seen = Seen::all(lines.bundles().len());
+    let why = run_on(&gpu, &afar, (&lines, &seen)).unwrap_err();
+    assert!(why.to_string().contains("depths from 199 to 201"), "{why}");
     let unknown = update(SIZE, &Seen::all(lines.bundles().len() + 1)).unwrap_err();
     assert!(matches!(unknown, LinesGpuError::Bundle { .. }), "{unknown}");
+    assert!(House::new(70_000, 0, 1, 0.0).is_err() && House::new(2, 0, 1, 0.0).is_ok());
+    assert!(Settings { coarse: 0, ..good }.reach(&view).is_err());
+    // Without a frame there is the background alone.
+    let (canvas, renderer) = (Canvas::new(&gpu, (8, 8)), Renderer::new(&gpu, COLOUR, good).unwrap());
+    let paint = |look| renderer.paint(&gpu, &canvas.picture(), look, 1.0, Vec3::X, &mut Clock::off());
+    paint(Look::Plain).unwrap();
+    assert!(canvas.read_picture(&gpu).unwrap().chunks(4).all(|pixel| pixel == [255, 0, 0, 255]));
     let nan = [[Vec3::NAN, Vec3::ONE]];
     assert!(matches!(Culling::new(lines.bundles(), &nan), Err(LinesGpuError::Scene(_))));
     assert!(matches!(LinesGpuError::from(GpuError::NoAdapter("x".into())), LinesGpuError::Gpu(_)));

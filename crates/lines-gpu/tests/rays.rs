@@ -70,7 +70,9 @@ fn occlusion(tubes: &RayOracle, radius: f64, view: &View, at: &Fragment, random:
 #[test]
 fn the_occlusion_in_perspective_agrees_with_rays() {
     let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
-    for (family, lines) in [(Family::Spiral, 150), (Family::PomPom, 500)] {
+    // Bounds just beside the values of Mesa's software adapter, which docs/lines/trends.md quotes.
+    let sets = [(Family::Spiral, 150, [0.915, 0.115]), (Family::PomPom, 500, [0.93, 0.077])];
+    for (family, lines, [least, most]) in sets {
         let set = Recipe { lines, ..Recipe::new(family, 3) }.make().unwrap();
         let view = View::around(set.bounds(), vec3(0.5, 0.6, 1.0), Some(0.9), [192, 144]).unwrap();
         let [near, far] = view.depths();
@@ -98,6 +100,6 @@ fn the_occlusion_in_perspective_agrees_with_rays() {
             "{}: {count} pixels, means {a:.3} and {b:.3}, Pearson {pearson:.3}, RMSE {rmse:.3}",
             family.name()
         );
-        assert!(count > 200.0 && pearson > 0.9 && rmse < 0.12, "{family:?}: {pearson} {rmse}");
+        assert!(count > 200.0 && pearson > least && rmse < most, "{family:?}: {pearson} {rmse}");
     }
 }

@@ -55,8 +55,8 @@ pub struct Options {
     /// The direction that the set is seen from
     #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
     pub from: Vec3,
-    /// The vertical angle of the picture in degrees; 0 for parallel rays
-    #[arg(long, default_value = "40", value_parser = |t: &str| parse_within(t, 0.0, 150.0))]
+    /// The vertical angle of the picture in degrees, 1 to 150; 0 for parallel rays
+    #[arg(long, default_value = "40", value_parser = parse_angle)]
     pub fov: f32,
     /// Magnifies the middle of the picture
     #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.1, 100.0))]
@@ -120,7 +120,7 @@ pub struct Options {
 /// Estimators by their names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Way {
-    /// The light that tubes stop; depends on no grid
+    /// The light that tubes stop; its mean hardly changes with the size of the columns
     Depth,
     /// The thesis' mean of ratios, with its factor of 4
     Thesis,
@@ -183,6 +183,13 @@ fn parse_slices(text: &str) -> Result<Slices, String> {
 fn parse_within(text: &str, low: f32, high: f32) -> Result<f32, String> {
     let number = text.parse().ok().filter(|n| (low..=high).contains(n));
     number.ok_or_else(|| format!("expected a number from {low} to {high}"))
+}
+
+fn parse_angle(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(0.0) => Ok(0.0),
+        _ => parse_within(text, 1.0, 150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
+    }
 }
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {

@@ -7,6 +7,7 @@ use casca_line_sets::random::Random;
 use casca_line_sets::{LineSet, files};
 use casca_lines::occlusion::AoOptions;
 use casca_lines::view::{Lens, View, ViewError};
+use casca_lines_gpu::numeric::FARTHEST;
 use casca_lines_gpu::rooms::House;
 use casca_lines_gpu::settings::Settings;
 use glam::{Vec3, vec3};
@@ -133,6 +134,8 @@ impl Source {
         };
         let depths = (0..8).map(|i| f64::from((corner(i) - eye).dot(forward)));
         let (near, far) = depths.fold((f64::MAX, f64::MIN), |(n, f), d| (n.min(d), f.max(d)));
+        // The renderer refuses depths that are nearer to each other, seen from here.
+        let near = near.min(far - far.abs() * 1.05 / FARTHEST);
         let least = f64::from(self.extent() * NEAREST);
         let zoom = f64::from(options.zoom);
         let (lens, near) = match f64::from(options.fov).to_radians() {
@@ -161,4 +164,25 @@ fn swayed(lines: &LineSet, seed: u64, time: f64) -> Result<LineSet, Failed> {
         *p + shift * phase.sin() as f32
     };
     Ok(LineSet::new(lines.iter().map(|line| line.iter().map(moved).collect::<Vec<_>>()))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[test]
+    fn views_from_afar_have_depths_that_the_renderer_takes() {
+        for angle in ["0", "1", "40"] {
+            let options = Options::try_parse_from(["casca-lines", "--lines", "20", "--fov", angle]).unwrap();
+            let source = Source::open(&options).unwrap();
+            for eye in [vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, 1e4), vec3(0.0, 0.0, -1e4)] {
+                let view = source.view(&options, [eye, eye - Vec3::Z], [32, 24]).unwrap();
+                let [near, far] = view.depths();
+                assert!(near.abs().max(far.abs()) < FARTHEST * (far - near), "{angle} {eye}: {near} {far}");
+            }
+        }
+        assert!(Options::try_parse_from(["casca-lines", "--fov", "0.5"]).is_err());
+    }
 }

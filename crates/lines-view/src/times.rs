@@ -129,7 +129,7 @@ impl Bench<'_> {
         let (mut by_covered, mut by_vertices) = (Vec::new(), Vec::new());
         for share in SHARES {
             let view = self.view(share, 0)?;
-            // The same occlusion in units of the scene: tubes stay half a pixel of the full picture.
+            // With the settings of the full picture: the radius and the tubes keep their size in the scene.
             let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
             by_covered.push((covered as f64, of(&stages, &["occlusion"])));
         }

@@ -1,5 +1,6 @@
 //! The window: a camera to fly with, sliders and a motion.
 
+use std::ops::RangeInclusive;
 use std::time::Instant;
 
 use casca_lines::occlusion::{AoOptions, Estimator};
@@ -8,7 +9,8 @@ use casca_lines_gpu::culling::{Culling, Seen};
 use casca_lines_gpu::renderer::{Look, Renderer};
 use casca_lines_gpu::set::GpuLines;
 use casca_stage::canvas::Target;
-use casca_stage::egui::{Align2, Slider};
+use casca_stage::egui::emath::Numeric;
+use casca_stage::egui::{Align2, Slider, SliderClamping};
 use casca_stage::fly::{Fly, way};
 use casca_stage::panel::{Panel, controls};
 use casca_stage::window::{self, Demo, Done, Screen, WindowOptions};
@@ -144,10 +146,10 @@ impl<'a> Viewer<'a> {
                         ui.selectable_value(&mut dials.look, look, name);
                     }
                 });
-                ui.add(Slider::new(&mut dials.radius, 0.01..=0.5).text("radius, of the extent"));
-                ui.add(Slider::new(&mut dials.samples, 8..=512).logarithmic(true).text("samples"));
-                ui.add(Slider::new(&mut dials.factor, 0.0..=4.0).text("factor"));
-                ui.add(Slider::new(&mut dials.tube, 0.1..=4.0).text("tube radius in pixels"));
+                ui.add(slider(&mut dials.radius, 0.01..=0.5).text("radius, of the extent"));
+                ui.add(slider(&mut dials.samples, 8..=512).logarithmic(true).text("samples"));
+                ui.add(slider(&mut dials.factor, 0.0..=4.0).text("factor"));
+                ui.add(slider(&mut dials.tube, 0.1..=4.0).text("tube radius in pixels"));
                 ui.checkbox(&mut dials.moving, "moving (Space)");
                 ui.checkbox(&mut dials.cull, "culling (C)");
                 ui.label("W A S D Q E, right mouse button: fly");
@@ -155,6 +157,11 @@ impl<'a> Viewer<'a> {
         });
         self.dials = dials;
     }
+}
+
+/// A slider that leaves a value of the command line beyond its range as it is, until it is dragged.
+fn slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
 impl Demo for Viewer<'_> {
@@ -195,7 +202,7 @@ impl Demo for Viewer<'_> {
                 self.trouble.clear();
                 seen
             }
-            // The last picture stays, so that the dial can be turned back.
+            // The program goes on with the last picture or the background, so that the dial can be turned back.
             Err(why) => {
                 self.trouble = why.to_string();
                 Seen::default()

@@ -125,18 +125,38 @@ impl Gpu {
         if bytes > most {
             return Err(GpuError::NoRoom { bytes, most });
         }
-        // Without a scope, a device that is out of memory ends the program.
+        let size = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT);
+        let usage = usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        self.with_room([bytes, most], || self.device.create_buffer(&unmapped(size, usage)))
+    }
+
+    /// Writes to the start of a buffer of [`Self::buffer`].
+    ///
+    /// # Errors
+    /// There is no room for a copy on the way to the device.
+    pub fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<(), GpuError> {
+        let limits = [bytes.len() as u64, self.device.limits().max_buffer_size];
+        self.with_room(limits, || self.queue.write_buffer(buffer, 0, bytes))
+    }
+
+    /// Does what may take so many bytes of at most so many. Without a scope, a device that is out of memory ends the program.
+    fn with_room<T>(&self, [bytes, most]: [u64; 2], work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT),
-            usage: usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let done = work();
         match pollster::block_on(scope.pop()) {
             Some(_) => Err(GpuError::NoRoom { bytes, most }),
-            None => Ok(buffer),
+            None => Ok(done),
         }
+    }
+
+    /// A buffer for reading back.
+    fn readable(&self, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+        let most = self.device.limits().max_buffer_size;
+        if bytes > most {
+            return Err(GpuError::NoRoom { bytes, most });
+        }
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        self.with_room([bytes, most], || self.device.create_buffer(&unmapped(bytes, usage)))
     }
 
     /// Waits until all that was submitted is done.
@@ -156,12 +176,7 @@ impl Gpu {
         let (width, height) = (texture.width(), texture.height());
         let row = width as usize * 4;
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture"),
-            size: (stride * height as usize) as u64,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let buffer = self.readable((stride * height as usize) as u64)?;
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
@@ -189,12 +204,7 @@ impl Gpu {
     /// # Errors
     /// The device is lost or out of memory.
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("copy"),
-            size: buffer.size(),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let copy = self.readable(buffer.size())?;
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
         self.queue.submit([encoder.finish()]);
@@ -215,6 +225,10 @@ impl Gpu {
     }
 }
 
+fn unmapped(size: u64, usage: wgpu::BufferUsages) -> wgpu::BufferDescriptor<'static> {
+    wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,6 +241,8 @@ mod tests {
         let error = gpu.buffer(most + 1, wgpu::BufferUsages::STORAGE).unwrap_err();
         assert!(matches!(error, GpuError::NoRoom { bytes, .. } if bytes == most + 1), "{error}");
         assert_eq!(gpu.buffer(7, wgpu::BufferUsages::STORAGE).unwrap().size(), 8);
+        let error = gpu.readable(most + 1).unwrap_err();
+        assert!(matches!(error, GpuError::NoRoom { bytes, .. } if bytes == most + 1), "{error}");
     }
 
     #[test]
@@ -239,5 +255,8 @@ mod tests {
             usage: wgpu::BufferUsages::COPY_SRC,
         });
         assert_eq!(gpu.read_buffer(&buffer).unwrap(), contents);
+        let written = gpu.buffer(8, wgpu::BufferUsages::STORAGE).unwrap();
+        gpu.write(&written, &contents[4..8]).unwrap();
+        assert_eq!(gpu.read_buffer(&written).unwrap(), [4, 5, 6, 7, 0, 0, 0, 0]);
     }
 }

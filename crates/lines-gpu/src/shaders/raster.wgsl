@@ -142,7 +142,7 @@ fn columns(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     let segment = segment_of(group, groups, local);
     if segment == NONE { return; }
     var w = start(segment);
-    let long = distance(w.a, w.b);
+    let long = long_of(w.a - w.b);
     let per_depth = f32(lens.slices) / (lens.far - lens.near);
     while w.alive {
         let over = measure(&w);

@@ -45,9 +45,15 @@ fn project(eye: vec3f) -> vec3f {
     return vec3f(lens.middle.x * w + lens.scale * eye.x, lens.middle.y * w - lens.scale * eye.y, w);
 }
 
+// The length of a vector in any unit: squares of small and of large coordinates do not fit into single precision.
+fn long_of(v: vec3f) -> f32 {
+    let most = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    return select(0.0, most * length(v / most), most > 0.0);
+}
+
 // The direction away from the viewer.
 fn away_at(eye: vec3f) -> vec3f {
-    let distance = length(eye);
+    let distance = long_of(eye);
     if lens.perspective == 0u || !(distance > 0.0) || eye.z > 0.0 {
         return vec3f(0.0, 0.0, -1.0);
     }

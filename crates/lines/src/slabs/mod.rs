@@ -160,7 +160,8 @@ impl SlabGrid {
     /// The columns that lines cross, with the slices and the length of the lines in each.
     ///
     /// Time: proportional to the vertices and to the columns that lines cross. Memory: 48 bytes a pixel with 128 slices, 96 with 256,
-    /// in tiles of 8 x 8 pixels that lines cross, and 4 bytes a tile; while it is made, as much again and about 60 bytes a vertex.
+    /// in tiles of 8 x 8 pixels that lines cross, and 4 bytes a tile; while it is made, as much again,
+    /// about 60 bytes a vertex, and 4 bytes for each row of tiles that a segment crosses.
     pub fn of_lines(lines: &LineSet, view: &View, slices: Slices, rule: SpanRule) -> Self {
         let placed = Placed::new(lines, view);
         let bands = placed.bands(view, |rows, segments| {

@@ -169,6 +169,25 @@ fn a_line_along_the_view_sets_its_whole_range_in_one_column_and_one_slice_withou
 }
 
 #[test]
+fn lines_and_dots_on_the_border_of_two_rows_of_tiles_count_once() {
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [64, 64]).unwrap();
+    let [left, right] = [vec3(-0.5, 0.0, 0.0), vec3(0.5, 0.0, 0.0)];
+    for (line, long) in [(vec![left, right], 1.0), (vec![right, left], 1.0), (vec![left], 0.0)] {
+        let lines = LineSet::new([line]).unwrap();
+        let grid = SlabGrid::of_lines(&lines, &view, Slices::S128, SpanRule::Span);
+        let row = |y: u32| {
+            let columns = (0..64).map(|x| (grid.length(x, y), u32::from(grid.column(x, y) != [0; 2])));
+            columns.fold((0.0, 0), |sum, column| (sum.0 + column.0, sum.1 + column.1))
+        };
+        assert_eq!(row(31), (0.0, 0));
+        let (length, columns) = row(32);
+        assert!((length - long).abs() < 1e-5 && (long == 0.0) == (columns == 1), "{length} {columns}");
+        let buffer = crate::buffers::LineBuffer::new(&lines, &view);
+        assert_eq!(buffer.covered() as u32, columns);
+    }
+}
+
+#[test]
 fn lengths_that_are_no_numbers_are_left_out() {
     let view = box_view(None, [9, 9]);
     let [near, far] = view.depths();

@@ -17,7 +17,8 @@ pub(crate) struct Part {
     pub(crate) to: f64,
 }
 
-/// The part of a segment of eye space in the view's depths and in some rows of its picture (Liang and Barsky 1984).
+/// The part of a segment of eye space in the view's depths and in some rows of its picture (Liang and Barsky 1984). A segment on
+/// the border of two rows is in the lower one only, but at the bottom of the picture.
 pub(crate) fn clip(view: &View, [a, b]: [DVec3; 2], rows: &Range<u32>) -> Option<Part> {
     let [near, far] = view.depths();
     let (pa, pb) = (view.project(a), view.project(b));
@@ -30,6 +31,10 @@ pub(crate) fn clip(view: &View, [a, b]: [DVec3; 2], rows: &Range<u32>) -> Option
         (pa.y - top * pa.z, pb.y - top * pb.z),
         (bottom * pa.z - pa.y, bottom * pb.z - pb.y),
     ];
+    let below = |(at_a, at_b): (f64, f64)| at_a <= 0.0 && at_b <= 0.0;
+    if rows.end < view.size()[1] && below(sides[5]) {
+        return None;
+    }
     let mut part = Part { from: 0.0, to: 1.0 };
     for (at_a, at_b) in sides {
         if at_a < 0.0 && at_b < 0.0 {
