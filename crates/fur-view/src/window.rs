@@ -7,7 +7,7 @@ use casca_fur_gpu::records::{DrawList, Sun};
 use casca_fur_gpu::renderer::Renderer;
 use casca_lab::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::egui::{self, Align2, Slider};
+use casca_stage::egui::{self, Align2, Slider, SliderClamping};
 use casca_stage::fly::{Fly, way};
 use casca_stage::gpu::{DEPTH, Gpu};
 use casca_stage::panel::{Panel, controls};
@@ -185,10 +185,11 @@ impl Viewer {
         panel.control(screen, target, &mut |context: &egui::Context| {
             controls(context, "fur", Align2::LEFT_TOP, [12.0, 12.0], &mut |ui| {
                 ui.label(&line);
-                layers_changed |= ui.add(Slider::new(&mut choices.layers, 0..=96).text("layers")).changed();
+                layers_changed |=
+                    ui.add(bound(Slider::new(&mut choices.layers, 0..=96)).text("layers")).changed();
                 let mut slide = |ui: &mut egui::Ui, value: &mut f32, range, text| {
                     // A field is made anew, when the slider is let go.
-                    let answer = ui.add(Slider::new(value, range).text(text));
+                    let answer = ui.add(bound(Slider::new(value, range)).text(text));
                     fur_changed |= if many { answer.drag_stopped() } else { answer.changed() };
                 };
                 slide(ui, &mut choices.height, 0.0..=0.3, "height");
@@ -208,7 +209,7 @@ impl Viewer {
                             ui.selectable_value(way, each, each.name());
                         }
                     });
-                    ui.add(Slider::new(&mut choices.budget, 0.05..=1.0).text("budget"));
+                    ui.add(bound(Slider::new(&mut choices.budget, 0.05..=1.0)).text("budget"));
                 }
                 ui.label(HELP);
             });
@@ -218,6 +219,11 @@ impl Viewer {
         }
         if fur_changed { self.change(&screen.gpu, old) } else { Ok(()) }
     }
+}
+
+/// Values of the command line may lie outside of a slider's range: they stay until it is moved.
+fn bound(slider: Slider<'_>) -> Slider<'_> {
+    slider.clamping(SliderClamping::Edits)
 }
 
 impl Demo for Viewer {

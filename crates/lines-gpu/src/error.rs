@@ -40,7 +40,7 @@ pub enum LinesGpuError {
     },
     /// The depths of a view are too near to each other.
     #[error(
-        "depths from {near} to {far}: single precision needs a range of at least 1/64 of the greatest depth: \
+        "depths from {near} to {far}: single precision needs a range of at least 1/32 of the greatest depth: \
          move the eye nearer, or one of the depths outwards"
     )]
     Depths {

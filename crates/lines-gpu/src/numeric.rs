@@ -8,12 +8,12 @@ use casca_lines::numeric::{ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, PARAL
 
 /// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up to 14 bits before the binary
 /// point, so that the last of its 24 bits is worth 2^-10 of a pixel; a walk adds up some roundings of it. It holds for segments
-/// with ends up to 16,384 pixels from the picture's middle, and depths up to [`FARTHEST`] ranges away: those are 16,384 slices, too.
+/// with ends up to 16,384 pixels from the picture's middle, and depths up to [`FARTHEST`] ranges away: those are 8,192 slices.
 pub const IN_DOUBT: f32 = 1.0 / 128.0;
 
 /// The greatest depth of a view, in units of the range of its depths. Depths are computed in single precision: farther away their
 /// rounding would put lines into wrong slices, so that such views are refused.
-pub const FARTHEST: f64 = 64.0;
+pub const FARTHEST: f64 = 32.0;
 
 /// The occlusion of a pixel may differ by this from the processor's: sums of 150 terms in single precision, in another order, and
 /// exponentials with some units in the last place. It holds where both take the same samples in the same columns. Where rounding puts

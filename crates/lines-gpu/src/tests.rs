@@ -110,7 +110,7 @@ fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_
     for (number, lines) in sets.iter().enumerate() {
         // The last view is from as far away as the renderer takes.
         let from_afar =
-            View::around([-Vec3::ONE, Vec3::ONE], vec3(0.3, 0.4, 1.0), Some(0.0163), SIZE).unwrap();
+            View::around([-Vec3::ONE, Vec3::ONE], vec3(0.3, 0.4, 1.0), Some(0.0335), SIZE).unwrap();
         for view in views([-Vec3::ONE, Vec3::ONE]).into_iter().chain([from_afar]) {
             let slices = if number % 2 == 0 { Slices::S128 } else { Slices::S256 };
             let with = Settings { slices, ..settings(AoOptions::new(0.3, 0.01)) };
@@ -156,7 +156,7 @@ fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_
 fn lines_on_borders_of_tiles_are_in_the_columns_of_the_processor() {
     let Some(gpu) = gpu() else { return };
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
-    let lines = LineSet::new([[vec3(-0.5, 0.0, 0.0), vec3(0.5, 0.0, 0.0)]]).unwrap();
+    let lines = LineSet::new([[vec3(-0.5, 0.0, 0.01), vec3(0.5, 0.0, 0.01)]]).unwrap();
     let renderer = run(&gpu, &lines, &view, settings(AoOptions::new(0.3, 0.01)));
     let grid = SlabGrid::of_lines(&lines, &view, Slices::S128, SpanRule::Span);
     let pixels = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
