@@ -71,7 +71,7 @@ mod tests {
             (vec!["--radius", "0"], "from 0.001 to 1"),
             (vec!["--radius", "NaN"], "from 0.001 to 1"),
             (vec!["--factor", "inf"], "from 0 to 100"),
-            (vec!["--fov", "180"], "from 0 to 150"),
+            (vec!["--fov", "180"], "from 1 to 150, or 0"),
             (vec!["--zoom", "0"], "from 0.1 to 100"),
             (vec!["--samples", "0"], "1..=4096"),
             (vec!["--slices", "64"], "128 or 256"),
