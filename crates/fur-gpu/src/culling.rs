@@ -1,5 +1,5 @@
-//! A field of animals as casca sees it, and what is drawn of it: everything, the frustum, what can be seen, and that with layers by
-//! visibility.
+//! A field of animals as a scene of casca, and the list of animals to draw: all of them, those in the frustum, those that can be seen,
+//! or those that can be seen with fewer layers where less is seen.
 
 use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
@@ -14,7 +14,7 @@ use crate::error::FurGpuError;
 use crate::numeric::FRACTION_RAYS;
 use crate::records::{Block, DrawList, Stand};
 
-/// How it is decided what is drawn.
+/// How the animals to draw are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// Everything.
@@ -54,8 +54,7 @@ pub struct Demand {
     pub way: Way,
     /// Layers above the skin: of all animals, or the most by [`Way::Layered`].
     pub layers: u32,
-    /// For [`Way::Layered`]: the weight that may be drawn, as a share of the weight of what it would draw without a budget; 1 or more for
-    /// no budget.
+    /// For [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1 or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
     pub height: u32,

@@ -5,7 +5,7 @@
 //! - [`look`]: the strands, how fragments find them, and how light falls on them.
 //! - [`records`]: places of objects, and lists of what to draw.
 //! - [`mod@reference`]: the same strands as tubes, hit by rays.
-//! - [`culling`]: a field of animals as casca sees it, and what is drawn of it in four ways.
+//! - [`culling`]: a field of animals as a scene of casca, and four ways to choose the animals to draw.
 //! - [`fit`]: lines through measured times.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]

@@ -254,7 +254,7 @@ impl Renderer {
     }
 }
 
-/// Layouts of what a frame binds, and of what a look binds.
+/// The layouts of two groups of bindings: those of a frame, and those of a look.
 fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
     let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
         binding,

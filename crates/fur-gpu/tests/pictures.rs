@@ -1,4 +1,4 @@
-//! Pictures of shells: what is culled changes no pixel, fur shows beyond walls, and shells come nearer to strands with their number.
+//! Pictures of shells: culling changes no pixel, fur shows beyond walls, and more shells come nearer to strands.
 
 use casca_fur::mesh::{Coat, Mesh, Vertex};
 use casca_fur::strands::Fur;

@@ -1,4 +1,4 @@
-//! The options of the program, and what they choose.
+//! The options of the command line, and the fur, camera and files that they stand for.
 
 use std::path::{Path, PathBuf};
 

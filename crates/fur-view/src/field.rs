@@ -49,7 +49,7 @@ impl Stage {
         Ok(Self { herd, renderer })
     }
 
-    /// Draws the shadow map around what a camera sees; all animals cast shadows, whichever are drawn.
+    /// Draws the shadow map for the part of the field before a camera. All animals there cast shadows, also those that are not drawn.
     pub fn cast_shadows(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Sun, Box<dyn Error>> {
         let forward = -camera.view.row(2).truncate();
         let sun = Sun { towards: TO_SUN, center: camera.eye + forward * 9.0, radius: 14.0, shadows: true };

@@ -32,6 +32,17 @@ pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;
 /// The greatest radius of a strand, in cells; see [`HALF_SLAB`].
 pub(crate) const MAX_RADIUS: f32 = 0.43;
 
+/// The least radius of a mesh and spacing of strands: squares of smaller ones come near the least numbers of single precision.
+pub(crate) const LEAST_LENGTH: f64 = 1e-9;
+
+/// The search for the root of a strand ends when a step changes its place by less than this share of its triangle: far below what single
+/// precision, in which roots are handed out, can show.
+pub(crate) const SETTLED: f64 = 1e-12;
+
+/// Fur maps of lower densities hold no hair at any size: the density that sets their first distance is not taken below this, so that it
+/// is finite.
+pub(crate) const LEAST_DENSITY: f64 = 1e-9;
+
 /// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole surface.
 pub const MAX_PER_CELL: u32 = 4;
 

@@ -4,6 +4,7 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64Mcg;
 
 use crate::error::{Error, range};
+use crate::numeric::LEAST_DENSITY;
 
 /// The texels next to a hair that get no hair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -113,7 +114,7 @@ pub fn blue_noise(size: u32, density: f64, seed: u64) -> Result<FurMap, Error> {
     let order = shuffled(size, seed);
     let mut count = 0;
     // The distance of hairs in the densest packing: no more fit.
-    let mut radius = (2.0 / (3f64.sqrt() * density.max(1e-9))).sqrt().min(f64::from(size) * 0.5);
+    let mut radius = (2.0 / (3f64.sqrt() * density.max(LEAST_DENSITY))).sqrt().min(f64::from(size) * 0.5);
     while count < goal {
         let mut taken = vec![false; map.hairs.len()];
         let around = |at: usize, taken: &mut [bool]| {

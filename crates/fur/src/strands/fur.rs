@@ -6,7 +6,10 @@ use glam::{IVec3, Vec3};
 
 use super::hash::{hash, unit};
 use crate::error::{Error, range};
-use crate::numeric::{CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, MAX_CELLS, MAX_PER_CELL, MAX_RADIUS};
+use crate::numeric::{
+    CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, LEAST_LENGTH, MAX_CELLS, MAX_COORDINATE, MAX_PER_CELL,
+    MAX_RADIUS,
+};
 
 /// The fur of an object. All lengths are in its object space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,9 +50,9 @@ impl Fur {
     /// afterwards: 60 cells on a radius, one point each up to the density of 0.29 and more above.
     ///
     /// # Errors
-    /// Refuses a radius that is not above 0, heights outside of 0 to 1 and densities outside of 0.001 to 1.
+    /// Refuses radii outside of 1e-9 to 1e9, heights outside of 0 to 1 and densities outside of 0.001 to 1.
     pub fn for_radius(radius: f32, height: f32, density: f32) -> Result<Self, Error> {
-        range("the radius of the mesh", radius.into(), 1e-9, 1e9)?;
+        range("the radius of the mesh", radius.into(), LEAST_LENGTH, MAX_COORDINATE.into())?;
         range("the height of the fur as a share of the radius", height.into(), 0.0, 1.0)?;
         let fur = Self {
             height: height * radius,
@@ -96,13 +99,13 @@ impl Fur {
     /// # Errors
     /// Names the first parameter that is out of its range.
     pub fn check(&self, mesh_radius: f32) -> Result<(), Error> {
-        range("the height of the fur", self.height.into(), 0.0, 1e9)?;
+        range("the height of the fur", self.height.into(), 0.0, MAX_COORDINATE.into())?;
         range("the bend of the fur", self.bend.length().into(), 0.0, 4.0)?;
         range(
             "the spacing of strands",
             self.spacing.into(),
-            f64::from(mesh_radius / MAX_CELLS).max(1e-9),
-            1e9,
+            f64::from(mesh_radius / MAX_CELLS).max(LEAST_LENGTH),
+            MAX_COORDINATE.into(),
         )?;
         range("the points of a cell", self.per_cell.into(), 1.0, MAX_PER_CELL.into())?;
         range("the radius of a strand in cells", self.radius.into(), 1e-3, MAX_RADIUS.into())?;

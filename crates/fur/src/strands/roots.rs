@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::fur::Fur;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE};
+use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE, SETTLED};
 
 /// A strand of fur on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,7 +180,7 @@ impl<'a> Patch<'a> {
             let next = self.weights(point - normal * above);
             let change = (next[0] - u).abs() + (next[1] - v).abs();
             [u, v] = next;
-            if change < 1e-12 {
+            if change < SETTLED {
                 break;
             }
         }
