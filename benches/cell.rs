@@ -39,7 +39,7 @@ fn against_the_thesis(c: &mut Criterion) {
         let mut query = Query::with_method(Method::Cell(options)).unwrap();
         group.bench_function(format!("masks {resolution}"), |b| b.iter(|| query.run(scene, &view).len()));
     }
-    let opaque = scene.static_opacity();
+    let opaque = &*scene.static_opacity();
     group.bench_function("caps", |b| b.iter(|| occlusion_by_caps(opaque, viewer).0.count()));
     group.bench_function("lattice", |b| b.iter(|| occlusion_by_lattice(opaque, viewer).count()));
     group.finish();

@@ -23,10 +23,12 @@
 //! # }
 //! ```
 
+use std::borrow::Cow;
+
 use glam::IVec3;
 
 use crate::query::Query;
-use crate::scene::Scene;
+use crate::scene::{LayerOpacity, Scene};
 
 pub use crate::grid::run::CellRun;
 pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
@@ -38,18 +40,19 @@ pub use crate::shape::Shape;
 
 /// The matrices of a scene.
 pub trait SceneInternals {
-    /// Whether a cell is opaque (O). Costs two look-ups. Cells outside the grid are not.
+    /// Whether a cell is opaque (O) by occluders on the same layers, whichever these are. Costs two look-ups for each
+    /// mask of layers. Cells outside the grid are not.
     fn is_opaque(&self, cell: IVec3) -> bool;
 
     /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid is known to.
     fn is_occupied(&self, cell: IVec3) -> bool;
 
-    /// Os: the opaque cells of static objects.
-    fn static_opacity(&self) -> &OpacityMatrix;
+    /// Os: the opaque cells of static objects, on all layers. A copy if occluders are on different layers.
+    fn static_opacity(&self) -> Cow<'_, OpacityMatrix>;
 
-    /// The opaque cells of visible dynamic objects; with Os they make O, except while an occluder that is
+    /// The opaque cells of visible dynamic objects, on all layers; with Os they make O, except while an occluder that is
     /// [reported on expiry](crate::Reports::OnExpiry) is due for a report: then O is Os.
-    fn dynamic_opacity(&self) -> &OpacityMatrix;
+    fn dynamic_opacity(&self) -> Cow<'_, OpacityMatrix>;
 
     /// I: the objects that touch each cell. The first call lists them by cell.
     fn id_matrix(&self) -> &IdMatrix;
@@ -58,21 +61,34 @@ pub trait SceneInternals {
     fn tbv_matrix(&self) -> &TbvMatrix;
 }
 
+/// The opaque cells of all masks of layers.
+fn of_all_layers(scene: &Scene, cells: impl Fn(&LayerOpacity) -> &OpacityMatrix) -> Cow<'_, OpacityMatrix> {
+    let mut parts = scene.opacity(u64::MAX).map(cells);
+    let mut all = parts.next().map_or_else(
+        || Cow::Owned(OpacityMatrix::new(scene.grid().dims())),
+        |first| Cow::Borrowed(first),
+    );
+    for part in parts {
+        part.iter().for_each(|cell| all.to_mut().set(cell));
+    }
+    all
+}
+
 impl SceneInternals for Scene {
     fn is_opaque(&self, cell: IVec3) -> bool {
-        self.is_opaque(cell)
+        self.is_opaque(cell, u64::MAX)
     }
 
     fn is_occupied(&self, cell: IVec3) -> bool {
         self.grid().contains(cell) && self.cell_ids().get(cell).next().is_some()
     }
 
-    fn static_opacity(&self) -> &OpacityMatrix {
-        self.static_opacity()
+    fn static_opacity(&self) -> Cow<'_, OpacityMatrix> {
+        of_all_layers(self, LayerOpacity::fixed)
     }
 
-    fn dynamic_opacity(&self) -> &OpacityMatrix {
-        self.dynamic_opacity()
+    fn dynamic_opacity(&self) -> Cow<'_, OpacityMatrix> {
+        of_all_layers(self, LayerOpacity::moving)
     }
 
     fn id_matrix(&self) -> &IdMatrix {

@@ -1,9 +1,13 @@
 //! Layers: views of some layers, against exact visibility of the objects on them.
 
+use std::collections::BTreeSet;
+
 use casca::internals::SceneInternals;
-use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Query, Scene, Sphere, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Pvs, Query, Scene, Sphere, View};
 use casca_lab::cases;
+use casca_lab::drive::{Driver, grid_for, view_of};
 use casca_lab::oracle::{Oracle, OracleOptions};
+use casca_lab::scenes::{SceneKind, SceneOptions, build};
 use casca_lab::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -18,11 +22,12 @@ fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(range).prop_map(Vec3::from_array)
 }
 
-fn mask() -> impl Strategy<Value = u32> {
-    prop_oneof![3 => Just(u32::MAX), 4 => 0..8u32]
+/// Masks that often agree, that overlap, and that use the last bit.
+fn mask() -> impl Strategy<Value = u64> {
+    prop_oneof![2 => Just(u64::MAX), 3 => Just(1u64), 3 => 0..8u64, 1 => Just(1 << 63 | 2)]
 }
 
-fn object() -> impl Strategy<Value = (Object, u32)> {
+fn object() -> impl Strategy<Value = (Object, u64)> {
     let ball =
         (vector(-1.0..17.0), 0.3..3.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
     let free = (vector(-1.0..15.0), vector(0.1..6.0)).prop_map(|(min, s)| Shape::Box { min, max: min + s });
@@ -43,7 +48,7 @@ fn solid(shape: &Shape) -> Occluder {
     }
 }
 
-fn describe(object: &Object, layers: u32) -> ObjectDesc {
+fn describe(object: &Object, layers: u64) -> ObjectDesc {
     let occluder = solid(&object.shape);
     let desc = match (&occluder, object.motion) {
         (Occluder::Sphere(s), Motion::Static) => ObjectDesc::fixed(*s),
@@ -67,7 +72,7 @@ fn moved(shape: &Shape, by: Vec3) -> Shape {
 #[derive(Debug, Clone)]
 enum Change {
     Move(usize, Vec3),
-    Layers(usize, u32),
+    Layers(usize, u64),
 }
 
 fn change() -> impl Strategy<Value = Change> {
@@ -89,7 +94,7 @@ proptest! {
         let (mut scene, mut objects) = (scene(), start);
         let ids: Vec<ObjectId> = objects.iter().map(|(o, m)| scene.insert(describe(o, *m)).unwrap()).collect();
         let queries = METHODS.iter().flat_map(|&m| [(m, one), (m, two)]);
-        let mut queries: Vec<(Query, u32)> =
+        let mut queries: Vec<(Query, u64)> =
             queries.map(|(m, mask)| (Query::with_method(m).unwrap(), mask)).collect();
         for (number, (changes, eye)) in frames.iter().enumerate() {
             scene.begin_frame(number as f64 * FRAME_SECONDS).unwrap();
@@ -136,7 +141,7 @@ fn behind() -> Sphere {
 }
 
 #[test]
-fn a_wall_hides_while_it_is_on_all_layers() {
+fn a_wall_hides_in_the_views_that_show_it_and_in_no_others() {
     let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
     for (method, dynamic) in METHODS[1..].iter().flat_map(|&m| [(m, false), (m, true)]) {
         let mut scene = scene();
@@ -144,21 +149,112 @@ fn a_wall_hides_while_it_is_on_all_layers() {
         let wall = scene.insert(desc.occluder(WALL).layers(1)).unwrap();
         let ball = scene.insert(ObjectDesc::fixed(behind())).unwrap();
         let mut query = Query::with_method(method).unwrap();
-        let mut sees = |scene: &Scene| query.run(scene, &view).contains(ball);
+        let mut sees = |scene: &Scene, mask| query.run(scene, &view.clone().with_layers(mask)).contains(ball);
         let opaque = |scene: &Scene| scene.static_opacity().count() + scene.dynamic_opacity().count();
-        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
-        assert!(matches!(scene.occluder(wall), Ok(Some(Occluder::Box(b))) if *b == WALL), "it is kept");
-        scene.set_layers(wall, u32::MAX).unwrap();
-        assert!(!sees(&scene) && opaque(&scene) == 16 * 16 * 3, "{method:?}");
+        let filled = 16 * 16 * 3;
+        assert!(!sees(&scene, 1) && !sees(&scene, 3) && sees(&scene, 2), "{method:?}");
+        scene.set_layers(wall, u64::MAX).unwrap();
+        assert!(!sees(&scene, 1) && !sees(&scene, 2) && opaque(&scene) == filled, "{method:?}");
         scene.set_layers(wall, 6).unwrap();
-        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
+        assert!(sees(&scene, 1) && !sees(&scene, 2) && !sees(&scene, 12) && sees(&scene, 8), "{method:?}");
+        scene.set_layers(wall, 0).unwrap();
+        assert!(sees(&scene, u64::MAX) && opaque(&scene) == 0, "no view shows it");
+        assert!(matches!(scene.occluder(wall), Ok(Some(Occluder::Box(b))) if *b == WALL), "it is kept");
         assert!(scene.update(wall, WALL, None).is_err(), "an update must name the occluder");
         scene.update(wall, WALL, Some(WALL.into())).unwrap();
-        assert!(sees(&scene) && opaque(&scene) == 0, "{method:?}");
-        scene.set_layers(wall, u32::MAX).unwrap();
-        assert!(!sees(&scene));
+        assert!(sees(&scene, u64::MAX), "{method:?}");
+        scene.set_layers(wall, 1 << 63).unwrap();
+        assert!(!sees(&scene, 1 << 63) && sees(&scene, 1 << 62) && opaque(&scene) == filled, "{method:?}");
         scene.remove(wall).unwrap();
-        assert!(sees(&scene) && opaque(&scene) == 0 && scene.layers(wall).is_err());
+        assert!(sees(&scene, u64::MAX) && opaque(&scene) == 0 && scene.layers(wall).is_err());
+    }
+}
+
+/// Solids on different layers are not joined: between two that only abut, a view that shows one of them sees.
+#[test]
+fn solids_on_different_layers_do_not_fill_cells_together() {
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    let (low, high) = (Vec3::new(0.0, 0.0, 8.0), Vec3::new(16.0, 16.0, 11.0));
+    // They meet inside cells: neither alone fills those.
+    let halves = [Aabb::new(low, Vec3::new(8.5, high.y, high.z)), Aabb::new(Vec3::new(8.5, low.y, low.z), high)];
+    let mut query = Query::with_method(Method::cell()).unwrap();
+    for (masks, hidden) in [([1, 1], [true, false]), ([1, 2], [false, false]), ([3, 3], [true, true])] {
+        let mut scene = scene();
+        for (half, mask) in halves.iter().zip(masks) {
+            scene.insert(ObjectDesc::fixed(*half).occluder(*half).layers(mask)).unwrap();
+        }
+        let ball = scene.insert(ObjectDesc::fixed(behind())).unwrap();
+        for (mask, hidden) in [1, 2].into_iter().zip(hidden) {
+            let view = view.clone().with_layers(mask);
+            assert_eq!(query.run(&scene, &view).contains(ball), !hidden, "{masks:?} {mask}");
+        }
+    }
+}
+
+/// An eye inside a solid that its view does not show sees as if the solid were not there: a player in its own body.
+#[test]
+fn an_eye_in_a_solid_of_another_layer_has_occlusion() {
+    let eye = Vec3::new(8.5, 8.5, 2.5);
+    let body = Aabb::from_center(eye, Vec3::splat(2.0));
+    for method in &METHODS[1..] {
+        let mut scene = scene();
+        scene.insert(ObjectDesc::fixed(WALL).occluder(WALL).layers(1)).unwrap();
+        scene.insert(ObjectDesc::dynamic(body).occluder(body).layers(2)).unwrap();
+        let ball = scene.insert(ObjectDesc::fixed(behind()).layers(3)).unwrap();
+        let mut query = Query::with_method(*method).unwrap();
+        let view = View::omnidirectional(eye).unwrap();
+        assert!(!query.run(&scene, &view.clone().with_layers(1)).contains(ball), "{method:?}");
+        assert!(query.run(&scene, &view.clone().with_layers(2)).contains(ball), "{method:?}");
+    }
+}
+
+/// Occluders on more masks than there is room for still hide by themselves.
+#[test]
+fn many_masks_lose_nothing_and_hide_by_buffers() {
+    let mut scene = scene();
+    let wall = |i: u32| {
+        let min = Vec3::new(0.0, 0.0, 4.0 + 0.2 * i as f32);
+        Aabb::new(min, Vec3::new(16.0, 16.0, min.z + 0.1))
+    };
+    for i in 0..40 {
+        scene.insert(ObjectDesc::fixed(wall(i)).occluder(wall(i)).layers(1 << i)).unwrap();
+    }
+    let ball = scene.insert(ObjectDesc::fixed(behind())).unwrap();
+    let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
+    let mut query = Query::new();
+    for i in 0..41 {
+        assert_eq!(query.run(&scene, &view.clone().with_layers(1 << i)).contains(ball), i == 40, "{i}");
+    }
+}
+
+/// A scene on one layer gives the sets of a scene without layers.
+#[test]
+fn one_layer_for_all_changes_no_set() {
+    let options = SceneOptions { seed: 5, frames: 12, ..Default::default() };
+    for (kind, scale) in [(SceneKind::City, 0.5), (SceneKind::Rooms, 1.0), (SceneKind::Rocks, 0.5)] {
+        let mut world = build(kind, &SceneOptions { scale, ..options.clone() });
+        let grid = grid_for(&world.grid, None).unwrap();
+        let [mut plain, mut layered] = std::array::from_fn(|_| Driver::new(&world, &grid, |_| ()).unwrap());
+        for object in 0..world.objects.len() {
+            layered.scene.set_layers(layered.id(object), 4).unwrap();
+        }
+        let mut queries = METHODS.map(|method| [(); 2].map(|()| Query::with_method(method).unwrap()));
+        for frame in (0..world.frames).step_by(4) {
+            let moved = world.set_frame(frame);
+            for driver in [&mut plain, &mut layered] {
+                driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
+                driver.update(&world.objects, &moved).unwrap();
+            }
+            let view = view_of(&world.camera(frame, 16.0 / 9.0)).unwrap();
+            for [query, on_layer] in &mut queries {
+                let set = |pvs: &Pvs| pvs.visible().iter().map(|id| id.index()).collect::<BTreeSet<_>>();
+                let expected = set(query.run(&plain.scene, &view));
+                let found = set(on_layer.run(&layered.scene, &view.clone().with_layers(4)));
+                assert_eq!(found, expected, "{} {frame} {:?}", kind.name(), query.method());
+            }
+            plain.scene.end_frame(queries.iter().map(|[query, _]| query.pvs())).unwrap();
+            layered.scene.end_frame(queries.iter().map(|[_, query]| query.pvs())).unwrap();
+        }
     }
 }
 
@@ -178,7 +274,7 @@ fn an_overdue_wall_changes_its_layers() {
         };
         assert_eq!(run(&scene), (false, true));
         assert_eq!(scene.begin_frame(1.0).unwrap(), [wall]);
-        for layers in [1, 2, u32::MAX, 1, u32::MAX] {
+        for layers in [1, 2, u64::MAX, 1, u64::MAX] {
             scene.set_layers(wall, layers).unwrap();
             assert_eq!(run(&scene), (true, true), "it may be anywhere");
         }
@@ -222,7 +318,7 @@ fn a_set_holds_for_its_own_layers() {
         let ball = scene.insert(ObjectDesc::fixed(behind()).layers(2)).unwrap();
         let mut query = Query::with_method(method).unwrap();
         let two = view.clone().with_layers(2);
-        assert_eq!((two.layers(), view.layers()), (2, u32::MAX));
+        assert_eq!((two.layers(), view.layers()), (2, u64::MAX));
         let pvs = query.run(&scene, &two).clone();
         assert!(pvs.is_valid_for(&scene, &two) && !pvs.is_valid_for(&scene, &view));
         assert!(!pvs.is_valid_for(&scene, &view.clone().with_layers(3)));

@@ -78,7 +78,7 @@ proptest! {
     ) {
         let scene = scene_of(dims, &blocks);
         prop_assume!(!scene.is_opaque(viewer));
-        let opaque = scene.static_opacity();
+        let opaque = &*scene.static_opacity();
         let masks = hidden_by_masks(&scene, viewer, 1 << log);
         let lattice = occlusion_by_lattice(opaque, viewer);
         for c in masks.iter() {
@@ -99,7 +99,7 @@ proptest! {
     #[test]
     fn caps_agree_with_the_lattice_rule((dims, blocks, viewer) in arb_scene()) {
         let scene = scene_of(dims, &blocks);
-        let opaque = scene.static_opacity();
+        let opaque = &*scene.static_opacity();
         let (caps, _) = occlusion_by_caps(opaque, viewer);
         let lattice = occlusion_by_lattice(opaque, viewer);
         prop_assert!(caps.is_subset(&lattice) && lattice.is_subset(&caps));
@@ -121,7 +121,7 @@ fn masks_find_most_of_what_the_lattice_rule_finds() {
     }
     let scene = scene_of(dims, &blocks);
     let viewer = cells(dims).find(|&c| c.x == 20 && c.z == 20 && !scene.is_opaque(c)).unwrap();
-    let lattice = occlusion_by_lattice(scene.static_opacity(), viewer).count() as f64;
+    let lattice = occlusion_by_lattice(&scene.static_opacity(), viewer).count() as f64;
     let mut last = 0.0;
     for (resolution, least) in [(64, 0.5), (256, 0.8), (1024, 0.9)] {
         let share = hidden_by_masks(&scene, viewer, resolution).count() as f64 / lattice;

@@ -94,10 +94,10 @@ fn come_and_go(seed: u64, cells: u32, most: f32, steps: usize) -> usize {
         for (_, solid) in &held {
             fresh.insert(ObjectDesc::fixed(around(solid)).occluder(solid.clone())).unwrap();
         }
-        assert_same(scene.static_opacity(), fresh.static_opacity(), &format!("seed {seed}, step {step}"));
+        assert_same(&scene.static_opacity(), &fresh.static_opacity(), &format!("seed {seed}, step {step}"));
         assert_eq!(scene.id_matrix().entries(), fresh.id_matrix().entries());
         let single = alone(&scene, held.iter().map(|h| &h.1));
-        assert!(single.is_subset(scene.static_opacity()), "seed {seed}, step {step}");
+        assert!(single.is_subset(&scene.static_opacity()), "seed {seed}, step {step}");
         for c in scene.static_opacity().iter().filter(|&c| !single.get(c)) {
             joint += 1;
             for i in 0..125 {
@@ -220,7 +220,7 @@ fn dynamic_solids_make_their_own_cells_opaque_and_no_others() {
                 }
             }
             let expected = alone(&scene, held.iter().map(|h| &h.1));
-            assert_same(scene.dynamic_opacity(), &expected, &format!("seed {seed}, step {step}"));
+            assert_same(&scene.dynamic_opacity(), &expected, &format!("seed {seed}, step {step}"));
             let mut entries = 0;
             for (_, solid) in &held {
                 around(solid).touched(scene.grid(), &mut |run| entries += run.cells().count());

@@ -7,10 +7,9 @@
 use glam::{DVec3, IVec3};
 
 use crate::error::Error;
-use crate::matrix::bits::BitMatrix;
 use crate::method::Method;
 use crate::pvs::Pvs;
-use crate::query::{Extras, Query};
+use crate::query::{AggressiveCells, Extras, Query};
 use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::View;
@@ -41,7 +40,7 @@ const SAMPLES: i32 = 4;
 /// ```
 #[derive(Debug, Clone)]
 pub struct AggressiveOpacity {
-    cells: BitMatrix,
+    cells: AggressiveCells,
     share: f32,
     scene: u32,
 }
@@ -71,21 +70,18 @@ impl AggressiveOpacity {
             return Err(Error::Setting { what, value: f64::from(*share), min: 0.0, max: 1.0 });
         }
         let grid = scene.grid();
-        let empty = |&share: &f32| Self { cells: BitMatrix::new(grid.dims()), share, scene: scene.tag() };
+        let empty = |&share: &f32| Self { cells: AggressiveCells::default(), share, scene: scene.tag() };
         let mut made: Vec<Self> = shares.iter().map(empty).collect();
         let points = SAMPLES.pow(3);
-        let mut asked = BitMatrix::new(grid.dims());
+        let mut asked = AggressiveCells::default();
         let mut solids = Vec::new();
-        scene.static_solid_cells(&mut |cell| {
-            if asked.get(cell) {
-                return;
-            }
-            asked.set(cell);
-            if scene.static_opacity().get(cell) {
+        scene.static_solid_cells(&mut |part, cell| {
+            let layers = scene.opacity_part(part).layers();
+            if !asked.set(layers, grid.dims(), cell) {
                 return;
             }
             solids.clear();
-            solids.extend(scene.static_solids(cell).filter(|s| s.is_solid()));
+            solids.extend(scene.static_solids(cell, part).filter(|s| s.is_solid()));
             let (min, max) = grid.cell_bounds(cell);
             let filled = (0..points).filter(|i| {
                 let at = IVec3::new(i % SAMPLES, i / SAMPLES % SAMPLES, i / (SAMPLES * SAMPLES)).as_dvec3();
@@ -94,7 +90,7 @@ impl AggressiveOpacity {
             });
             let filled = filled.count() as f64 / f64::from(points);
             for opacity in made.iter_mut().filter(|o| filled >= f64::from(o.share)) {
-                opacity.cells.set(cell);
+                opacity.cells.set(layers, grid.dims(), cell);
             }
         });
         Ok(made)
@@ -105,9 +101,9 @@ impl AggressiveOpacity {
         self.share
     }
 
-    /// The cells that pass for opaque and are not.
-    pub fn cells(&self) -> &BitMatrix {
-        &self.cells
+    /// The cells that pass for opaque and are not. One that solids on different layers fill comes more than once.
+    pub fn cells(&self) -> impl Iterator<Item = IVec3> {
+        self.cells.parts.iter().flat_map(|(_, cells)| cells.iter())
     }
 }
 
@@ -159,7 +155,7 @@ mod tests {
         scene.insert(ObjectDesc::fixed(half).occluder(half)).unwrap();
         let cells = |share| {
             let opacity = AggressiveOpacity::new(&scene, share).unwrap();
-            let mut cells: Vec<IVec3> = opacity.cells().iter().collect();
+            let mut cells: Vec<IVec3> = opacity.cells().collect();
             cells.sort_by_key(|c| c.to_array());
             cells
         };

@@ -39,7 +39,7 @@ pub enum Motion {
 }
 
 /// The mask of an object on all layers.
-pub(crate) const ALL_LAYERS: u32 = u32::MAX;
+pub(crate) const ALL_LAYERS: u64 = u64::MAX;
 
 /// An object to insert into a scene.
 ///
@@ -61,7 +61,7 @@ pub struct ObjectDesc {
     pub(crate) contradicts: bool,
     pub(crate) user_data: u64,
     /// The layers that it is on, a bit for each.
-    pub(crate) layers: u32,
+    pub(crate) layers: u64,
     /// From the space of the shapes to world space, if they are not in the latter.
     pub(crate) transform: Option<Affine3A>,
 }
@@ -131,10 +131,16 @@ impl ObjectDesc {
     /// Puts the object on some layers only, a bit for each: it is shown by the views whose
     /// [mask](crate::View::with_layers) has a bit in common with these. Without this call it is on all layers.
     ///
-    /// An object that is not on all layers hides nothing, whatever its occluder: opaque cells are shared by the
-    /// views of all layers. On no layer (0) it is shown by no view.
+    /// Its occluder hides in the views that show the object, and in no others. [`crate::Method::Cell`] joins occluders
+    /// with the same mask only, and so does [`crate::Method::Point`] where solids abut; occluders on more than 16
+    /// different masks at a time are not joined, and hide nothing from [`crate::Method::Cell`]. On no layer (0) an
+    /// object is shown by no view.
+    ///
+    /// Engines with more than 64 layers give layers 0 to 62 a bit each and all others the last bit. Sets then contain
+    /// objects of layers that a view does not show, which the engine leaves out. An object on one of those others must
+    /// have no occluder: a view that shares the bit would take it to hide, and not show it.
     #[must_use]
-    pub fn layers(mut self, mask: u32) -> Self {
+    pub fn layers(mut self, mask: u64) -> Self {
         self.layers = mask;
         self
     }

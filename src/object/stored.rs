@@ -18,12 +18,12 @@ struct Fields<'a> {
     #[serde(default)]
     user_data: u64,
     #[serde(default = "all_layers")]
-    layers: u32,
+    layers: u64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     transform: Option<Affine3A>,
 }
 
-fn all_layers() -> u32 {
+fn all_layers() -> u64 {
     ALL_LAYERS
 }
 

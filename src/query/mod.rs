@@ -1,5 +1,6 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
+mod aggressive;
 pub(crate) mod cell;
 pub(crate) mod marks;
 pub(crate) mod point;
@@ -21,14 +22,15 @@ use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
 
+pub(crate) use aggressive::AggressiveCells;
 pub(crate) use sight::sealed;
 pub use sight::{CameraQuery, Sight};
 
 /// What a query is told besides its view.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Extras<'a> {
-    /// More cells that count as opaque, for [`Method::Cell`].
-    pub(crate) more: Option<&'a BitMatrix>,
+    /// More cells that count as opaque, for [`Method::Cell`]; `None` if the run is not aggressive.
+    pub(crate) more: Option<&'a AggressiveCells>,
     /// Boxes before which objects lie that [`Method::Point`] finds; it leaves out others.
     pub(crate) receivers: Option<&'a [Block]>,
     /// Whether [`Method::Point`] looks at static objects only, as if there were no others.
@@ -132,7 +134,7 @@ impl Query {
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
-                walk.with_more(more).with_record(record).run();
+                walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers()))).with_record(record).run();
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();

@@ -57,7 +57,7 @@ impl Starts {
 /// cells that it makes opaque hide nothing.
 pub(crate) fn rays_start_in_occluder(scene: &Scene, view: &View, starts: &Starts) -> bool {
     match view.origin {
-        Origin::Eye { at, .. } => scene.inside_occluder(at) || starts.touch_occluder(scene),
+        Origin::Eye { at, .. } => scene.inside_occluder(at, view.layers()) || starts.touch_occluder(scene),
         Origin::Direction(_) => true,
     }
 }

@@ -54,7 +54,7 @@ impl Pvs {
                 let cell_of = |p| Some(scene.grid().cell_of(p));
                 cell_of(at - error) == self.cell
                     && cell_of(at + error) == self.cell
-                    && !scene.inside_occluder(at)
+                    && !scene.inside_occluder(at, view.layers())
                     && !Starts::of(scene, view).touch_occluder(scene)
             }
         }

@@ -61,8 +61,10 @@ impl Scene {
         object.apply(Event::Listed);
         let span = Span::of(&grid, &object.bounds.block());
         object.in_cells = span.few;
-        let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
+        let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
+        let part = occluder.as_ref().and_then(|_| self.opacity.join(object.layers));
+        object.opacity = part;
         // A mesh finds its cells once for the bounds and the occluder.
         let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if span.few {
@@ -75,9 +77,9 @@ impl Scene {
             self.listed.insert(slot);
             self.listed_on_expiry += u32::from(on_expiry);
         }
-        match occluder {
-            Some(occluder) if dynamic => self.moving.add(&occluder, &grid),
-            Some(occluder) => self.add_static_solid(slot, &occluder),
+        match occluder.zip(part) {
+            Some((occluder, part)) if dynamic => self.opacity.add_moving(part, &occluder, &grid),
+            Some((occluder, part)) => self.add_static_solid(slot, part, &occluder),
             None => {}
         }
     }
@@ -87,8 +89,9 @@ impl Scene {
         let grid = self.grid;
         let object = self.slots.object_mut(slot);
         let in_cells = std::mem::take(&mut object.in_cells);
-        let (bounds, occluder) = (object.bounds.clone(), object.occluder.clone());
+        let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
+        let part = object.opacity.take();
         let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
@@ -97,11 +100,12 @@ impl Scene {
         if self.listed.remove(slot) {
             self.listed_on_expiry -= u32::from(on_expiry);
         }
-        match occluder {
-            Some(occluder) if dynamic => self.moving.remove(&occluder, &grid),
-            Some(occluder) => self.remove_static_solid(slot, &occluder),
+        match occluder.zip(part) {
+            Some((occluder, part)) if dynamic => self.opacity.remove_moving(part, &occluder, &grid),
+            Some((occluder, part)) => self.remove_static_solid(slot, part, &occluder),
             None => {}
         }
+        part.into_iter().for_each(|part| self.opacity.leave(part));
     }
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
@@ -126,17 +130,23 @@ impl Scene {
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
         }
-        let simple = !object.is_static() && in_cells && Span::of(&grid, &bounds.block()).suffices();
+        // An occluder that comes or goes joins or leaves its part of the opacity.
+        let same_part = object.occluder().is_some() == occluder.is_some();
+        let simple =
+            !object.is_static() && in_cells && same_part && Span::of(&grid, &bounds.block()).suffices();
         let mut moved = std::mem::take(&mut self.moved);
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
         if done {
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
-            let before = self.slots.object(slot).occluder();
-            if moved.opaque(before, occluder, &grid) {
-                moved.iter().for_each(|(brick, old, new)| self.moving.exchange(brick, old, new));
-            } else {
-                before.into_iter().for_each(|o| self.moving.remove(o, &grid));
-                occluder.into_iter().for_each(|o| self.moving.add(o, &grid));
+            let object = self.slots.object(slot);
+            if let Some(part) = object.opacity {
+                let (before, moving) = (object.occluder(), &mut self.opacity.part_mut(part).moving);
+                if moved.opaque(before, occluder, &grid) {
+                    moved.iter().for_each(|(brick, old, new)| moving.exchange(brick, old, new));
+                } else {
+                    before.into_iter().for_each(|o| moving.remove(o, &grid));
+                    occluder.into_iter().for_each(|o| moving.add(o, &grid));
+                }
             }
         }
         self.moved = moved;
@@ -149,21 +159,21 @@ impl Scene {
         let motion = object.motion;
         // Only triangles that are drawn where they are share positions with others.
         let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
-        let drawn = |o: &Option<Occluder>| {
-            o.as_ref().and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))))
+        let drawn = |o: Option<&Occluder>| {
+            o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))))
         };
-        if drawn(&object.occluder) == drawn(&occluder) {
+        if drawn(object.occluder()) == drawn(occluder.as_ref()) {
             // A surface that only moves keeps the numbers of its patches.
-            object.occluder = occluder;
+            object.set_occluder(occluder);
             return;
         }
-        if let Some(old) = &object.occluder
+        if let Some(old) = object.occluder()
             && let Some(surface) = old.surface()
         {
             self.seams.remove(slot, surface, fixed(old));
         }
-        object.occluder = occluder;
-        if let Some(new) = &object.occluder
+        object.set_occluder(occluder);
+        if let Some(new) = object.occluder()
             && let Some(surface) = new.surface()
             && !self.seams.insert(slot, surface, fixed(new))
         {

@@ -27,7 +27,6 @@ impl Scene {
         let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
         self.fixed_revision += u64::from(self.object(slot).is_static());
-        let occluder = self.slots.object_mut(slot).keep_idle(occluder);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
         Ok(self.id(slot))
@@ -158,29 +157,25 @@ impl Scene {
 
     /// Puts an object on other layers: see [`ObjectDesc::layers`]. Results that were found before do not hold any more.
     ///
-    /// It is no report for an object that is reported on expiry. Costs one look-up; where the object starts or
-    /// stops to hide others, the cells that its occluder fills.
+    /// It is no report for an object that is reported on expiry. Costs one look-up; if the object has an occluder,
+    /// the cells that it touches.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
-    pub fn set_layers(&mut self, id: ObjectId, mask: u32) -> Result<(), Error> {
-        let occluder = self.find(id)?.given_occluder().cloned();
-        let object = self.slots.object_mut(id.slot);
+    pub fn set_layers(&mut self, id: ObjectId, mask: u64) -> Result<(), Error> {
+        let object = self.find(id)?;
         if object.layers == mask {
             return Ok(());
         }
-        object.layers = mask;
-        let occluder = object.keep_idle(occluder);
+        let is_static = object.is_static();
         self.revision += 1;
-        if object.is_static() {
+        if is_static {
             self.fixed_revision += 1;
         } else {
             // A view may show it from now on that passed over its volume.
             self.journal.push(id.slot, self.slots.len());
         }
-        if occluder.is_some() != self.object(id.slot).occluder().is_some() {
-            self.change_occluder(id.slot, occluder);
-        }
+        self.change_layers(id.slot, mask);
         Ok(())
     }
 

@@ -45,7 +45,7 @@ impl Scene {
         if !now.is_finite() {
             return Err(Error::NotFinite { what: "the time", value: DVec3::splat(now) });
         }
-        self.fused.refresh(self.fixed.bits());
+        self.opacity.refresh();
         let backwards = now < self.now;
         self.now = now;
         let mut due = Vec::new();

@@ -37,7 +37,7 @@ impl Scene {
     /// The memory that the scene takes. Costs a walk over all bricks and objects.
     pub fn memory(&self) -> MemoryUse {
         MemoryUse {
-            opacity: self.fixed.bytes() + self.moving.bytes() + self.fused.bytes(),
+            opacity: self.opacity.bytes(),
             ids: self.ids.bytes(),
             tbvs: self.volumes.bytes(),
             objects: self.slots.bytes()

@@ -39,6 +39,7 @@ mod memory;
 mod near;
 mod object;
 mod objects;
+mod opacity;
 mod opaque;
 mod outer;
 mod rims;
@@ -57,14 +58,12 @@ use crate::error::Error;
 use crate::geometry::Block;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
-use crate::matrix::bits::OpacityMatrix;
-use crate::matrix::fused::Fused;
 use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
 use crate::scene::expiry::ExpiryQueue;
 use crate::scene::journal::Journal;
-use crate::scene::opaque::OpaqueCells;
+use crate::scene::opacity::Opacity;
 use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
@@ -73,6 +72,7 @@ pub use frame::FrameReport;
 pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
+pub(crate) use opacity::{LayerOpacity, OpacityPart};
 pub(crate) use slot_set::SlotSet;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
@@ -103,12 +103,8 @@ pub(crate) use slot_set::SlotSet;
 pub struct Scene {
     grid: Grid,
     slots: Slots,
-    /// Os, the opaque cells of static objects.
-    fixed: OpaqueCells,
-    /// The cells that listed dynamic objects add to Os to make O.
-    moving: OpaqueCells,
-    /// Boxes of static opaque cells that are drawn like solids.
-    fused: Fused,
+    /// O and Os, with the boxes of static opaque cells that are drawn like solids.
+    opacity: Opacity,
     /// The patches of all surfaces, and where those of static objects touch.
     seams: Seams,
     /// I: the objects that touch each cell.
@@ -127,8 +123,6 @@ pub struct Scene {
     frame: u64,
     /// How many listed objects are reported on expiry.
     listed_on_expiry: u32,
-    /// How many overdue objects have occluders: while any does, O is Os.
-    overdue_occluders: u32,
     revision: u64,
     fixed_revision: u64,
     moves: u64,
@@ -149,9 +143,7 @@ impl Scene {
         Ok(Self {
             grid,
             slots: Slots::new(),
-            fixed: OpaqueCells::new(dims),
-            moving: OpaqueCells::new(dims),
-            fused: Fused::new(dims),
+            opacity: Opacity::new(dims),
             seams: Seams::default(),
             ids: IdMatrix::new(dims),
             volumes: Volumes::new(&grid),
@@ -162,7 +154,6 @@ impl Scene {
             now: 0.0,
             frame: 1,
             listed_on_expiry: 0,
-            overdue_occluders: 0,
             revision: 0,
             fixed_revision: 0,
             moves: 0,
@@ -188,25 +179,19 @@ impl Scene {
         self.len() == 0
     }
 
-    /// Whether a cell is opaque (O). Cells outside the grid are not.
-    pub(crate) fn is_opaque(&self, cell: IVec3) -> bool {
-        self.static_opacity().get(cell) || self.known_dynamic_opacity().is_some_and(|o| o.get(cell))
+    /// Whether a cell is opaque (O) in views of some layers. Cells outside the grid are not.
+    pub(crate) fn is_opaque(&self, cell: IVec3, layers: u64) -> bool {
+        self.opacity(layers).any(|part| part.is_opaque(cell))
     }
 
-    /// The opaque cells of listed dynamic objects, unless the place of one of those is unknown.
-    pub(crate) fn known_dynamic_opacity(&self) -> Option<&OpacityMatrix> {
-        (self.overdue_occluders == 0).then_some(self.moving.bits())
+    /// The opaque cells of the occluders on the same layers.
+    pub(crate) fn opacity_part(&self, part: OpacityPart) -> &LayerOpacity {
+        self.opacity.part(part)
     }
 
-    /// Os: the opaque cells of static objects.
-    #[inline]
-    pub(crate) fn static_opacity(&self) -> &OpacityMatrix {
-        self.fixed.bits()
-    }
-
-    /// The opaque cells of listed dynamic objects, also of those of unknown place.
-    pub(crate) fn dynamic_opacity(&self) -> &OpacityMatrix {
-        self.moving.bits()
+    /// The opaque cells that count in views of some layers.
+    pub(crate) fn opacity(&self, layers: u64) -> impl Iterator<Item = &LayerOpacity> {
+        self.opacity.parts().iter().filter(move |part| part.layers() & layers != 0)
     }
 
     /// I: the objects that touch each cell.
@@ -239,11 +224,6 @@ impl Scene {
     /// The box of an object's volume, for a hidden object.
     pub(crate) fn volume_block(&self, slot: u32) -> Block {
         self.volumes.block(&self.grid, slot)
-    }
-
-    #[inline]
-    pub(crate) fn fused(&self) -> &Fused {
-        &self.fused
     }
 
     #[inline]

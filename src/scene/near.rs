@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::{CellBox, volume};
+use crate::object::Occluder;
 use crate::scene::Scene;
 use crate::shape::Shape;
 use crate::view::{View, cut};
@@ -15,23 +16,32 @@ const MOST_CELLS: u64 = 4096;
 const MOST_ASKED: usize = 4096;
 
 impl Scene {
-    /// Whether a point may lie inside an occluder that is in the matrices.
-    pub(crate) fn inside_occluder(&self, point: DVec3) -> bool {
+    /// Whether a point may lie inside an occluder that is in the matrices and that views of some layers show.
+    pub(crate) fn inside_occluder(&self, point: DVec3, layers: u64) -> bool {
         let cell = self.grid.cell_of(point);
         let around = Block { min: point, max: point };
         let contains = |slot| {
-            let occluder = self.object(slot).occluder();
+            let occluder = self.shown_occluder(slot, layers);
             occluder.is_some_and(|o| o.block().may_meet(&around) && o.contains_point(point))
         };
         self.always().iter().copied().any(contains)
             || self.grid.contains(cell)
-                && (self.is_opaque(cell) || self.ids.in_brick(cell >> 3i32).any(contains))
+                && (self.is_opaque(cell, layers) || self.ids.in_brick(cell >> 3i32).any(contains))
     }
 
-    /// Whether an occluder, or an opaque cell, may touch a convex region inside the box `around`.
+    /// The occluder of an object that views of some layers show.
+    fn shown_occluder(&self, slot: u32, layers: u64) -> Option<&Occluder> {
+        let object = self.object(slot);
+        object.occluder().filter(|_| object.layers & layers != 0)
+    }
+
+    /// Whether an occluder, or an opaque cell, that the view `region` shows may touch it. `region` is convex and lies
+    /// inside the box `around`.
     pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
-        let touches =
-            |slot: u32| self.object(slot).occluder().is_some_and(|o| cut::may_meet(o, region, around));
+        let layers = region.layers();
+        let touches = |slot: u32| {
+            self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around))
+        };
         let always = || self.always().iter().any(|&slot| touches(slot));
         let (lo, hi) = self.grid.cover(around.min, around.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return always() };
@@ -43,7 +53,7 @@ impl Scene {
             return true;
         }
         let mut asked = 0;
-        let opaque = |c| self.is_opaque(c) && region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+        let opaque = |c| self.is_opaque(c, layers) && region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
         if (CellBox { lo, hi }).cells().any(opaque) {
             return true;
         }

@@ -1,7 +1,8 @@
 //! What a scene stores of each object.
 
 use crate::geometry::Block;
-use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
+use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
+use crate::scene::opacity::OpacityPart;
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
 use crate::view::View;
@@ -10,11 +11,13 @@ use crate::view::View;
 #[derive(Debug, Clone)]
 pub(crate) struct Object {
     pub(super) bounds: Bounds,
-    /// The shape that hides others; none if the object is not on all layers.
-    pub(super) occluder: Option<Occluder>,
-    /// The occluder of an object that is not on all layers, or for whose surface there is no room. It hides nothing.
+    /// The shape that hides others.
+    occluder: Option<Occluder>,
+    /// An occluder for whose surface there is no room. It hides nothing.
     idle_occluder: Option<Box<Occluder>>,
-    pub(super) layers: u32,
+    pub(super) layers: u64,
+    /// Where the cells of its occluder are, if they are in O.
+    pub(super) opacity: Option<OpacityPart>,
     pub(super) motion: Motion,
     pub(super) user_data: u64,
     /// Its shapes in its own space, if it is placed by a transform.
@@ -51,6 +54,7 @@ impl Object {
             occluder: None,
             idle_occluder: None,
             layers: desc.layers,
+            opacity: None,
             motion: desc.motion,
             user_data: desc.user_data,
             placed: placed.map(Box::new),
@@ -79,14 +83,9 @@ impl Object {
         self.occluder.as_ref().or(self.idle_occluder.as_deref())
     }
 
-    /// Keeps an occluder that hides nothing because of the layers, and returns one that hides.
-    pub(super) fn keep_idle(&mut self, occluder: Option<Occluder>) -> Option<Occluder> {
-        if self.layers == ALL_LAYERS {
-            self.idle_occluder = None;
-            return occluder;
-        }
-        self.idle_occluder = occluder.map(Box::new);
-        None
+    /// Gives it another occluder.
+    pub(super) fn set_occluder(&mut self, occluder: Option<Occluder>) {
+        (self.occluder, self.idle_occluder) = (occluder, None);
     }
 
     /// Keeps the occluder, but hides nothing with it.

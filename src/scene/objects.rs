@@ -19,7 +19,7 @@ impl<'a> ObjectRef<'a> {
         self.0.bounds()
     }
 
-    /// The shape that hides others, if it has one. It hides nothing if the object is not on all layers.
+    /// The shape that hides others, if it has one.
     pub fn occluder(&self) -> Option<&'a Occluder> {
         self.0.given_occluder()
     }
@@ -30,7 +30,7 @@ impl<'a> ObjectRef<'a> {
     }
 
     /// The layers that it is on: see [`crate::ObjectDesc::layers`].
-    pub fn layers(&self) -> u32 {
+    pub fn layers(&self) -> u64 {
         self.0.layers
     }
 
@@ -80,7 +80,7 @@ impl Scene {
         self.find(id).map(Object::bounds)
     }
 
-    /// The shape by which an object hides others, if it has one. It hides nothing if the object is not on all layers.
+    /// The shape by which an object hides others, if it has one.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -113,7 +113,7 @@ impl Scene {
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
-    pub fn layers(&self, id: ObjectId) -> Result<u32, Error> {
+    pub fn layers(&self, id: ObjectId) -> Result<u64, Error> {
         self.find(id).map(|object| object.layers)
     }
 

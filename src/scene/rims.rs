@@ -11,8 +11,8 @@ use crate::grid::bricks::Pages;
 use crate::grid::cell_box::CellBox;
 use crate::matrix::bits::{Mask, NONE, beside, block_mask, both, cells_of, either, without};
 use crate::object::Occluder;
-use crate::scene::Scene;
 use crate::scene::solids::mask_of;
+use crate::scene::{OpacityPart, Scene};
 use crate::shape::Shape;
 use crate::shape::pieces::{Piece, opaque};
 
@@ -21,14 +21,14 @@ type Near = BTreeMap<[i32; 3], Mask>;
 
 impl Scene {
     /// Marks the cells that a solid will make opaque beside opaque cells of others.
-    pub(super) fn mark_rims(&mut self, occluder: &Occluder) {
+    pub(super) fn mark_rims(&mut self, part: OpacityPart, occluder: &Occluder) {
         let mut rims = Vec::new();
-        let near = self.cells_near_others(occluder);
+        let near = self.cells_near_others(part, occluder);
         for (&place, mask) in &near {
             let brick = IVec3::from_array(place);
             let mut rim = NONE;
             for (next, axis, up) in self.bricks_beside(brick) {
-                let bits = self.static_opacity();
+                let bits = self.opacity.part(part).fixed();
                 let others = beside(bits.brick(brick), bits.brick(next), axis, up);
                 // A cell of both is no seam. Bricks that are not here have no cells of others.
                 let own = beside(mask, near.get(&next.to_array()).unwrap_or(&NONE), axis, up);
@@ -38,16 +38,18 @@ impl Scene {
                 rims.push((brick, rim));
             }
         }
-        rims.iter().for_each(|(brick, rim)| self.fused.add_rims(*brick, rim));
+        let fused = &mut self.opacity.part_mut(part).fused;
+        rims.iter().for_each(|(brick, rim)| fused.add_rims(*brick, rim));
     }
 
     /// The cells of a solid that is not in the matrices yet, where others are near.
-    fn cells_near_others(&self, occluder: &Occluder) -> Near {
+    fn cells_near_others(&self, part: OpacityPart, occluder: &Occluder) -> Near {
         let mut near = Near::new();
+        let bits = self.opacity.part(part).fixed();
         let around = occluder.block();
         let (lo, hi) = self.grid.cover(around.min, around.max);
         let Some((lo, hi)) = self.grid.clip(lo - 1, hi + 1) else { return near };
-        let pages = self.static_opacity().pages();
+        let pages = bits.pages();
         let empty = |lo: IVec3, hi: IVec3| {
             CellBox { lo: lo >> 6i32, hi: hi >> 6i32 }.cells().all(|page| pages.page_is_empty(page))
         };
@@ -62,7 +64,7 @@ impl Scene {
                 return;
             }
             piece.bricks(|brick, mask| {
-                let has_opaque = |b: IVec3| *self.static_opacity().brick(b) != NONE;
+                let has_opaque = |b: IVec3| *bits.brick(b) != NONE;
                 if has_opaque(brick) || self.bricks_beside(brick).any(|(next, ..)| has_opaque(next)) {
                     near.insert(brick.to_array(), *mask);
                 }
@@ -83,27 +85,29 @@ impl Scene {
     }
 
     /// Forgets the rims in a block of cells around a solid that is gone, where no other solids abut.
-    pub(super) fn forget_rims(&mut self, lo: IVec3, hi: IVec3) {
+    pub(super) fn forget_rims(&mut self, part: OpacityPart, lo: IVec3, hi: IVec3) {
         let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(self.grid.dims() - 1));
         let mut idle: Vec<(IVec3, Mask)> = Vec::new();
-        self.fused.for_rims(lo, hi, &mut |brick, mask| {
+        self.opacity.part(part).fused.for_rims(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
-            let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_rim(c)));
+            let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_rim(part, c)));
             if gone != NONE {
                 idle.push((brick, gone));
             }
         });
-        idle.iter().for_each(|(brick, cells)| self.fused.forget_rims(*brick, cells));
+        let fused = &mut self.opacity.part_mut(part).fused;
+        idle.iter().for_each(|(brick, cells)| fused.forget_rims(*brick, cells));
     }
 
     /// Whether no single solid fills an opaque cell and all opaque cells beside it.
-    fn is_rim(&self, cell: IVec3) -> bool {
+    fn is_rim(&self, part: OpacityPart, cell: IVec3) -> bool {
+        let opaque = self.opacity.part(part).fixed();
         let mut steps = IVec3::AXES.into_iter().flat_map(|step| [cell + step, cell - step]);
-        self.static_opacity().get(cell)
+        opaque.get(cell)
             && steps.any(|next| {
                 let (min, max) = self.grid.range_bounds(cell.min(next), cell.max(next));
-                self.static_opacity().get(next)
-                    && !self.static_solids(cell).any(|solid| solid.contains_box(min, max))
+                opaque.get(next)
+                    && !self.static_solids(cell, part).any(|solid| solid.contains_box(min, max))
             })
     }
 }

@@ -1,6 +1,6 @@
 //! The cells that static solids make opaque, alone and together.
 //!
-//! A cell is opaque if the union of the static solids contains it. A solid that is inserted adds the cells that it
+//! A cell is opaque if the union of the static solids on the same layers contains it. A solid that is inserted adds the cells that it
 //! fills alone, and those that it fills together with solids that share the cell. Cells that only several solids fill
 //! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
 
@@ -9,10 +9,10 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::bricks::Pages;
-use crate::matrix::bits::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::matrix::bits::{ALL, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, without};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
-use crate::scene::Scene;
+use crate::scene::{LayerOpacity, OpacityPart, Scene};
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 
 /// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
@@ -21,6 +21,14 @@ const MOST_ASKED: usize = 256;
 
 /// Of the objects in a brick, so many are looked at.
 const MOST_MEMBERS: usize = 1024;
+
+/// A static solid whose cells are added or taken away.
+#[derive(Clone, Copy)]
+struct Own {
+    slot: u32,
+    /// Where its cells are: it is joined with others there only.
+    part: OpacityPart,
+}
 
 /// Solids with the boxes around them.
 type Near<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
@@ -36,66 +44,76 @@ pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
 }
 
 impl Scene {
-    /// The cells that static solids touch and that are not opaque, again and again where several do.
-    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(IVec3)) {
+    /// The cells that static solids touch and that are not opaque by those on the same layers, again and again where
+    /// several do. Each comes with where the opaque cells of such solids are.
+    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(OpacityPart, IVec3)) {
         for (_, object) in self.living().filter(|(_, o)| o.is_static()) {
             let Some(occluder) = object.occluder().filter(|o| o.is_solid()) else { continue };
+            let Some(part) = object.opacity else { continue };
+            let opaque = self.opacity.part(part).fixed();
             touched(occluder, &self.grid, &mut |piece| match piece {
-                Piece::Page(page) if self.static_opacity().page_is_full(page) => {}
+                Piece::Page(page) if opaque.page_is_full(page) => {}
                 piece => piece.bricks(|brick, mask| {
-                    cells_of(brick, &without(mask, self.static_opacity().brick(brick))).for_each(&mut *out);
+                    cells_of(brick, &without(mask, opaque.brick(brick))).for_each(|c| out(part, c));
                 }),
             });
         }
     }
 
-    /// The static occluders that touch a cell, up to a limit, and those too large to be in cells.
-    pub(crate) fn static_solids(&self, cell: IVec3) -> impl Iterator<Item = &Occluder> {
+    /// The opaque cells of the static occluders on the same layers.
+    #[inline]
+    fn opaque(&self, part: OpacityPart) -> &OpacityMatrix {
+        self.opacity.part(part).fixed()
+    }
+
+    /// The static occluders on the same layers that touch a cell, up to a limit, and those too large to be in cells.
+    pub(crate) fn static_solids(&self, cell: IVec3, part: OpacityPart) -> impl Iterator<Item = &Occluder> {
         let large = self.always().iter().copied().filter(|&s| !self.object(s).in_cells);
         let block = Block::new(self.grid.cell_bounds(cell));
-        let near = self.ids.in_brick(cell >> 3i32).take(MOST_MEMBERS).filter_map(|s| self.static_solid(s));
+        let near = self.ids.in_brick(cell >> 3i32).take(MOST_MEMBERS);
+        let near = near.filter_map(move |s| self.static_solid(s, part));
         let near = near.filter(move |o| o.block().meets(&block)).take(MOST_ASKED);
-        near.chain(large.take(MOST_ASKED).filter_map(|s| self.static_solid(s)))
+        near.chain(large.take(MOST_ASKED).filter_map(move |s| self.static_solid(s, part)))
     }
 
-    /// The occluder of an object, if that is static.
-    fn static_solid(&self, slot: u32) -> Option<&Occluder> {
+    /// The occluder of an object, if that is static and its cells are in a part of the opacity.
+    fn static_solid(&self, slot: u32, part: OpacityPart) -> Option<&Occluder> {
         let object = self.object(slot);
-        object.occluder().filter(|_| object.is_static())
+        object.occluder().filter(|_| object.is_static() && object.opacity == Some(part))
     }
 
-    /// As [`Scene::static_solid`], but none for the object of `slot` itself.
-    fn other_solid(&self, other: u32, slot: u32) -> Option<&Occluder> {
-        if other == slot { None } else { self.static_solid(other) }
+    /// As [`Scene::static_solid`], but none for a solid itself.
+    fn other_solid(&self, other: u32, own: Own) -> Option<&Occluder> {
+        if other == own.slot { None } else { self.static_solid(other, own.part) }
     }
 
-    /// Other static solids that are in no lists of cells and may touch the solid of `slot`.
-    fn large_solids(&self, occluder: &Occluder, slot: u32) -> Large {
+    /// Other static solids that are in no lists of cells and may touch a solid.
+    fn large_solids(&self, occluder: &Occluder, own: Own) -> Large {
         let around = occluder.block();
         let meets = |&s: &u32| {
-            let solid = self.other_solid(s, slot).filter(|_| !self.object(s).in_cells);
+            let solid = self.other_solid(s, own).filter(|_| !self.object(s).in_cells);
             solid.is_some_and(|o| o.block().meets(&around))
         };
         self.always().iter().copied().take(MOST_ASKED).filter(meets).collect()
     }
 
     /// The other static solids that may touch the part of a brick that lies in a box.
-    fn solids_in(&self, brick: IVec3, slot: u32, around: &Block, large: &Large) -> Near<'_> {
+    fn solids_in(&self, brick: IVec3, own: Own, around: &Block, large: &Large) -> Near<'_> {
         let part =
             Block::new(self.grid.range_bounds(brick << 3i32, (brick << 3i32) + 7)).intersection(around);
         let members = self.ids.in_brick(brick).take(MOST_MEMBERS).chain(large.iter().copied());
-        let solids = members.filter_map(|s| self.other_solid(s, slot)).map(|o| (o, o.block()));
+        let solids = members.filter_map(|s| self.other_solid(s, own)).map(|o| (o, o.block()));
         solids.filter(|(_, block)| block.meets(&part)).collect()
     }
 
     /// Whether other static solids may touch a brick.
-    fn solids_near(&self, brick: IVec3, slot: u32, large: &Large) -> bool {
+    fn solids_near(&self, brick: IVec3, own: Own, large: &Large) -> bool {
         let mut members = self.ids.in_brick(brick);
-        if members.len() > MOST_ASKED || members.any(|s| self.other_solid(s, slot).is_some()) {
+        if members.len() > MOST_ASKED || members.any(|s| self.other_solid(s, own).is_some()) {
             return true;
         }
         let (min, max) = self.grid.range_bounds(brick << 3i32, (brick << 3i32) + 7);
-        large.iter().any(|&s| self.other_solid(s, slot).is_some_and(|o| !misses(o, min, max)))
+        large.iter().any(|&s| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max)))
     }
 
     /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill it.
@@ -112,67 +130,69 @@ impl Scene {
     }
 
     /// Adds the cells that a static solid makes opaque, alone and together with others.
-    pub(super) fn add_static_solid(&mut self, slot: u32, occluder: &Occluder) {
-        self.mark_rims(occluder);
-        self.fixed.add(occluder, &self.grid);
+    pub(super) fn add_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+        let me = Own { slot, part };
+        self.mark_rims(part, occluder);
+        self.opacity.part_mut(part).fixed.add(occluder, &self.grid);
         if !occluder.is_solid() {
             return;
         }
-        let large = self.large_solids(occluder, slot);
+        let large = self.large_solids(occluder, me);
         let own = (occluder, occluder.block());
         let mut joint = Vec::new();
         // Only where others are near may cells be filled together with them.
         let page_asked = |page: IVec3| {
-            !self.static_opacity().page_is_full(page)
+            !self.opaque(part).page_is_full(page)
                 && (!large.is_empty() || !self.ids.pages().page_is_empty(page))
         };
-        let brick_asked = |brick: IVec3| *self.static_opacity().brick(brick) != ALL;
+        let brick_asked = |brick: IVec3| *self.opaque(part).brick(brick) != ALL;
         let asked = Asked { page: &page_asked, brick: &brick_asked };
         touched_where(occluder, &self.grid, asked, &mut |brick, mask| {
-            let open = without(mask, self.static_opacity().brick(brick));
-            let near = self.solids_in(brick, slot, &own.1, &large);
+            let open = without(mask, self.opaque(part).brick(brick));
+            let near = self.solids_in(brick, me, &own.1, &large);
             if !near.is_empty() {
                 joint.extend(cells_of(brick, &open).filter(|&c| self.solid_with(c, &near, Some(&own))));
             }
         });
-        self.join(joint);
+        self.join(part, joint);
     }
 
     /// Takes away the cells that a static solid made opaque, except those inside the union of others. The object is
     /// in no list of cells any more.
-    pub(super) fn remove_static_solid(&mut self, slot: u32, occluder: &Occluder) {
-        let large = self.large_solids(occluder, slot);
-        let cleared = self.clear_solid(slot, occluder, &large);
+    pub(super) fn remove_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+        let own = Own { slot, part };
+        let large = self.large_solids(occluder, own);
+        let cleared = self.clear_solid(own, occluder, &large);
         // Cells that it filled alone may lie inside the union of others.
         let around = occluder.block();
         let mut joint = Vec::new();
         for (brick, mask) in &cleared {
-            let near = self.solids_in(*brick, slot, &around, &large);
+            let near = self.solids_in(*brick, own, &around, &large);
             joint.extend(cells_of(*brick, mask).filter(|&c| self.solid_with(c, &near, None)));
         }
-        self.join(joint);
+        self.join(part, joint);
         let (lo, hi) = self.grid.cover(around.min, around.max);
         if let Some((lo, hi)) = self.grid.clip(lo, hi) {
-            self.part(slot, lo, hi, &large);
-            self.forget_rims(lo, hi);
+            self.part(own, lo, hi, &large);
+            self.forget_rims(part, lo, hi);
         }
     }
 
     /// Clears the cells that only one solid fills. Gives those in bricks with other solids nearby.
-    fn clear_solid(&mut self, slot: u32, occluder: &Occluder, large: &Large) -> Vec<(IVec3, Mask)> {
+    fn clear_solid(&mut self, own: Own, occluder: &Occluder, large: &Large) -> Vec<(IVec3, Mask)> {
         let grid = self.grid;
         let mut cleared: Vec<(IVec3, Mask)> = Vec::new();
         opaque(occluder, &grid, &mut |piece| {
             if let Piece::Page(page) = piece
-                && self.fixed.take_page(page)
+                && self.opacity.part_mut(own.part).fixed.take_page(page)
             {
                 let (lo, hi) = (page << 6i32, (page << 6i32) + 63);
-                self.fused.clear_block(lo, hi);
+                self.opacity.part_mut(own.part).fused.clear_block(lo, hi);
                 let (min, max) = grid.range_bounds(lo, hi);
-                let near = |&s: &u32| self.other_solid(s, slot).is_some_and(|o| !misses(o, min, max));
+                let near = |&s: &u32| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
                 if !self.ids.pages().page_is_empty(page) || large.iter().any(near) {
                     piece.bricks(|brick, mask| {
-                        if self.solids_near(brick, slot, large) {
+                        if self.solids_near(brick, own, large) {
                             cleared.push((brick, *mask));
                         }
                     });
@@ -180,10 +200,11 @@ impl Scene {
                 return;
             }
             piece.bricks(|brick, mask| {
-                let gone = self.fixed.take(brick, mask);
+                let opacity = self.opacity.part_mut(own.part);
+                let gone = opacity.fixed.take(brick, mask);
                 if gone != NONE {
-                    self.fused.clear_cells(brick, &gone);
-                    if self.solids_near(brick, slot, large) {
+                    opacity.fused.clear_cells(brick, &gone);
+                    if self.solids_near(brick, own, large) {
                         cleared.push((brick, gone));
                     }
                 }
@@ -192,31 +213,32 @@ impl Scene {
         cleared
     }
 
-    /// Clears the cells in a block that the solid of `slot` filled together with others, and that those do not
-    /// fill without it.
-    fn part(&mut self, slot: u32, lo: IVec3, hi: IVec3, large: &Large) {
+    /// Clears the cells in a block that a solid filled together with others, and that those do not fill without it.
+    fn part(&mut self, own: Own, lo: IVec3, hi: IVec3, large: &Large) {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
-        self.fused.for_cells(lo, hi, &mut |brick, mask| {
+        self.opacity.part(own.part).fused.for_cells(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
             let around = Block::new(self.grid.range_bounds(lo, hi));
-            let near = self.solids_in(brick, slot, &around, large);
+            let near = self.solids_in(brick, own, &around, large);
             let lost = mask_of(cells_of(brick, &mask).filter(|&c| !self.solid_with(c, &near, None)));
             if lost != NONE {
                 open.push((brick, lost));
             }
         });
+        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(own.part);
         for (brick, mask) in open {
-            let gone = self.fixed.take(brick, &mask);
-            self.fused.part(brick, &mask);
-            self.fused.clear_cells(brick, &gone);
+            let gone = fixed.take(brick, &mask);
+            fused.part(brick, &mask);
+            fused.clear_cells(brick, &gone);
         }
     }
 
     /// Makes cells opaque that solids fill together.
-    fn join(&mut self, cells: Vec<IVec3>) {
+    fn join(&mut self, part: OpacityPart, cells: Vec<IVec3>) {
+        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(part);
         for c in cells {
-            self.fixed.set(c);
-            self.fused.add(c);
+            fixed.set(c);
+            fused.add(c);
         }
     }
 }

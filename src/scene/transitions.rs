@@ -19,7 +19,6 @@ impl Scene {
     pub(super) fn report(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
         self.locate(slot);
         let object = self.slots.object_mut(slot);
-        let occluder = object.keep_idle(occluder);
         object.mover().into_iter().for_each(|mover| mover.reported = self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() {
@@ -44,19 +43,24 @@ impl Scene {
         }
     }
 
-    /// Gives an object another occluder, wherever it is.
-    pub(super) fn change_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
+    /// Puts an object on other layers, wherever it is. The cells of a listed occluder are kept by its layers.
+    pub(super) fn change_layers(&mut self, slot: u32, layers: u64) {
         let object = self.object(slot);
-        let (bounds, before) = (object.bounds.clone(), object.occluder.is_some());
-        match object.state() {
-            State::Listed => self.relist(slot, bounds, occluder),
-            State::Overdue => {
-                self.overdue_occluders -= u32::from(before);
-                self.overdue_occluders += u32::from(occluder.is_some());
-                self.relist(slot, bounds, occluder);
-                self.always.insert(slot);
-            }
-            State::Hidden(_) | State::Unlocated { .. } => self.exchange_occluder(slot, occluder),
+        let overdue = object.is_overdue();
+        let listed = overdue || matches!(object.state(), State::Listed);
+        if !listed || object.occluder().is_none() {
+            self.slots.object_mut(slot).layers = layers;
+            return;
+        }
+        if overdue {
+            self.opacity.locate(object.opacity);
+        }
+        self.unlist(slot);
+        self.slots.object_mut(slot).layers = layers;
+        self.list(slot);
+        if overdue {
+            self.opacity.miss(self.object(slot).opacity);
+            self.always.insert(slot);
         }
     }
 
@@ -110,7 +114,7 @@ impl Scene {
     pub(super) fn miss(&mut self, slot: u32) {
         let object = self.slots.object_mut(slot);
         if object.apply(Event::Missed) {
-            self.overdue_occluders += u32::from(object.occluder.is_some());
+            self.opacity.miss(object.opacity);
             self.always.insert(slot);
             self.revision += 1;
         }
@@ -120,7 +124,7 @@ impl Scene {
     fn locate(&mut self, slot: u32) {
         let object = self.slots.object_mut(slot);
         if object.is_overdue() && object.apply(Event::Reported) {
-            self.overdue_occluders -= u32::from(object.occluder.is_some());
+            self.opacity.locate(object.opacity);
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.always.remove(slot);
             }

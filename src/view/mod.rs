@@ -46,7 +46,7 @@ pub struct View {
     /// Whether it is known at which end parallel rays start.
     ordered: bool,
     /// The layers that it shows, a bit for each.
-    layers: u32,
+    layers: u64,
     /// How far the eye may go, in world units.
     reach: f64,
     /// Set if the camera may turn.
@@ -157,7 +157,7 @@ impl View {
             sides: 0,
             widened: 0.0,
             ordered: false,
-            layers: u32::MAX,
+            layers: u64::MAX,
             reach: 0.0,
             turned: None,
         }
@@ -226,13 +226,13 @@ impl View {
     /// # }
     /// ```
     #[must_use]
-    pub fn with_layers(mut self, mask: u32) -> Self {
+    pub fn with_layers(mut self, mask: u64) -> Self {
         self.layers = mask;
         self
     }
 
     /// The layers that it shows, a bit for each: see [`View::with_layers`].
-    pub fn layers(&self) -> u32 {
+    pub fn layers(&self) -> u64 {
         self.layers
     }
 

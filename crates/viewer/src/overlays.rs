@@ -95,7 +95,7 @@ impl Caps {
             self.done = thread.join().ok();
         }
         if self.running.is_none() && self.done.as_ref().is_none_or(|(at, _)| *at != viewer) {
-            let mut opaque = scene.static_opacity().clone();
+            let mut opaque = scene.static_opacity().into_owned();
             scene.dynamic_opacity().iter().for_each(|cell| opaque.set(cell));
             self.running = Some(thread::spawn(move || (viewer, occlusion_by_caps(&opaque, viewer).1)));
         }

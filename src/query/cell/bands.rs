@@ -60,9 +60,7 @@ impl Walk<'_> {
         let scene = self.scene;
         scene.id_matrix().pages().plane_is_empty(axis, page)
             && scene.tbv_matrix().pages().plane_is_empty(axis, page)
-            && scene.static_opacity().pages().plane_is_empty(axis, page)
-            && scene.dynamic_opacity().pages().plane_is_empty(axis, page)
-            && self.more.is_none_or(|m| m.pages().plane_is_empty(axis, page))
+            && self.opaque.iter().all(|opaque| opaque.pages().plane_is_empty(axis, page))
     }
 
     /// Whether a row of pages contains nothing that a walk looks for.
@@ -70,9 +68,7 @@ impl Walk<'_> {
         let scene = self.scene;
         scene.id_matrix().pages().row_is_empty(along, page)
             && scene.tbv_matrix().pages().row_is_empty(along, page)
-            && scene.static_opacity().pages().row_is_empty(along, page)
-            && scene.dynamic_opacity().pages().row_is_empty(along, page)
-            && self.more.is_none_or(|m| m.pages().row_is_empty(along, page))
+            && self.opaque.iter().all(|opaque| opaque.pages().row_is_empty(along, page))
     }
 
     /// Whether a page contains nothing that a walk looks for.
@@ -80,9 +76,7 @@ impl Walk<'_> {
         let scene = self.scene;
         scene.id_matrix().pages().page_is_empty(page)
             && scene.tbv_matrix().pages().page_is_empty(page)
-            && scene.static_opacity().pages().page_is_empty(page)
-            && scene.dynamic_opacity().pages().page_is_empty(page)
-            && self.more.is_none_or(|m| m.pages().page_is_empty(page))
+            && self.opaque.iter().all(|opaque| opaque.pages().page_is_empty(page))
     }
 
     /// Whether some cell in sight is in a band of the side that was passed over.

@@ -22,6 +22,7 @@ use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
 use glam::IVec3;
+use smallvec::SmallVec;
 
 /// An eye that may be this far outside its cell, in cells, gets no occlusion.
 const UNCERTAIN_EYE: f64 = 0.2;
@@ -42,10 +43,8 @@ pub(crate) struct Walk<'a> {
     shells: Shells,
     /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye and all of that cell.
     from_eye: bool,
-    /// The opaque cells of visible dynamic objects, if they are known.
-    dynamic: Option<&'a BitMatrix>,
-    /// More cells that count as opaque.
-    more: Option<&'a BitMatrix>,
+    /// The cells that count as opaque.
+    opaque: SmallVec<[&'a BitMatrix; 4]>,
     /// For each side, about where cells were last in sight: a share of its rows.
     seen_at: [f64; 6],
     stats: Stats,
@@ -74,16 +73,19 @@ impl<'a> Walk<'a> {
             record: None,
             shells,
             from_eye,
-            dynamic: scene.known_dynamic_opacity(),
-            more: None,
+            opaque: scene
+                .opacity(view.layers())
+                .flat_map(|part| std::iter::once(part.fixed()).chain(part.known_moving()))
+                .collect(),
             seen_at: [0.5; 6],
             stats: Stats::default(),
         }
     }
 
     /// Counts more cells as opaque.
-    pub(crate) fn with_more(self, more: Option<&'a BitMatrix>) -> Self {
-        Self { more, ..self }
+    pub(crate) fn with_more(mut self, more: impl Iterator<Item = &'a BitMatrix>) -> Self {
+        self.opaque.extend(more);
+        self
     }
 
     /// Records the cells visited and hidden.

@@ -185,9 +185,7 @@ impl Walk<'_> {
         if tile == 0 {
             return 0;
         }
-        let opaque = scene.static_opacity().tile(brick, axes, at)
-            | self.dynamic.map_or(0, |o| o.tile(brick, axes, at))
-            | self.more.map_or(0, |m| m.tile(brick, axes, at));
+        let opaque = self.opaque.iter().fold(0, |all, opaque| all | opaque.tile(brick, axes, at));
         let objects = scene.cell_ids().tile(brick, axes, at) & tile;
         if objects != 0 {
             hits.push(Hit { brick, tile: objects, objects: true });

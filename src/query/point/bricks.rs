@@ -137,13 +137,19 @@ impl Walk<'_> {
         least
     }
 
+    /// Whether boxes of opaque cells that the view shows start in a brick.
+    #[inline]
+    fn has_fused(&self, brick: IVec3) -> bool {
+        self.fused.iter().any(|fused| !fused.in_brick(brick).is_empty())
+    }
+
     /// Whether a brick contains nothing that the walk looks for.
     #[inline]
     fn brick_is_empty(&self, brick: IVec3, page: &PageContents) -> bool {
         let scene = self.scene;
         !(page.objects && scene.id_matrix().in_brick(brick).len() > 0
             || page.volumes && !scene.tbv_matrix().is_empty(brick)
-            || page.opaque && !scene.fused().in_brick(brick).is_empty())
+            || page.opaque && self.has_fused(brick))
     }
 
     /// Whether a plane of pages contains nothing that the walk looks for.
@@ -151,7 +157,7 @@ impl Walk<'_> {
         let scene = self.scene;
         scene.id_matrix().pages().plane_is_empty(axis, page)
             && scene.tbv_matrix().pages().plane_is_empty(axis, page)
-            && scene.fused().pages().plane_is_empty(axis, page)
+            && self.fused.iter().all(|fused| fused.pages().plane_is_empty(axis, page))
     }
 
     /// Whether a row of pages contains nothing that the walk looks for.
@@ -159,7 +165,7 @@ impl Walk<'_> {
         let scene = self.scene;
         scene.id_matrix().pages().row_is_empty(along, page)
             && scene.tbv_matrix().pages().row_is_empty(along, page)
-            && scene.fused().pages().row_is_empty(along, page)
+            && self.fused.iter().all(|fused| fused.pages().row_is_empty(along, page))
     }
 
     /// The kinds of things in a page.
@@ -169,7 +175,7 @@ impl Walk<'_> {
         PageContents {
             objects: !scene.id_matrix().pages().page_is_empty(page),
             volumes: !scene.tbv_matrix().pages().page_is_empty(page),
-            opaque: !scene.fused().pages().page_is_empty(page),
+            opaque: !self.fused.iter().all(|fused| fused.pages().page_is_empty(page)),
         }
     }
 
@@ -268,12 +274,11 @@ impl Walk<'_> {
     fn brick(&mut self, brick: IVec3) {
         self.stats.bricks_visited += 1;
         let scene = self.scene;
-        let fused = scene.fused().in_brick(brick);
         let volumes = !self.fixed_only && !scene.tbv_matrix().is_empty(brick);
         let mut open = std::mem::take(&mut self.scratch.open);
         open.clear();
         open.extend(scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)));
-        if !open.is_empty() || !fused.is_empty() || volumes {
+        if !open.is_empty() || volumes || self.has_fused(brick) {
             self.open_brick(brick, &mut open, volumes);
         }
         self.scratch.open = open;
@@ -282,8 +287,8 @@ impl Walk<'_> {
     /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is hidden.
     fn open_brick(&mut self, brick: IVec3, open: &mut Vec<u32>, volumes: bool) {
         let scene = self.scene;
-        let fused = scene.fused().in_brick(brick);
-        if open.len() >= WORTH_TESTING || !fused.is_empty() || volumes {
+        let has_fused = self.has_fused(brick);
+        if open.len() >= WORTH_TESTING || has_fused || volumes {
             let bounds = Block::new(self.grid.cell_bounds(brick));
             if self.hides(&bounds) {
                 self.stats.bricks_hidden += 1;
@@ -298,9 +303,10 @@ impl Walk<'_> {
         if volumes {
             self.scratch.volumes.push(brick);
         }
-        if !fused.is_empty() && self.may_fuse() {
-            for cells in fused {
-                self.draw_cells(cells);
+        if has_fused && self.may_fuse() {
+            for at in 0..self.fused.len() {
+                let fused = self.fused[at];
+                fused.in_brick(brick).iter().for_each(|cells| self.draw_cells(cells));
             }
         }
     }

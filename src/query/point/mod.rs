@@ -19,14 +19,17 @@ mod surfaces;
 mod volumes;
 
 use crate::geometry::Block;
+use smallvec::SmallVec;
+
 use crate::grid::Grid;
+use crate::matrix::fused::Fused;
 use crate::method::PointOptions;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
 use crate::query::point::scratch::PointScratch;
 use crate::query::start::Starts;
-use crate::scene::Scene;
+use crate::scene::{LayerOpacity, Scene};
 use crate::view::{Origin, View};
 use crate::walk::{ShellBegins, Shells, Start};
 
@@ -47,6 +50,8 @@ pub(crate) struct Walk<'a> {
     around_starts: Option<Block>,
     /// The grid of bricks.
     grid: Grid,
+    /// The boxes of opaque cells of the occluders that the view shows.
+    fused: SmallVec<[&'a Fused; 2]>,
     /// Whether boxes of opaque cells may be drawn, once that was found out.
     fuses: Option<bool>,
     /// The shells of bricks around the eye's brick, if the walk goes in shells.
@@ -104,6 +109,7 @@ impl<'a> Walk<'a> {
             around_starts: view.eye().map(|eye| starts.around(eye)),
             starts,
             grid,
+            fused: scene.opacity(view.layers()).map(LayerOpacity::fused).collect(),
             fuses: None,
             begins: around.as_ref().map(|shells| shells.begins(&grid)),
             around,

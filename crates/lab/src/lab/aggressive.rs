@@ -72,7 +72,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
         let made = AggressiveOpacity::for_shares(&walker.driver(0).scene, &SHARES)?;
         let opacities: Vec<Option<AggressiveOpacity>> =
             std::iter::once(None).chain(made.into_iter().map(Some)).collect();
-        if opacities.iter().flatten().all(|o| o.cells().count() == 0) {
+        if opacities.iter().flatten().all(|o| o.cells().next().is_none()) {
             spared.push(walker.world.name.clone());
             continue;
         }
@@ -91,7 +91,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
                     Some(opacity) => query.run_aggressive(&driver.scene, &view, opacity),
                 });
                 let pvs = pvs?;
-                sum.cells = opacity.as_ref().map_or(0, |o| o.cells().count());
+                sum.cells = opacity.as_ref().map_or(0, |o| o.cells().count() as u64);
                 sum.ms.push(time.as_secs_f64() * 1e3);
                 sum.found += driver.count(pvs, &walker.world.objects);
                 sum.lost += visible.iter().filter(|&&i| !driver.sees(pvs, i)).count();

@@ -1,0 +1,203 @@
+//! The opacity matrices O and Os, for each mask of layers apart.
+//!
+//! A view on some layers must not be told that a cell is opaque for the sake of an object that it does not show. So the
+//! cells that occluders fill are kept apart by the layers of their objects, and solids are joined only with solids on the
+//! same layers. A scene whose occluders are all on the same layers has one part, as if there were no layers.
+
+use glam::IVec3;
+
+use crate::grid::Grid;
+use crate::matrix::bits::OpacityMatrix;
+use crate::matrix::fused::Fused;
+use crate::object::{ALL_LAYERS, Occluder};
+use crate::scene::opaque::OpaqueCells;
+
+/// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for each 64x64x64 cells
+/// of the grid and matrix, and each query asks all parts that its view shows.
+pub(crate) const MOST_PARTS: usize = 16;
+
+/// The place of a part in the list of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct OpacityPart(u8);
+
+/// The opaque cells of the occluders with one mask of layers.
+#[derive(Clone)]
+pub(crate) struct LayerOpacity {
+    layers: u64,
+    /// How many occluders are in it. Without any it can be given to another mask.
+    occluders: u32,
+    /// How many of them are overdue: while any is, O is Os.
+    overdue: u32,
+    /// Os, the opaque cells of static objects.
+    pub(super) fixed: OpaqueCells,
+    /// The cells that listed dynamic objects add to Os to make O.
+    pub(super) moving: OpaqueCells,
+    /// Boxes of static opaque cells that are drawn like solids.
+    pub(super) fused: Fused,
+}
+
+impl LayerOpacity {
+    fn new(layers: u64, dims: IVec3) -> Self {
+        Self {
+            layers,
+            occluders: 0,
+            overdue: 0,
+            fixed: OpaqueCells::new(dims),
+            moving: OpaqueCells::new(dims),
+            fused: Fused::new(dims),
+        }
+    }
+
+    /// The layers that its occluders are on.
+    pub(crate) fn layers(&self) -> u64 {
+        self.layers
+    }
+
+    /// Os: the opaque cells of static objects.
+    #[inline]
+    pub(crate) fn fixed(&self) -> &OpacityMatrix {
+        self.fixed.bits()
+    }
+
+    /// The opaque cells of listed dynamic objects, also of those of unknown place.
+    pub(crate) fn moving(&self) -> &OpacityMatrix {
+        self.moving.bits()
+    }
+
+    /// As [`LayerOpacity::moving`], unless the place of one of those is unknown.
+    pub(crate) fn known_moving(&self) -> Option<&OpacityMatrix> {
+        (self.overdue == 0).then_some(self.moving.bits())
+    }
+
+    #[inline]
+    pub(crate) fn fused(&self) -> &Fused {
+        &self.fused
+    }
+
+    /// Whether a cell is opaque. Cells outside the grid are not.
+    pub(crate) fn is_opaque(&self, cell: IVec3) -> bool {
+        self.fixed().get(cell) || self.known_moving().is_some_and(|o| o.get(cell))
+    }
+
+    fn bytes(&self) -> usize {
+        self.fixed.bytes() + self.moving.bytes() + self.fused.bytes()
+    }
+}
+
+/// The opaque cells of a scene.
+#[derive(Clone)]
+pub(super) struct Opacity {
+    dims: IVec3,
+    /// Never empty.
+    parts: Vec<LayerOpacity>,
+}
+
+impl Opacity {
+    pub(super) fn new(dims: IVec3) -> Self {
+        Self { dims, parts: vec![LayerOpacity::new(ALL_LAYERS, dims)] }
+    }
+
+    pub(super) fn parts(&self) -> &[LayerOpacity] {
+        &self.parts
+    }
+
+    pub(super) fn part(&self, part: OpacityPart) -> &LayerOpacity {
+        &self.parts[usize::from(part.0)]
+    }
+
+    pub(super) fn part_mut(&mut self, part: OpacityPart) -> &mut LayerOpacity {
+        &mut self.parts[usize::from(part.0)]
+    }
+
+    /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if there are too many
+    /// masks.
+    pub(super) fn join(&mut self, layers: u64) -> Option<OpacityPart> {
+        if layers == 0 {
+            return None;
+        }
+        let of_mask = self.parts.iter().position(|part| part.layers == layers);
+        let idle = || self.parts.iter().position(|part| part.occluders == 0);
+        let at = of_mask.or_else(idle).unwrap_or(self.parts.len());
+        if at == MOST_PARTS {
+            return None;
+        }
+        if at == self.parts.len() {
+            self.parts.push(LayerOpacity::new(layers, self.dims));
+        } else if self.parts[at].layers != layers {
+            self.parts[at] = LayerOpacity::new(layers, self.dims);
+        }
+        self.parts[at].occluders += 1;
+        Some(OpacityPart(at as u8))
+    }
+
+    /// An occluder leaves its part. Its cells are cleared.
+    pub(super) fn leave(&mut self, part: OpacityPart) {
+        self.part_mut(part).occluders -= 1;
+    }
+
+    /// The place of an occluder, in a part if it has one, is not known any more.
+    pub(super) fn miss(&mut self, part: Option<OpacityPart>) {
+        part.into_iter().for_each(|part| self.part_mut(part).overdue += 1);
+    }
+
+    /// The place of an occluder that was missed is known again, or does not matter any more.
+    pub(super) fn locate(&mut self, part: Option<OpacityPart>) {
+        part.into_iter().for_each(|part| self.part_mut(part).overdue -= 1);
+    }
+
+    /// A dynamic occluder fills cells.
+    pub(super) fn add_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
+        self.part_mut(part).moving.add(occluder, grid);
+    }
+
+    /// A dynamic occluder fills its cells no longer.
+    pub(super) fn remove_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
+        self.part_mut(part).moving.remove(occluder, grid);
+    }
+
+    /// Grows the boxes of opaque cells that are to be grown anew.
+    pub(super) fn refresh(&mut self) {
+        for LayerOpacity { fixed, fused, .. } in &mut self.parts {
+            fused.refresh(fixed.bits());
+        }
+    }
+
+    /// How many occluders of unknown place there are.
+    #[cfg(test)]
+    pub(super) fn overdue(&self) -> u32 {
+        self.parts.iter().map(|part| part.overdue).sum()
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.parts.capacity() * size_of::<LayerOpacity>() + self.parts.iter().map(LayerOpacity::bytes).sum::<usize>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_given_to_another_mask_when_its_last_occluder_left() {
+        let mut opacity = Opacity::new(IVec3::splat(8));
+        let one = opacity.join(1).unwrap();
+        assert_eq!((opacity.join(1), opacity.parts().len()), (Some(one), 1), "the idle part is used");
+        let two = opacity.join(2).unwrap();
+        assert!(one != two && opacity.join(0).is_none());
+        opacity.leave(one);
+        assert_ne!(opacity.join(4), Some(one), "one occluder is left");
+        opacity.leave(one);
+        assert_eq!(opacity.join(8), Some(one));
+        assert_eq!(opacity.part(one).layers(), 8);
+    }
+
+    #[test]
+    fn so_many_masks_have_parts() {
+        let mut opacity = Opacity::new(IVec3::splat(8));
+        let parts: Vec<_> = (0..MOST_PARTS as u32).map(|bit| opacity.join(1 << bit).unwrap()).collect();
+        assert!(opacity.join(1 << 40).is_none());
+        assert_eq!(opacity.join(1), Some(parts[0]));
+        opacity.leave(parts[5]);
+        assert_eq!(opacity.join(1 << 40), Some(parts[5]));
+    }
+}
