@@ -5,7 +5,7 @@ mod still;
 mod watch;
 
 use crate::error::{Error, not_negative};
-use crate::kept::job::Snapshot;
+use crate::kept::job::Snapshots;
 use crate::kept::still::{Stamp, Still, serves};
 use crate::method::{Method, PointOptions};
 use crate::pvs::{Pvs, Stats};
@@ -72,10 +72,15 @@ impl KeptOptions {
 /// objects.
 ///
 /// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen from anywhere near the eye
-/// ([`KeptOptions`]), by [`Method::Point`], and answers frames from that while the camera is there and no static object changes. In
+/// ([`KeptOptions`]), by [`Method::Point`], and answers frames from that while the camera is there. In
 /// each frame it cuts that set by the frustum, and tests dynamic objects where they are now, against the occlusion
 /// buffers of the static ones. When the result does not hold any more, the run finds a new one, a little ahead of the camera; or
 /// another thread does so in time ([`KeptQuery::prepare`]).
+///
+/// Static objects may come, go and change meanwhile, as where a level is streamed: the result follows. One that comes is
+/// tested and its occluder drawn. Where an occluder goes that hid something, the pixels that it may have covered are opened,
+/// and a walk finds what lies behind. After more than 2,048 changes between two runs, or once so many pixels were opened as
+/// there are, a new result is found.
 ///
 /// No visible object is missing in any frame. Sets are larger than those of a [`Query`]: by what
 /// can be seen from near the eye only, and by what only dynamic occluders hide. It pays where large static occluders hide much, and
@@ -117,7 +122,7 @@ pub struct KeptQuery {
     /// The result installed last, until a view comes that it holds for.
     next: Option<Box<Still>>,
     /// The scene as jobs read it.
-    snapshot: Option<Snapshot>,
+    snapshots: Snapshots,
     /// The view of the last run, and how the camera came there.
     last: Option<(View, Option<Motion>)>,
     pvs: Pvs,
@@ -139,7 +144,7 @@ impl KeptQuery {
             spare: None,
             now: None,
             next: None,
-            snapshot: None,
+            snapshots: Snapshots::default(),
             last: None,
             pvs: Pvs::empty(),
             refreshes: 0,
@@ -174,13 +179,14 @@ impl KeptQuery {
     /// Forgets all results: the next run finds a new one. [`KeptQuery::pvs`] stays.
     pub fn reset(&mut self) {
         (self.spare, self.now, self.next) = (None, None, None);
-        (self.snapshot, self.last) = (None, None);
+        (self.snapshots, self.last) = (Snapshots::default(), None);
     }
 
     /// Finds the objects that a view can see: a superset of them. Static objects come first, roughly front to back.
     ///
-    /// Costs a test of each static object in the result, of each dynamic object that is in no volume and of each
-    /// volume in sight. If the result does not hold, it also costs a query of the widened view.
+    /// Costs a test of each static object in the result and of each that came or changed, of each dynamic object that is in
+    /// no volume and of each volume in sight. Where a static occluder that hid something went, it also costs a walk over
+    /// the bricks in sight and a test of all volumes. If the result does not hold, it costs a query of the widened view.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         let motion = self.last.as_ref().and_then(|(last, _)| Motion::between(last, view));
         self.last = Some((view.clone(), motion));
@@ -197,6 +203,7 @@ impl KeptQuery {
             Box::new(Still::find(self.take_query(), scene, self.aim(scene, view), Stamp::of(scene)))
         });
         self.begin(scene, view, if holds { Stats::default() } else { *now.stats() });
+        now.follow(scene);
         now.answer(scene, view, &mut self.pvs);
         self.now = Some(now);
         &self.pvs
@@ -212,7 +219,7 @@ impl KeptQuery {
     /// occluders do not.
     pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let view = self.pvs.view.as_ref()?;
-        let now = self.now.as_ref().filter(|now| now.holds(scene, view));
+        let now = self.now.as_ref().filter(|now| now.is_true(scene, view));
         Some(Sight::new(scene, view, now.map(|now| now.drawn())))
     }
 
@@ -224,26 +231,24 @@ impl KeptQuery {
     /// A job that finds a new result ahead of time, for views like this one. Run it on any thread, and give its result to
     /// [`KeptQuery::install`].
     ///
-    /// The job reads a copy of the scene. It is made by the first call, and by the first one after a static object came, went
-    /// or changed; that costs what [`Scene::clone`] costs. Other calls cost next to nothing. Dynamic objects of the copy grow old, but are not
-    /// looked at.
+    /// The job reads a copy of the scene. The first call makes it, which costs what [`Scene::clone`] costs; a call while the
+    /// job before is not done makes a second one. Other calls take over the static objects that came, went or changed
+    /// since, which costs what inserting and removing them costs. After more than 2,048 such changes between two calls
+    /// the scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
     ///
     /// If one job follows the other and each is done within a frame, the reach and the turn need to cover the camera's way in two
     /// frames only: 2 cm and 3 degrees for a person who walks at 60 frames a second. Sets are then hardly larger than those of a
     /// [`Query`].
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
-        let snapshot = match self.snapshot.take() {
-            Some(snapshot) if snapshot.is_of(scene) => snapshot,
-            _ => Snapshot::of(scene),
-        };
-        self.snapshot = Some(snapshot.clone());
-        KeptJob::new(snapshot, self.aim(scene, view), self.take_query())
+        let (view, query) = (self.aim(scene, view), self.take_query());
+        self.snapshots.job(scene, view, query)
     }
 
-    /// Takes over the result of a job. Runs answer from it as soon as it holds for their view. Returns whether static
-    /// objects of the scene are still those that the job saw; if not, or if the scene is another one, nothing changes.
+    /// Takes over the result of a job. Runs answer from it as soon as it holds for their view, brought up to date with the
+    /// static objects that came, went or changed since the job saw the scene. Returns false, and changes nothing, if more
+    /// than 2,048 did, or if the scene is another one.
     pub fn install(&mut self, result: KeptResult, scene: &Scene) -> bool {
-        let fits = result.0.is_of(scene);
+        let fits = result.0.can_follow(scene);
         let old = if fits { self.next.replace(result.0) } else { Some(result.0) };
         self.spare = old.map(|still| still.into_query()).or(self.spare.take());
         fits

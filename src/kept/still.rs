@@ -1,12 +1,13 @@
 //! One result that is kept: the static objects that a widened view may see, with the buffers of the static occluders.
 //!
-//! Let the view of a frame be one of those that the widened view stands for, and let no static object have changed since.
+//! Let the view of a frame be one of those that the widened view stands for. Static objects that came, went or changed since
+//! are *followed* first, by [`crate::query::point::follow`]: then the set and the buffers are as if all static objects were
+//! as they are now.
 //!
 //! - *Static objects*: one that the view sees is in the set of the widened view.
 //! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within reach the space behind static
 //!   occluders. These objects are tested where they are now.
-//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, shrunk by the reach as the
-//!   query shrinks convex solids. All objects
+//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, as the query draws its own. All objects
 //!   in sight are tested again against that.
 //! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside. The volumes that the widened view
 //!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
@@ -16,11 +17,11 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
+use crate::query::point::follow::{Changes, Drawn as DrawnOccluders};
 use crate::query::point::overlay::Overlay;
 use crate::query::point::scratch::PointScratch;
-use crate::query::start::Starts;
 use crate::query::{Extras, Query};
-use crate::scene::{Object, Scene};
+use crate::scene::{Object, Scene, StaticChange};
 use crate::view::View;
 
 /// A static object in sight of the widened view.
@@ -38,16 +39,38 @@ struct Mover {
     located: bool,
 }
 
-/// Tells whether the static objects of a scene are still the same.
+/// A result is not followed any more once pixels were opened again this often on the mean: where they were, seams stay open
+/// and nothing is refined.
+const MOST_OPENED: f64 = 1.0;
+
+/// Tells which static objects of a scene changed since.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Stamp {
     scene: u32,
-    fixed_revision: u64,
+    /// The number of all changes ever made.
+    changes: u64,
 }
 
 impl Stamp {
     pub(super) fn of(scene: &Scene) -> Self {
-        Self { scene: scene.tag(), fixed_revision: scene.fixed_revision() }
+        Self { scene: scene.tag(), changes: scene.static_changes().end() }
+    }
+
+    /// The changes of static objects of a scene since; `None` if they are too many, or if it is another scene.
+    pub(super) fn changes<'a>(
+        &self,
+        scene: &'a Scene,
+    ) -> Option<impl Iterator<Item = StaticChange> + use<'a>> {
+        let own = scene.tag() == self.scene;
+        own.then(|| scene.static_changes().since(self.changes)).flatten()
+    }
+
+    /// The slots of the static objects that changed since, in order; `None` as for [`Stamp::changes`].
+    pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<u32>> {
+        let mut slots: Vec<u32> = self.changes(scene)?.map(|change| change.slot).collect();
+        slots.sort_unstable();
+        slots.dedup();
+        Some(slots)
     }
 }
 
@@ -59,6 +82,10 @@ pub(super) struct Still {
     view: View,
     stamp: Stamp,
     objects: Vec<InSight>,
+    /// The occluders that the buffers rest on.
+    drawn: DrawnOccluders,
+    /// How often pixels were opened again, on the mean.
+    opened: f64,
     watch: Watch,
     overlay: Overlay,
     /// Memory used again: the dynamic objects whose boxes a frame may see.
@@ -84,8 +111,10 @@ impl Still {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
-        let (watch, overlay) = (Watch::default(), Overlay::default());
-        Self { query, view, stamp, objects, watch, overlay, movers: Vec::new() }
+        let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
+        let mut drawn = query.drawn().kept.clone();
+        drawn.settle();
+        Self { query, view, stamp, objects, drawn, opened: 0.0, watch, overlay, movers }
     }
 
     /// The query, to be run again.
@@ -108,9 +137,57 @@ impl Still {
         self.stamp == Stamp::of(scene)
     }
 
-    /// Whether the result holds for a view of a scene as it is now.
+    /// Whether the result can be brought up to date with a scene at less cost than that of a new one.
+    pub(super) fn can_follow(&self, scene: &Scene) -> bool {
+        self.opened <= MOST_OPENED && self.stamp.changes(scene).is_some()
+    }
+
+    /// Whether the result, brought up to date, holds for a view of a scene as it is now.
     pub(super) fn holds(&self, scene: &Scene, view: &View) -> bool {
+        self.can_follow(scene) && serves(&self.view, scene, view)
+    }
+
+    /// Whether the buffers are true for a view of a scene as it is now.
+    pub(super) fn is_true(&self, scene: &Scene, view: &View) -> bool {
         self.is_of(scene) && serves(&self.view, scene, view)
+    }
+
+    /// Brings the result up to date with a scene that it can follow.
+    pub(super) fn follow(&mut self, scene: &Scene) {
+        if self.is_of(scene) {
+            return;
+        }
+        let Some(slots) = self.stamp.changed_slots(scene) else { return };
+        let changed = |slot: u32| slots.binary_search(&slot).is_ok();
+        let mut changes = Changes::default();
+        for change in self.stamp.changes(scene).into_iter().flatten() {
+            let Some(block) = change.occluder else { continue };
+            if self.drawn.has(change.slot) {
+                changes.gone.push(block);
+            }
+            self.drawn.forget_boxes(scene, &block, &mut changes.gone);
+        }
+        self.drawn.forget(&slots);
+        self.objects.retain(|object| !changed(object.id.slot));
+        let is_there = |slot: &u32| scene.living_at(*slot).is_some_and(Object::is_static);
+        changes.fresh.extend(slots.iter().copied().filter(is_there));
+        self.stamp = Stamp::of(scene);
+        if changes.fresh.is_empty() && changes.gone.is_empty() {
+            return;
+        }
+        changes.known.extend(self.objects.iter().map(|object| object.id.slot));
+        self.opened += self.query.follow(scene, &self.view, &changes, &self.drawn);
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        self.objects.extend(self.query.pvs().iter().map(in_sight));
+        self.drawn.append(&self.query.drawn().kept);
+        let hides = |&slot: &u32| scene.object(slot).occluder().is_some();
+        if changes.fresh.iter().any(hides) {
+            let drawn = self.query.drawn();
+            self.objects.retain(|object| !drawn.hides(&object.block));
+        }
+        if !changes.gone.is_empty() {
+            self.watch = Watch::default();
+        }
     }
 
     /// Fills a set with the objects that a view may see for which the result holds. Static ones come first.
@@ -171,14 +248,8 @@ impl Still {
 
     /// Draws the occluders of dynamic objects over a copy of the buffers.
     fn draw_movers(&mut self, scene: &Scene, movers: &[Mover]) {
-        let located = movers.iter().filter(|mover| mover.located);
-        let occluders = located.filter_map(|m| Some((m.slot, scene.object(m.slot).occluder()?)));
-        let mut occluders = occluders.peekable();
-        self.overlay.reset();
-        if occluders.peek().is_some() {
-            self.overlay.begin(self.query.drawn());
-            let starts = Starts::of(scene, &self.view);
-            occluders.for_each(|(slot, occluder)| self.overlay.draw(&self.view, &starts, occluder, slot));
-        }
+        let hides = |mover: &&Mover| mover.located && scene.object(mover.slot).occluder().is_some();
+        let slots = movers.iter().filter(hides).map(|mover| mover.slot);
+        self.overlay.draw(self.query.drawn(), scene, &self.view, slots);
     }
 }

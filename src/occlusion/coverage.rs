@@ -86,6 +86,13 @@ impl Coverage {
         self.shades.resize(count, Shades::NONE);
     }
 
+    /// Opens all pixels of a tile.
+    pub(crate) fn open(&mut self, tile: usize) {
+        self.tiles[tile] = Tile::EMPTY;
+        self.closed[tile] = f32::NEG_INFINITY;
+        self.shades[tile] = Shades::NONE;
+    }
+
     /// Appends open tiles. Returns the place of the first.
     pub(crate) fn append(&mut self, count: usize) -> usize {
         let first = self.tiles.len();

@@ -12,7 +12,7 @@
 //! | geometry on a face | [`face`], [`silhouette`], [`front`] |
 //! | occluders and targets | [`solid`], [`surface`], [`target`] |
 //! | pixels | [`pitch`], [`pixels`], [`rows`], [`tiles`], [`coverage`], [`bins`] |
-//! | buffers | [`face_buffer`], [`buffers`], [`refine`], [`magnify`], [`examine`], [`image`] |
+//! | buffers | [`face_buffer`], [`buffers`], [`holes`], [`refine`], [`magnify`], [`examine`], [`image`] |
 //!
 //! After the thesis' future work (section 5, occluder fusion in image space) and the sources named in
 //! [`tiles`].
@@ -24,6 +24,7 @@ pub(crate) mod examine;
 pub(crate) mod face;
 pub(crate) mod face_buffer;
 pub(crate) mod front;
+pub(crate) mod holes;
 pub(crate) mod image;
 pub(crate) mod magnify;
 pub(crate) mod pitch;

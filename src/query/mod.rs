@@ -12,11 +12,12 @@ pub(crate) mod validity;
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
-use crate::method::{CellOptions, Method};
+use crate::method::{CellOptions, Method, PointOptions};
 use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
+use crate::query::point::follow::{Changes, Drawn};
 use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
@@ -134,7 +135,9 @@ impl Query {
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
-                walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers()))).with_record(record).run();
+                walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers())))
+                    .with_record(record)
+                    .run();
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
@@ -147,6 +150,19 @@ impl Query {
             None => pvs.view = Some(view.clone()),
         }
         pvs
+    }
+
+    /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the same view, up to date
+    /// with changes of those, and fills the set with the objects that came into sight. Returns the share of the pixels
+    /// that were opened for it.
+    pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, drawn: &Drawn) -> f64 {
+        self.pvs.reset(scene.slot_count());
+        let options = match self.method {
+            Method::Point(options) => options.unrefined(),
+            _ => PointOptions::new().unrefined(),
+        };
+        let walk = point::Walk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
+        walk.with_fixed_only(true).follow(changes, drawn)
     }
 
     /// Finds nothing, as from a view without rays. The result is valid for no view.

@@ -159,9 +159,8 @@ impl Scene {
         let motion = object.motion;
         // Only triangles that are drawn where they are share positions with others.
         let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
-        let drawn = |o: Option<&Occluder>| {
-            o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))))
-        };
+        let drawn =
+            |o: Option<&Occluder>| o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))));
         if drawn(object.occluder()) == drawn(occluder.as_ref()) {
             // A surface that only moves keeps the numbers of its patches.
             object.set_occluder(occluder);

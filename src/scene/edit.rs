@@ -26,7 +26,7 @@ impl Scene {
         let occluder = desc.occluder.take();
         let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
         self.revision += 1;
-        self.fixed_revision += u64::from(self.object(slot).is_static());
+        self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
         Ok(self.id(slot))
@@ -170,13 +170,30 @@ impl Scene {
         let is_static = object.is_static();
         self.revision += 1;
         if is_static {
-            self.fixed_revision += 1;
+            self.note_static(id.slot);
         } else {
             // A view may show it from now on that passed over its volume.
             self.journal.push(id.slot, self.slots.len());
         }
         self.change_layers(id.slot, mask);
         Ok(())
+    }
+
+    /// Takes over the static objects in some slots of another scene, of which this one is a copy. What was there before is
+    /// taken out.
+    pub(crate) fn follow_static(&mut self, from: &Self, slots: &[u32]) {
+        for &slot in slots {
+            if self.slots.get(slot).is_some() {
+                self.take_out(slot);
+            }
+            let Some(object) = from.living_at(slot).filter(|object| object.is_static()) else { continue };
+            let occluder = object.given_occluder().cloned();
+            self.slots.take_over(from.id(slot), object.unlisted());
+            self.note_static(slot);
+            self.exchange_occluder(slot, occluder);
+            self.list(slot);
+        }
+        self.opacity.refresh();
     }
 
     /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its volume's surface.

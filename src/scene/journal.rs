@@ -1,41 +1,61 @@
-//! A list of the hidden objects whose volumes changed, so that who tested all volumes once tests only those since.
+//! Lists of changes, so that who looked at everything once looks only at the changes since: the hidden objects whose
+//! volumes are new, and the static objects that came, went or changed.
 
 use std::collections::VecDeque;
 
-/// More entries than this and than objects are not kept: then it is cheaper to test all volumes again.
+use crate::geometry::Block;
+
+/// More new volumes than this and than objects are not kept: then it is cheaper to test all again.
 const MANY: usize = 1024;
 
-/// The slots of objects that were put into a volume, or whose layers changed there, in this order.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Journal {
-    /// How many entries were dropped.
-    dropped: u64,
-    slots: VecDeque<u32>,
+/// More changes of static objects than this are not kept: then a new result costs less than to follow them.
+pub(super) const MOST_STATIC: usize = 2048;
+
+/// A static object came, went or changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StaticChange {
+    pub(crate) slot: u32,
+    /// Around the occluder that it had before.
+    pub(crate) occluder: Option<Block>,
 }
 
-impl Journal {
-    /// Adds an entry, for a scene of so many objects.
-    pub(super) fn push(&mut self, slot: u32, objects: usize) {
-        if self.slots.len() >= MANY.max(objects) {
-            self.slots.pop_front();
+/// The last changes of a kind, in the order in which they came.
+#[derive(Debug, Clone)]
+pub(crate) struct Journal<T> {
+    /// How many entries were dropped.
+    dropped: u64,
+    entries: VecDeque<T>,
+}
+
+impl<T> Default for Journal<T> {
+    fn default() -> Self {
+        Self { dropped: 0, entries: VecDeque::new() }
+    }
+}
+
+impl<T: Copy> Journal<T> {
+    /// Adds an entry, where up to `most` are kept, or 1,024 if those are more.
+    pub(super) fn push(&mut self, entry: T, most: usize) {
+        if self.entries.len() >= MANY.max(most) {
+            self.entries.pop_front();
             self.dropped += 1;
         }
-        self.slots.push_back(slot);
+        self.entries.push_back(entry);
     }
 
     /// The number of all entries ever made.
     pub(crate) fn end(&self) -> u64 {
-        self.dropped + self.slots.len() as u64
+        self.dropped + self.entries.len() as u64
     }
 
     /// The entries since there were `end` of them; `None` if some were dropped.
-    pub(crate) fn since(&self, end: u64) -> Option<impl Iterator<Item = u32>> {
+    pub(crate) fn since(&self, end: u64) -> Option<impl ExactSizeIterator<Item = T>> {
         let first = usize::try_from(end.checked_sub(self.dropped)?).ok()?;
-        Some(self.slots.range(first.min(self.slots.len())..).copied())
+        Some(self.entries.range(first.min(self.entries.len())..).copied())
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.slots.capacity() * size_of::<u32>()
+        self.entries.capacity() * size_of::<T>()
     }
 }
 
@@ -46,7 +66,7 @@ mod tests {
     #[test]
     fn entries_are_told_until_they_are_dropped() {
         let mut journal = Journal::default();
-        let told = |journal: &Journal, end| journal.since(end).map(Iterator::collect::<Vec<_>>);
+        let told = |journal: &Journal<u32>, end| journal.since(end).map(Iterator::collect::<Vec<_>>);
         (0..5).for_each(|slot| journal.push(slot, 3));
         assert_eq!(told(&journal, 0), Some(vec![0, 1, 2, 3, 4]));
         assert_eq!(told(&journal, 3), Some(vec![3, 4]));

@@ -46,6 +46,7 @@ impl Scene {
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.journal.bytes()
+                + self.static_changes.bytes()
                 + self.seen.capacity() * size_of::<u64>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),

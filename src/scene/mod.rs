@@ -26,8 +26,8 @@
 //! # Results and revisions
 //!
 //! `revision` counts the changes that a result may depend on; motion inside a volume is none of them. `moves` counts
-//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both. `fixed_revision` counts the changes of static objects
-//! only, and `journal` lists the volumes that are new: results that are kept ask these.
+//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both. `static_changes` lists the changes of static
+//! objects, and `journal` the volumes that are new: results that are kept ask these.
 
 mod cells;
 mod containing;
@@ -69,6 +69,7 @@ use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
 pub use frame::FrameReport;
+pub(crate) use journal::StaticChange;
 pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
@@ -124,9 +125,11 @@ pub struct Scene {
     /// How many listed objects are reported on expiry.
     listed_on_expiry: u32,
     revision: u64,
-    fixed_revision: u64,
     moves: u64,
-    journal: Journal,
+    /// The objects that were put into a volume, or whose layers changed there.
+    journal: Journal<u32>,
+    /// The static objects that came, went or changed.
+    static_changes: Journal<StaticChange>,
     /// Memory used again: the objects in sight, a bit for each slot, and the cells of an object that moves.
     seen: Vec<u64>,
     moved: Moved,
@@ -155,9 +158,9 @@ impl Scene {
             frame: 1,
             listed_on_expiry: 0,
             revision: 0,
-            fixed_revision: 0,
             moves: 0,
             journal: Journal::default(),
+            static_changes: Journal::default(),
             seen: Vec::new(),
             moved: Moved::default(),
         })
@@ -289,13 +292,13 @@ impl Scene {
         self.revision
     }
 
-    /// Changes whenever a static object changed, came or went.
-    pub(crate) fn fixed_revision(&self) -> u64 {
-        self.fixed_revision
+    /// The static objects that came, went or changed.
+    pub(crate) fn static_changes(&self) -> &Journal<StaticChange> {
+        &self.static_changes
     }
 
     /// The volumes that are new.
-    pub(crate) fn journal(&self) -> &Journal {
+    pub(crate) fn journal(&self) -> &Journal<u32> {
         &self.journal
     }
 

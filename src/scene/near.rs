@@ -39,9 +39,8 @@ impl Scene {
     /// inside the box `around`.
     pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
         let layers = region.layers();
-        let touches = |slot: u32| {
-            self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around))
-        };
+        let touches =
+            |slot: u32| self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around));
         let always = || self.always().iter().any(|&slot| touches(slot));
         let (lo, hi) = self.grid.cover(around.min, around.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return always() };
@@ -53,7 +52,8 @@ impl Scene {
             return true;
         }
         let mut asked = 0;
-        let opaque = |c| self.is_opaque(c, layers) && region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
+        let opaque =
+            |c| self.is_opaque(c, layers) && region.may_see_block(&Block::new(self.grid.cell_bounds(c)));
         if (CellBox { lo, hi }).cells().any(opaque) {
             return true;
         }

@@ -66,6 +66,14 @@ impl Object {
         }
     }
 
+    /// A copy of a static object, in no matrix and without its occluder.
+    pub(super) fn unlisted(&self) -> Self {
+        let mut copy = self.clone();
+        copy.set_occluder(None);
+        (copy.opacity, copy.in_cells) = (None, false);
+        copy
+    }
+
     /// The bounds as last reported.
     #[inline]
     pub(crate) fn bounds(&self) -> &Bounds {

@@ -169,7 +169,8 @@ impl Opacity {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.parts.capacity() * size_of::<LayerOpacity>() + self.parts.iter().map(LayerOpacity::bytes).sum::<usize>()
+        self.parts.capacity() * size_of::<LayerOpacity>()
+            + self.parts.iter().map(LayerOpacity::bytes).sum::<usize>()
     }
 }
 

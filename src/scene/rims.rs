@@ -106,8 +106,7 @@ impl Scene {
         opaque.get(cell)
             && steps.any(|next| {
                 let (min, max) = self.grid.range_bounds(cell.min(next), cell.max(next));
-                opaque.get(next)
-                    && !self.static_solids(cell, part).any(|solid| solid.contains_box(min, max))
+                opaque.get(next) && !self.static_solids(cell, part).any(|solid| solid.contains_box(min, max))
             })
     }
 }

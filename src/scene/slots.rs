@@ -130,6 +130,18 @@ impl Slots {
         Ok(at)
     }
 
+    /// Stores an object of another scene under the id that it has there. Its slot is empty. Objects that are inserted
+    /// later may get any slot: only copies that others are not inserted into take over objects.
+    pub(super) fn take_over(&mut self, id: ObjectId, object: Object) {
+        let at = id.slot as usize;
+        if self.slots.len() <= at {
+            self.slots.resize_with(at + 1, Slot::default);
+        }
+        self.slots[at] = Slot { generation: id.generation, scene: id.scene, object: Some(object) };
+        self.free.clear();
+        self.len += 1;
+    }
+
     /// Empties a slot that contains an object. The ids of the object name nothing from now on.
     pub(super) fn remove(&mut self, at: u32) {
         let slot = &mut self.slots[at as usize];

@@ -7,6 +7,7 @@ use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
 use crate::scene::cells::Span;
 use crate::scene::expiry::{AT_ONCE, Expiry};
+use crate::scene::journal::{MOST_STATIC, StaticChange};
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
@@ -26,8 +27,9 @@ impl Scene {
         }
         self.moves += 1;
         object.moved = self.moves;
-        self.fixed_revision += u64::from(object.is_static());
-        match object.state() {
+        let state = object.state();
+        self.note_static(slot);
+        match state {
             State::Listed | State::Overdue => {
                 self.revision += 1;
                 self.relist(slot, bounds, occluder);
@@ -40,6 +42,15 @@ impl Scene {
                 self.exchange_shape(slot, bounds, occluder);
                 self.found_again(slot, volume);
             }
+        }
+    }
+
+    /// Notes that an object is about to change, if it is static.
+    pub(super) fn note_static(&mut self, slot: u32) {
+        let object = self.object(slot);
+        if object.is_static() {
+            let occluder = object.occluder().map(Occluder::block);
+            self.static_changes.push(StaticChange { slot, occluder }, MOST_STATIC);
         }
     }
 
@@ -195,7 +206,7 @@ impl Scene {
     /// Takes an object out of the scene.
     pub(super) fn take_out(&mut self, slot: u32) {
         self.revision += 1;
-        self.fixed_revision += u64::from(self.object(slot).is_static());
+        self.note_static(slot);
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),

@@ -19,7 +19,7 @@ pub struct Mover {
     hides: bool,
     /// Whether it is only reported when it is asked for.
     on_expiry: bool,
-    layers: u32,
+    layers: u64,
 }
 
 impl Mover {
@@ -44,7 +44,7 @@ pub enum Event {
     Insert(Vec3, f32, Vec3, bool, bool),
     Remove(usize),
     Jump(usize, Vec3),
-    Layers(usize, u32),
+    Layers(usize, u64),
     AddWall(Solid),
     RemoveWall(usize),
     /// The camera is elsewhere, and looks elsewhere.
@@ -58,7 +58,7 @@ pub enum Event {
     Copy,
     /// A frame ends without its result.
     Unended,
-    Mask(u32),
+    Mask(u64),
     /// Two frames at once.
     Late,
 }
@@ -75,7 +75,7 @@ pub fn event() -> impl Strategy<Value = Event> {
             .prop_map(|(p, r, v, hides, on_expiry)| Event::Insert(p, r, v, hides, on_expiry)),
         1 => any::<usize>().prop_map(Event::Remove),
         2 => (any::<usize>(), point()).prop_map(|(who, to)| Event::Jump(who, to)),
-        1 => (any::<usize>(), prop_oneof![Just(1u32), Just(2), Just(u32::MAX)]).prop_map(|(who, l)| Event::Layers(who, l)),
+        1 => (any::<usize>(), prop_oneof![Just(1u64), Just(2), Just(u64::MAX)]).prop_map(|(who, l)| Event::Layers(who, l)),
         1 => solid().prop_map(Event::AddWall),
         1 => any::<usize>().prop_map(Event::RemoveWall),
         1 => (point(), rotation()).prop_map(|(p, r)| Event::Teleport(p, r)),
@@ -84,7 +84,7 @@ pub fn event() -> impl Strategy<Value = Event> {
         3 => Just(Event::Install),
         1 => Just(Event::Copy),
         1 => Just(Event::Unended),
-        1 => prop_oneof![Just(1u32), Just(3), Just(u32::MAX)].prop_map(Event::Mask),
+        1 => prop_oneof![Just(1u64), Just(3), Just(u64::MAX)].prop_map(Event::Mask),
         1 => Just(Event::Late),
     ]
 }
@@ -98,7 +98,7 @@ pub struct Game {
     rotation: Quat,
     step: Vec3,
     turn: Vec3,
-    mask: u32,
+    mask: u64,
     now: f64,
     pub query: KeptQuery,
     /// The results of jobs, each of which ran when it was made ready or is run only when it is installed.
@@ -119,7 +119,7 @@ impl Game {
             rotation: Quat::IDENTITY,
             step: Vec3::ZERO,
             turn: Vec3::ZERO,
-            mask: u32::MAX,
+            mask: u64::MAX,
             now: 0.0,
             query,
             done: Vec::new(),
@@ -143,7 +143,7 @@ impl Game {
             Event::Insert(at, radius, velocity, hides, on_expiry) => {
                 let ball = Sphere::new(at, radius);
                 let id = self.world.targets[0].0;
-                let mover = Mover { id, ball, velocity, hides, on_expiry, layers: u32::MAX };
+                let mover = Mover { id, ball, velocity, hides, on_expiry, layers: u64::MAX };
                 self.movers.push(Mover { id: scene.insert(mover.desc()).unwrap(), ..mover });
             }
             Event::Remove(i) => {
@@ -216,9 +216,9 @@ impl Game {
 
     /// The objects that the eye sees.
     fn visible(&self) -> Vec<ObjectId> {
-        // An object that is not on all layers hides nothing.
-        let hiding =
-            self.movers.iter().filter(|m| m.hides && m.layers == u32::MAX).map(|m| Solid::Ball(m.ball));
+        // An object hides in the views that show it.
+        let hides = |m: &&Mover| m.hides && m.layers & self.mask != 0;
+        let hiding = self.movers.iter().filter(hides).map(|m| Solid::Ball(m.ball));
         let solids: Vec<Solid> = self.walls.iter().map(|w| w.1).chain(hiding).collect();
         seen(&solids, &self.targets(), self.eye.as_dvec3(), &planes_of(self.matrix()))
     }

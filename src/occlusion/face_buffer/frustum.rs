@@ -46,7 +46,7 @@ impl FaceBuffer {
     }
 
     /// Covers the pixels outside the frustum, as if by something at the eye.
-    pub(super) fn cover_outside(&mut self) {
+    pub(crate) fn cover_outside(&mut self) {
         let (first, count) = (self.window.first_tile(), self.window.tile_count());
         let rows = Rows::touching(&self.halves, &self.window);
         for ty in first.1..first.1 + count.1 {

@@ -63,6 +63,7 @@ impl<'a> Walk<'a> {
             if self.may_draw(slot)
                 && let Some(source) = self.source(slot)
             {
+                self.note_drawn(slot);
                 self.collect_some(&source, of_object, &wanted, &mut batch);
             }
         }
@@ -103,7 +104,10 @@ impl<'a> Walk<'a> {
         let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
         match role {
             Role::Fresh | Role::InParts => self.draw(slot),
-            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
+            Role::Waits if self.has_patches_beside_solid(slot) => {
+                self.note_drawn(slot);
+                self.list_surface(slot);
+            }
             Role::Waits | Role::Drawn => {}
         }
     }

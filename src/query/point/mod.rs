@@ -10,6 +10,7 @@ mod bricks;
 mod coherence;
 mod decide;
 mod drawables;
+pub(crate) mod follow;
 mod objects;
 mod occluders;
 pub(crate) mod overlay;
@@ -48,6 +49,8 @@ pub(crate) struct Walk<'a> {
     starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
     around_starts: Option<Block>,
+    /// How finely the buffers are divided.
+    pitch: Pitch,
     /// The grid of bricks.
     grid: Grid,
     /// The boxes of opaque cells of the occluders that the view shows.
@@ -108,6 +111,7 @@ impl<'a> Walk<'a> {
             scratch,
             around_starts: view.eye().map(|eye| starts.around(eye)),
             starts,
+            pitch: pitch(scene, options),
             grid,
             fused: scene.opacity(view.layers()).map(LayerOpacity::fused).collect(),
             fuses: None,
@@ -135,8 +139,7 @@ impl<'a> Walk<'a> {
 
     /// Fills the set.
     pub(crate) fn run(mut self) {
-        let pitch = pitch(self.scene, self.options);
-        self.scratch.buffers.begin(self.view, &pitch);
+        self.scratch.buffers.begin(self.view, &self.pitch);
         if let Some(receivers) = self.receivers {
             self.scratch.buffers.keep_before(receivers, self.view.is_ordered());
         }
@@ -144,6 +147,19 @@ impl<'a> Walk<'a> {
         if self.coherent {
             self.draw_useful();
         }
+        self.find_all();
+        if !self.fixed_only {
+            self.test_outer_volumes();
+        }
+        self.decide();
+        if self.coherent {
+            self.remember();
+        }
+        self.pvs.stats = self.stats;
+    }
+
+    /// Finds the objects of the whole scene that the buffers do not hide.
+    fn find_all(&mut self) {
         for &slot in self.scene.always() {
             self.find(slot);
         }
@@ -155,18 +171,10 @@ impl<'a> Walk<'a> {
             }
             (Origin::Eye { at, .. }, None) => {
                 self.reveal_around(at);
-                self.everywhere(pitch.middle - at);
+                self.everywhere(self.pitch.middle - at);
             }
             (Origin::Direction(d), _) => self.everywhere(d),
         }
-        if !self.fixed_only {
-            self.test_outer_volumes();
-        }
-        self.decide();
-        if self.coherent {
-            self.remember();
-        }
-        self.pvs.stats = self.stats;
     }
 
     /// Whether a box in world units is hidden by the occluders drawn so far.

@@ -1,49 +1,53 @@
 //! More occluders, drawn over a copy of the buffers of a query.
 
-use crate::object::{Bounds, Occluder};
-use crate::query::point::occluders::{SMALLEST_OCCLUDER, solid};
+use crate::method::PointOptions;
+use crate::object::Bounds;
+use crate::pvs::Pvs;
+use crate::query::marks::Marks;
+use crate::query::point::Walk;
 use crate::query::point::scratch::PointScratch;
-use crate::query::start::Starts;
+use crate::scene::Scene;
 use crate::view::View;
 
 /// Buffers of a view with more occluders than its query drew.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Overlay {
     scratch: PointScratch,
+    marks: Marks,
+    /// Stays empty.
+    pvs: Pvs,
     drawn: u32,
 }
 
+impl Default for Overlay {
+    fn default() -> Self {
+        Self { scratch: PointScratch::default(), marks: Marks::default(), pvs: Pvs::empty(), drawn: 0 }
+    }
+}
+
 impl Overlay {
-    /// Starts with the coverage of a query's buffers.
-    pub(crate) fn begin(&mut self, base: &PointScratch) {
-        self.scratch.buffers.copy_coverage(&base.buffers);
+    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for the view of that. Small ones
+    /// are left out, and those that rays start in.
+    pub(crate) fn draw(
+        &mut self,
+        base: &PointScratch,
+        scene: &Scene,
+        view: &View,
+        mut slots: impl Iterator<Item = u32>,
+    ) {
         self.drawn = 0;
+        let Some(first) = slots.next() else { return };
+        let Self { scratch, marks, pvs, drawn } = self;
+        scratch.buffers.copy_coverage(&base.buffers);
+        // The lists that refinement asks are not copied.
+        let options = PointOptions::new().unrefined();
+        let walk = Walk::new(scene, view, &options, pvs, marks, scratch);
+        *drawn = walk.draw_over(std::iter::once(first).chain(slots));
     }
 
-    /// Counts the occluders from none again.
-    pub(crate) fn reset(&mut self) {
-        self.drawn = 0;
-    }
-
-    /// How many occluders were drawn since.
+    /// How many occluders were drawn.
     pub(crate) fn drawn(&self) -> u32 {
         self.drawn
-    }
-
-    /// Draws a convex occluder of the view of the buffers, unless it is small or rays start in it. Meshes are left out.
-    pub(crate) fn draw(&mut self, view: &View, starts: &Starts, occluder: &Occluder, slot: u32) {
-        let block = self.scratch.buffers.relative(&occluder.block());
-        if occluder.surface().is_some()
-            || !view.is_ordered()
-            || self.scratch.is_small(&block, SMALLEST_OCCLUDER)
-            || starts.may_be_in(view, occluder)
-        {
-            return;
-        }
-        let buffers = &mut self.scratch.buffers;
-        if let Some(solid) = solid(occluder, buffers) {
-            self.drawn += u32::from(buffers.draw(solid, slot));
-        }
     }
 
     /// Whether no point of some bounds can be seen.
