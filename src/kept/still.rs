@@ -17,7 +17,7 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
-use crate::query::point::follow::{Changes, Drawn as DrawnOccluders};
+use crate::query::point::follow::{Changes, Offered};
 use crate::query::point::overlay::Overlay;
 use crate::query::point::scratch::PointScratch;
 use crate::query::{Extras, Query};
@@ -82,8 +82,8 @@ pub(super) struct Still {
     view: View,
     stamp: Stamp,
     objects: Vec<InSight>,
-    /// The occluders that the buffers rest on.
-    drawn: DrawnOccluders,
+    /// The objects on whose occluders the buffers may rest.
+    offered: Offered,
     /// How often pixels were opened again, on the mean.
     opened: f64,
     watch: Watch,
@@ -112,9 +112,9 @@ impl Still {
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
         let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
-        let mut drawn = query.drawn().kept.clone();
-        drawn.settle();
-        Self { query, view, stamp, objects, drawn, opened: 0.0, watch, overlay, movers }
+        let mut offered = Offered::default();
+        offered.append(&query.drawn().offered);
+        Self { query, view, stamp, objects, offered, opened: 0.0, watch, overlay, movers }
     }
 
     /// The query, to be run again.
@@ -139,7 +139,7 @@ impl Still {
 
     /// Whether the result can be brought up to date with a scene at less cost than that of a new one.
     pub(super) fn can_follow(&self, scene: &Scene) -> bool {
-        self.opened <= MOST_OPENED && self.stamp.changes(scene).is_some()
+        self.is_of(scene) || self.opened <= MOST_OPENED && self.stamp.changes(scene).is_some()
     }
 
     /// Whether the result, brought up to date, holds for a view of a scene as it is now.
@@ -160,14 +160,10 @@ impl Still {
         let Some(slots) = self.stamp.changed_slots(scene) else { return };
         let changed = |slot: u32| slots.binary_search(&slot).is_ok();
         let mut changes = Changes::default();
-        for change in self.stamp.changes(scene).into_iter().flatten() {
-            let Some(block) = change.occluder else { continue };
-            if self.drawn.has(change.slot) {
-                changes.gone.push(block);
-            }
-            self.drawn.forget_boxes(scene, &block, &mut changes.gone);
-        }
-        self.drawn.forget(&slots);
+        let gone = self.stamp.changes(scene).into_iter().flatten();
+        let gone = gone.filter(|change| self.offered.has(change.slot));
+        changes.gone.extend(gone.filter_map(|change| change.occluder));
+        self.offered.forget(&slots);
         self.objects.retain(|object| !changed(object.id.slot));
         let is_there = |slot: &u32| scene.living_at(*slot).is_some_and(Object::is_static);
         changes.fresh.extend(slots.iter().copied().filter(is_there));
@@ -176,10 +172,10 @@ impl Still {
             return;
         }
         changes.known.extend(self.objects.iter().map(|object| object.id.slot));
-        self.opened += self.query.follow(scene, &self.view, &changes, &self.drawn);
+        self.opened += self.query.follow(scene, &self.view, &changes, &self.offered);
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
         self.objects.extend(self.query.pvs().iter().map(in_sight));
-        self.drawn.append(&self.query.drawn().kept);
+        self.offered.append(&self.query.drawn().offered);
         let hides = |&slot: &u32| scene.object(slot).occluder().is_some();
         if changes.fresh.iter().any(hides) {
             let drawn = self.query.drawn();

@@ -25,11 +25,14 @@ impl Hole {
 }
 
 impl OcclusionBuffers {
-    /// Opens the tiles that occluders inside of some boxes, in world units, may have covered.
+    /// Opens the tiles in which rays of an eye within reach may end that pass some boxes, given in world units.
     pub(crate) fn reopen(&mut self, gone: &[Block]) -> Vec<Hole> {
         let mut holes = Vec::new();
-        let gone: SmallVec<[(Block, bool); 4]> =
-            gone.iter().map(|block| self.relative(block)).map(|b| (b, self.is_close(&b))).collect();
+        let gone: SmallVec<[(Block, bool); 4]> = gone
+            .iter()
+            .map(|block| self.within_reach(&self.relative(block)))
+            .map(|b| (b, self.is_close(&b)))
+            .collect();
         let (faces, _) = self.surfaces_mut();
         for (face, buffer) in faces.enumerate() {
             let before = holes.len();

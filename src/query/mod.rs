@@ -17,7 +17,7 @@ use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
-use crate::query::point::follow::{Changes, Drawn};
+use crate::query::point::follow::{Changes, Offered};
 use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
@@ -155,14 +155,14 @@ impl Query {
     /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the same view, up to date
     /// with changes of those, and fills the set with the objects that came into sight. Returns the share of the pixels
     /// that were opened for it.
-    pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, drawn: &Drawn) -> f64 {
+    pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, offered: &Offered) -> f64 {
         self.pvs.reset(scene.slot_count());
         let options = match self.method {
             Method::Point(options) => options.unrefined(),
             _ => PointOptions::new().unrefined(),
         };
         let walk = point::Walk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
-        walk.with_fixed_only(true).follow(changes, drawn)
+        walk.with_fixed_only(true).follow(changes, offered)
     }
 
     /// Finds nothing, as from a view without rays. The result is valid for no view.

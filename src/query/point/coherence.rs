@@ -30,6 +30,7 @@ impl<'a> Walk<'a> {
         let solids = std::mem::take(&mut self.scratch.coherence.useful_solids);
         for &slot in &solids {
             if self.may_draw(slot) {
+                self.note_offered(slot);
                 self.draw(slot);
             }
         }
@@ -63,7 +64,7 @@ impl<'a> Walk<'a> {
             if self.may_draw(slot)
                 && let Some(source) = self.source(slot)
             {
-                self.note_drawn(slot);
+                self.note_offered(slot);
                 self.collect_some(&source, of_object, &wanted, &mut batch);
             }
         }
@@ -99,15 +100,20 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Notes for a result that is kept that it may rest on the occluder of an object.
+    fn note_offered(&mut self, slot: u32) {
+        if self.fixed_only {
+            self.scratch.offered.push(slot);
+        }
+    }
+
     /// Draws the occluder of an object in sight, unless it waits.
     pub(super) fn offer(&mut self, slot: u32) {
+        self.note_offered(slot);
         let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
         match role {
             Role::Fresh | Role::InParts => self.draw(slot),
-            Role::Waits if self.has_patches_beside_solid(slot) => {
-                self.note_drawn(slot);
-                self.list_surface(slot);
-            }
+            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
             Role::Waits | Role::Drawn => {}
         }
     }

@@ -1,19 +1,22 @@
 //! A run that goes on after static objects came, went or changed.
 //!
-//! The buffers of the run before stay. What an occluder that is gone covered lies in the pixels around its box: the tiles
-//! there are opened, the occluders of other objects that reach into them are drawn again, and the walk finds the objects
-//! that come into sight. Objects that are new are tested, and their occluders drawn, like any others. All that is drawn is
-//! there, and all that was covered by something that is gone is open: so nothing visible is lost.
+//! The buffers of the run before stay. Where an occluder is gone, the tiles around its box are opened, that box grown by the
+//! reach; the occluders of other objects that reach into them are drawn again, and the walk finds the objects that come into
+//! sight. Objects that are new are tested, and their occluders drawn, like any others.
+//!
+//! Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it hides, from any eye within reach,
+//! met a solid, a patch or a box of opaque cells. A ray that ends in a pixel that was not opened passes no point of an
+//! occluder that is gone: otherwise the ray from the middle to the same end would pass within the reach of that point. So the
+//! ray met others, which are there; also in a box of cells, each of which solids fill that are there or that the ray does not
+//! meet. Occluders that were never offered need no hole: no free ray reached them.
 //!
 //! Open pixels are not refined, since the lists of occluders in the buffers name some that are gone.
 
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-use crate::grid::cell_box::CellBox;
 use crate::method::PointOptions;
 use crate::query::point::Walk;
-use crate::scene::Scene;
 
 /// What a run must be told of the changes since the one before.
 #[derive(Debug, Default)]
@@ -26,63 +29,37 @@ pub(crate) struct Changes {
     pub(crate) gone: SmallVec<[Block; 4]>,
 }
 
-/// The occluders that a kept result rests on.
+/// The objects on whose occluders a kept result may rest: all that were not hidden when they were found, whether their
+/// occluders were drawn, waited or were too small. The occluders of others are hidden: no ray of the view reaches them.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Drawn {
-    /// The slots of objects whose occluders were drawn, in order, or that were looked at for it.
-    slots: Vec<u32>,
-    /// The boxes of opaque cells.
-    boxes: Vec<CellBox>,
-}
+pub(crate) struct Offered(Vec<u32>);
 
-impl Drawn {
+impl Offered {
     /// Forgets the last run.
     pub(super) fn clear(&mut self) {
-        self.slots.clear();
-        self.boxes.clear();
+        self.0.clear();
     }
 
-    pub(super) fn note(&mut self, slot: u32) {
-        self.slots.push(slot);
+    /// Adds an object by its slot.
+    pub(super) fn push(&mut self, slot: u32) {
+        self.0.push(slot);
     }
 
-    pub(super) fn note_box(&mut self, cells: &CellBox) {
-        self.boxes.push(*cells);
-    }
-
-    /// Puts the slots in order.
-    pub(crate) fn settle(&mut self) {
-        self.slots.sort_unstable();
-        self.slots.dedup();
-    }
-
-    /// Whether the occluder of an object was drawn.
-    pub(crate) fn has(&self, slot: u32) -> bool {
-        self.slots.binary_search(&slot).is_ok()
-    }
-
-    /// Takes over the occluders of another run.
+    /// Takes over the objects of a run, and puts all in order.
     pub(crate) fn append(&mut self, other: &Self) {
-        self.slots.extend_from_slice(&other.slots);
-        self.boxes.extend_from_slice(&other.boxes);
-        self.settle();
+        self.0.extend_from_slice(&other.0);
+        self.0.sort_unstable();
+        self.0.dedup();
+    }
+
+    /// Whether an object is among them, which are in order.
+    pub(crate) fn has(&self, slot: u32) -> bool {
+        self.0.binary_search(&slot).is_ok()
     }
 
     /// Forgets objects, whose slots are in order.
     pub(crate) fn forget(&mut self, slots: &[u32]) {
-        self.slots.retain(|slot| slots.binary_search(slot).is_err());
-    }
-
-    /// Forgets the boxes with cells that an occluder filled alone or with others. Lists where they are.
-    pub(crate) fn forget_boxes(&mut self, scene: &Scene, gone: &Block, out: &mut SmallVec<[Block; 4]>) {
-        self.boxes.retain(|cells| {
-            let block = Block::new(scene.grid().range_bounds(cells.lo, cells.hi));
-            let stays = !block.may_meet(gone);
-            if !stays {
-                out.push(block);
-            }
-            stays
-        });
+        self.0.retain(|slot| slots.binary_search(slot).is_err());
     }
 }
 
@@ -94,16 +71,16 @@ impl PointOptions {
 }
 
 impl Walk<'_> {
-    /// Goes on with the buffers of the last run, which was of the same view. `drawn` are the occluders that are in them and
-    /// stayed. Fills the set with the objects that are not known. Returns the share of the pixels that were opened.
-    pub(crate) fn follow(mut self, changes: &Changes, drawn: &Drawn) -> f64 {
+    /// Goes on with the buffers of the last run, which was of the same view. `offered` are the objects that
+    /// they rest on and that stayed. Fills the set with the objects that are not known. Returns the share of the pixels that were opened.
+    pub(crate) fn follow(mut self, changes: &Changes, offered: &Offered) -> f64 {
         changes.known.iter().for_each(|&slot| {
             self.marks.decide(slot);
         });
         let pixels = self.scratch.buffers.pixels().max(1) as f64;
         let holes = self.scratch.buffers.reopen(&changes.gone);
         if !holes.is_empty() {
-            for &slot in &drawn.slots {
+            for &slot in &offered.0 {
                 let block = self.scene.living_at(slot).and_then(|o| o.occluder()).map(|o| o.block());
                 if block.is_some_and(|block| self.scratch.buffers.reaches_into(&block, &holes)) {
                     self.draw(slot);

@@ -28,7 +28,6 @@ impl Walk<'_> {
             return;
         }
         let Some(occluder) = self.scene.object(slot).occluder() else { return };
-        self.note_drawn(slot);
         let least = f64::from(self.options.min_solid_angle);
         let small = self.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER)
             || least > 0.0 && self.solid_angle(slot) < least;
@@ -53,13 +52,6 @@ impl Walk<'_> {
             self.stats.occluders_drawn += 1;
             let changed = buffers.draw(solid, slot);
             self.drew_solid(slot, changed);
-        }
-    }
-
-    /// Notes for a result that is kept that it rests on the occluder of an object.
-    pub(super) fn note_drawn(&mut self, slot: u32) {
-        if self.fixed_only {
-            self.scratch.kept.note(slot);
         }
     }
 
@@ -155,9 +147,6 @@ impl Walk<'_> {
         {
             self.stats.cells_drawn += 1;
             buffers.draw(solid, NOBODY);
-            if self.fixed_only {
-                self.scratch.kept.note_box(cells);
-            }
         }
     }
 

@@ -9,7 +9,7 @@ use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
-use crate::query::point::follow::Drawn;
+use crate::query::point::follow::Offered;
 use crate::query::point::recall::Coherence;
 use crate::view::View;
 
@@ -74,8 +74,8 @@ pub(crate) struct PointScratch {
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
     pub(super) magnifier: Magnifier,
-    /// The occluders of a run on static objects only.
-    pub(crate) kept: Drawn,
+    /// The objects whose occluders were offered in a run on static objects only.
+    pub(crate) offered: Offered,
     pub(crate) coherence: Coherence,
 }
 
@@ -86,7 +86,7 @@ impl PointScratch {
         self.candidates.clear();
         self.waiting.iter_mut().for_each(Waiting::clear);
         self.patches.clear();
-        self.kept.clear();
+        self.offered.clear();
         self.drawn.grow(patches);
         if epoch == 1 {
             self.drawn.clear();
