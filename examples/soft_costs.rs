@@ -3,9 +3,9 @@
 
 use std::time::Instant;
 
+use casca::glam::{UVec3, Vec3};
 use casca::soft::{Cone, Layer, March, SoftGrid};
 use casca::{Aabb, Error, GridSpec, Sphere};
-use glam::{UVec3, Vec3};
 
 /// Questions of each kind.
 const QUESTIONS: usize = 2000;

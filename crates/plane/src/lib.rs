@@ -66,6 +66,9 @@ pub use bits::BitGrid;
 pub use cell::{CellOptions, Fusion};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
 pub use method::Method;
