@@ -28,7 +28,7 @@
 //! | [`Method::Sector`] | the objects in the view, hidden or not | all objects |
 //!
 //! A frame: [`Scene::begin_frame`], [`Scene::update`] for the objects that moved, queries, [`Scene::end_frame`] with their results. Moving objects
-//! that nobody sees get temporal bounding volumes and cost nothing until these come into sight or expire.
+//! that nobody sees get temporal bounding volumes, and queries do not test them until these come into sight or expire.
 //!
 //! The method is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a regular grid (Unicamp 2002), with the
 //! exact methods added.
