@@ -26,7 +26,7 @@
 //!     scene.update(bird_id, Sphere::new(bird.center + Vec3::X * frame as f32, bird.radius), None)?;
 //!     let pvs = query.run(&scene, &View::perspective(eye, matrix)?);
 //!     for id in pvs.visible() {
-//!         // Draw the object of this id, nearest first.
+//!         // Draw the object of this id. They come roughly from near to far.
 //!         assert_ne!(*id, bird_id, "the bird is behind the wall");
 //!     }
 //!     scene.end_frame([query.pvs()])?;

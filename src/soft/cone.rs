@@ -35,6 +35,8 @@ pub struct Cone {
 /// | samples, corrected | 0.35, time 1.0 | 0.44, time 0.5 |
 ///
 /// 16 rays take a quarter of the time of 64. On 64 cells they err by 0.18 and 0.16, where 64 rays err by 0.15 and 0.14.
+/// Beside 4096 rays in the same 128 cells, ambient occlusion errs by 0.048 with slabs, 0.057 with 16 rays, 0.019 with 64 and
+/// 0.007 with 256, on the mean (the example `soft_costs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum March {
