@@ -3,13 +3,13 @@
 //! `cargo run --release --example kept_results`
 
 use std::error::Error;
+use std::f32::consts::PI;
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
+use casca::glam::{Mat4, Quat, Vec3, Vec4};
 use casca::{Aabb, GridSpec, KeptJob, KeptOptions, KeptQuery, ObjectDesc, Scene, View};
-use glam::Vec3;
-use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 
 const FRAMES: usize = 120;
 
@@ -43,6 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         thread::spawn(move || to_do.into_iter().map(KeptJob::run).all(|result| done.send(result).is_ok()));
 
     let mut query = KeptQuery::with_options(KeptOptions::new().reach(0.15).turn(0.1))?;
+    // 60 degrees high, 16:9, with reversed depth from 0.1 m on.
+    let projection = Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
     let (mut waits, mut served, mut seen) = (false, 0, 0);
     for frame in 0..FRAMES {
         let time = frame as f64 / 60.0;
@@ -56,9 +58,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             (waits, served) = (false, 0);
         }
         let eye = Vec3::new(38.0, 1.7, 4.0 + 1.5 * time as f32);
-        let forward = Vec3::new((time as f32).sin() * 0.5, 0.0, 1.0);
-        let matrix = perspective(1.0, 16.0 / 9.0, 0.1, 300.0) * look_to_mat4(eye, forward, Vec3::Y);
-        let view = View::perspective(eye, matrix)?;
+        // It looks along z, and turns by half a radian to both sides.
+        let turn = Quat::from_rotation_y(PI + 0.5 * (time as f32).sin());
+        let camera = Mat4::from_rotation_translation(turn, eye);
+        let view = View::perspective(eye, projection * camera.inverse())?;
         seen += query.run(&scene, &view).len();
         served += 1;
         if !waits && served >= EARLY {

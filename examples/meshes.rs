@@ -8,8 +8,8 @@ use std::error::Error;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
+use casca::glam::{Affine3A, Vec3};
 use casca::{Aabb, GridSpec, Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
-use glam::{Affine3A, Vec3};
 
 /// A rectangle from `min` to `max` in the plane z = 0.
 fn rectangle(min: (f32, f32), max: (f32, f32)) -> (Vec<Vec3>, Vec<[u32; 3]>) {

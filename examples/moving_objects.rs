@@ -7,8 +7,8 @@
 
 use std::error::Error;
 
+use casca::glam::Vec3;
 use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-use glam::Vec3;
 
 const BIRDS: usize = 100;
 const FRAMES: usize = 120;

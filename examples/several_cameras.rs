@@ -7,8 +7,8 @@
 
 use std::error::Error;
 
+use casca::glam::Vec3;
 use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-use glam::Vec3;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));

@@ -8,9 +8,8 @@
 
 use std::error::Error;
 
+use casca::glam::{Mat4, Vec3, Vec4};
 use casca::{Aabb, GridSpec, Light, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
-use glam::Vec3;
-use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let level = Aabb::new(Vec3::ZERO, Vec3::new(128.0, 48.0, 128.0));
@@ -33,7 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // The eye looks along -z, and the sun shines the same way, downwards.
     let eye = Vec3::new(64.0, 5.0, 90.0);
-    let matrix = perspective(1.0, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(eye, eye - Vec3::Z, Vec3::Y);
+    // 60 degrees high, 16:9, with reversed depth from 0.1 m on.
+    let projection = Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
+    let matrix = projection * Mat4::from_translation(-eye);
     let (mut camera, mut light) = (Query::new(), Query::new());
     camera.run(&scene, &View::perspective(eye, matrix)?);
     let (mut sunlit, mut lamplit) = (Vec::new(), Vec::new());

@@ -3,9 +3,9 @@
 
 use std::time::Instant;
 
+use casca::glam::{UVec3, Vec3};
 use casca::soft::{Cone, Layer, March, SoftGrid};
 use casca::{Aabb, Error, GridSpec, Sphere};
-use glam::{UVec3, Vec3};
 
 /// Questions of each kind.
 const QUESTIONS: usize = 2000;
@@ -98,6 +98,23 @@ fn main() -> Result<(), Error> {
             ] {
                 print(n, &format!("cone of {name} degrees, {way}"), ask(few, cone(march))?, &truth);
             }
+        }
+        let sky = |march: March| {
+            let soft = &soft;
+            move |&(at, to): &(Vec3, Vec3)| soft.ambient_occlusion(at, to - at, 30.0, &march)
+        };
+        let few = &pairs[..QUESTIONS / 10];
+        let (_, truth) = ask(few, sky(March::Rays(4096)))?;
+        for (way, march) in [
+            ("slabs", March::Slabs),
+            ("old rule", March::OLD),
+            ("corrected", March::Samples { step: 0.5, start: 0.0, first: 1.0, corrected: true }),
+            ("4 rays", March::Rays(4)),
+            ("16 rays", March::Rays(16)),
+            ("64 rays", March::Rays(64)),
+            ("256 rays", March::Rays(256)),
+        ] {
+            print(n, &format!("ambient occlusion, {way}"), ask(few, sky(march))?, &truth);
         }
         let balls: Vec<(Vec3, Sphere)> =
             pairs.iter().map(|&(a, b)| (a, Sphere::new(b, 2.0))).take(200).collect();

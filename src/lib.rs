@@ -2,9 +2,8 @@
 //! be seen, every frame, without losing one that can.
 //!
 //! ```
+//! use casca::glam::{Mat4, Vec3, Vec4};
 //! use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-//! use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
-//! use glam::Vec3;
 //!
 //! # fn main() -> Result<(), casca::Error> {
 //! // A grid over the level, with cells of one metre.
@@ -19,13 +18,15 @@
 //!
 //! let mut query = Query::new();
 //! let eye = Vec3::new(32.5, 2.5, 60.5);
-//! let matrix = perspective(1.0, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(eye, Vec3::ZERO, Vec3::Y);
+//! // The matrix of your renderer. This one looks along -z, 60 degrees high and 16:9, with reversed depth from 0.1 m on.
+//! let projection = Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
+//! let matrix = projection * Mat4::from_translation(-eye);
 //! for frame in 0..3 {
 //!     scene.begin_frame(f64::from(frame) / 60.0)?;
 //!     scene.update(bird_id, Sphere::new(bird.center + Vec3::X * frame as f32, bird.radius), None)?;
 //!     let pvs = query.run(&scene, &View::perspective(eye, matrix)?);
 //!     for id in pvs.visible() {
-//!         // Draw the object of this id, nearest first.
+//!         // Draw the object of this id. They come roughly from near to far.
 //!         assert_ne!(*id, bird_id, "the bird is behind the wall");
 //!     }
 //!     scene.end_frame([query.pvs()])?;
@@ -55,6 +56,16 @@
 //! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the preparation of meshes by
 //!   several threads.
 //! - `soft`: the module `soft`, which estimates how much of something can be seen, for levels of detail, priorities and light.
+//!
+//! # Versions of glam
+//!
+//! Vectors and matrices are those of [`glam`], 0.30.1 to 0.34, which is re-exported here. If a program names a glam of its own,
+//! such as `glam = "0.33"`, cargo may pick two, and the compiler says that types do not match.
+//! `cargo tree --duplicates --depth 0` lists both; this command makes casca take the older one:
+//!
+//! ```sh
+//! cargo update glam@0.34.2 --precise 0.33.12
+//! ```
 //!
 //! # Storing
 //!
@@ -129,6 +140,9 @@ mod walk;
 
 pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, KeySet, Light};
 pub use error::{Error, FileError, KeySetError};
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use geometry::{Aabb, Obb, Plane, Sphere};
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;

@@ -1,8 +1,8 @@
 //! How much light a cone lets through an opaque wall: the experiment of the digest on voxel cone tracing, in a grid one cell thick.
 
+use casca::glam::{UVec3, Vec3};
 use casca::soft::{Cone, Layer, March, SoftGrid};
 use casca::{Aabb, Error, GridSpec, TriMesh};
-use glam::{UVec3, Vec3};
 
 /// Cells along x and y.
 pub const N: u32 = 256;

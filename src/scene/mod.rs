@@ -6,7 +6,7 @@
 //! transitions):
 //! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects always are.
 //! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal bounding volume. Only the
-//!   surface of the volume is in the matrices ([`volumes`]), so that motion inside costs nothing.
+//!   surface of the volume is in the matrices ([`volumes`]), so that motion inside changes no matrix.
 //! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no report came. It is
 //!   visible to every query and hides nothing.
 //!

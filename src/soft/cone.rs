@@ -22,16 +22,30 @@ pub struct Cone {
 }
 
 /// How a cone is followed through the cells.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+///
+/// Only rays converge: the more of them, the nearer they come to the share of light that the cells let pass. Errors beside a
+/// path tracer on 128 cells, over the mean of its picture, and times over those of slabs
+/// (`docs/light/report/light-shadows.csv` of the repository):
+///
+/// | march | soft shadow of a thin block | ambient occlusion in the Cornell box |
+/// |---|---|---|
+/// | 64 rays, the default | 0.11, time 3.9 | 0.12, time 1.6 |
+/// | slabs | 0.29, time 1 | 0.15, time 1 |
+/// | samples, [`March::OLD`] | 0.35, time 0.7 | 0.26, time 0.4 |
+/// | samples, corrected | 0.35, time 1.0 | 0.44, time 0.5 |
+///
+/// 16 rays take a quarter of the time of 64. On 64 cells they err by 0.18 and 0.16, where 64 rays err by 0.15 and 0.14.
+/// Beside 4096 rays in the same 128 cells, ambient occlusion errs by 0.048 with slabs, 0.057 with 16 rays, 0.019 with 64 and
+/// 0.007 with 256, on the mean (the example `soft_costs`).
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum March {
-    /// Marches once per axis, slab by slab, at the pyramid level whose cells are about as wide as the cone's radius. The opacity of a
+    /// An approximation that does not converge. Marches once per axis, slab by slab, at the pyramid level whose cells are about as wide as the cone's radius. The opacity of a
     /// slab is interpolated across the axis but not along it, so that no wall along the axes leaks, however thin, and none is too
     /// near to be seen. Walls askew to the axes leak, as by samples, where a slab holds a part of them only:
     /// `docs/soft-walls.csv` of the repository has figures. Slabs that are covered in part, one after the other, count once:
     /// foliage hides only as much as its densest slab. The cell in which the reach ends hides in proportion to the part of it
     /// before that end.
-    #[default]
     Slabs,
     /// Samples on the axis of the cone, interpolated between cells and levels: the rule of Villegas 2016. Thin walls leak, by 13% at
     /// steps of 0.5, and walls nearer than `start + first` are missed.
@@ -49,6 +63,13 @@ pub enum March {
     /// Exact rays, evenly in the cone: 1 to 4096; a single one is its axis. Errs by their number, and by the cells that shapes
     /// touch but do not fill.
     Rays(u32),
+}
+
+impl Default for March {
+    /// 64 rays.
+    fn default() -> Self {
+        Self::Rays(64)
+    }
 }
 
 impl March {

@@ -116,7 +116,7 @@ impl Pyramid {
     pub(super) fn rebuild(&mut self, mut stale: Vec<IVec3>) {
         for level in 1..=self.top() {
             stale.iter().for_each(|&brick| self.lift(level, brick));
-            stale.iter_mut().for_each(|b| *b >>= 1i32);
+            stale = stale.into_iter().map(|brick| brick >> 1i32).collect();
             // In order, so that equal ones are next to each other.
             stale.sort_unstable_by_key(|b| b.to_array());
             stale.dedup();

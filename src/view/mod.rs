@@ -30,7 +30,8 @@ pub const MAX_PLANES: usize = 32;
 /// The planes of a matrix are moved outwards by the distance that single precision leaves
 /// open about them: about 2e-7 of the eye's distance from the origin.
 /// Depth runs from 0 to 1 as in wgpu, Vulkan and Direct3D (glam's
-/// `camera::rh::proj::directx` and the like), also reversed or with an infinite far plane;
+/// `camera::rh::proj::directx` and the like; before 0.33.2 `Mat4::perspective_rh`), also reversed or with an infinite
+/// far plane;
 /// OpenGL's -1 to 1 has its own constructor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {

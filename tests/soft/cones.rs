@@ -243,8 +243,8 @@ fn marches_are_near_exact_rays() {
         grid.insert(Aabb::from_center(at, dice.point(0.5, 4.0)), Layer::Fixed).unwrap();
     }
     grid.rebuild();
-    let marches = [March::Slabs, samples(0.5, true), samples(0.5, false)];
-    let (mut errors, mut cones) = ([0.0; 3], 0.0);
+    let marches = [March::Slabs, samples(0.5, true), samples(0.5, false), March::default()];
+    let (mut errors, mut cones) = ([0.0; 4], 0.0);
     for _ in 0..400 {
         let (apex, direction) = (dice.point(4.0, 60.0), dice.point(-1.0, 1.0));
         if grid.pyramid().any(0, apex.as_ivec3()) {
@@ -257,7 +257,10 @@ fn marches_are_near_exact_rays() {
         }
         cones += 1.0;
     }
-    let [slabs, corrected, old] = errors.map(|e| e / cones);
-    println!("mean error of {cones} cones: slabs {slabs:.3}, corrected {corrected:.3}, old rule {old:.3}");
+    let [slabs, corrected, old, default] = errors.map(|e| e / cones);
+    println!(
+        "mean error of {cones} cones: slabs {slabs:.3}, corrected {corrected:.3}, old rule {old:.3}, default {default:.3}"
+    );
     assert!(slabs < 0.07 && corrected < 0.08, "{slabs} {corrected} {old}");
+    assert!(default < 0.02, "the default converges: {default}");
 }

@@ -63,6 +63,32 @@ fn corners_hide_half_of_the_sky() {
 }
 
 #[test]
+fn only_rays_converge_to_the_hidden_share_of_the_sky() {
+    let mut dice = Dice(11);
+    let mut grid = soft(UVec3::splat(64));
+    for _ in 0..60 {
+        let at = dice.point(0.0, 64.0);
+        grid.insert(Aabb::from_center(at, dice.point(0.5, 4.0)), Layer::Fixed).unwrap();
+    }
+    grid.rebuild();
+    let marches = [March::Slabs, March::OLD, March::Rays(16), March::default(), March::Rays(256)];
+    let (mut errors, mut points) = ([0.0; 5], 0.0);
+    while points < 100.0 {
+        let (point, normal) = (dice.point(4.0, 60.0), dice.point(-1.0, 1.0));
+        let hidden = |march: &March| grid.ambient_occlusion(point, normal, 30.0, march).unwrap();
+        let exact = hidden(&March::Rays(4096));
+        for (error, march) in errors.iter_mut().zip(&marches) {
+            *error += (hidden(march) - exact).abs();
+        }
+        points += 1.0;
+    }
+    let [slabs, old, few, default, many] = errors.map(|e| e / points);
+    println!("mean error: slabs {slabs:.4}, old rule {old:.4}, rays {few:.4}, {default:.4}, {many:.4}");
+    assert!(many < default && default < few, "{few} {default} {many}");
+    assert!(default * 2.0 < slabs && default * 2.0 < old, "{default} {slabs} {old}");
+}
+
+#[test]
 fn ambient_occlusion_reaches_from_the_point() {
     let mut grid = soft(UVec3::splat(64));
     grid.insert(Aabb::new(Vec3::ZERO, Vec3::new(64.0, 64.0, 7.5)), Layer::Fixed).unwrap();

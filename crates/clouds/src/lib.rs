@@ -13,4 +13,7 @@ mod numeric;
 #[path = "../../points/src/samples.rs"]
 mod samples;
 
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use cloud::{LengthError, PointCloud};

@@ -21,6 +21,9 @@ pub mod shading;
 pub mod strands;
 pub mod visibility;
 
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use error::Error;
 
 #[cfg(doctest)]

@@ -12,4 +12,7 @@ mod set;
 #[cfg(test)]
 mod testing;
 
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use set::{LineError, LineSet, MOST_VERTICES, Segment};

@@ -23,5 +23,8 @@ pub mod slabs;
 mod testing;
 pub mod view;
 
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use casca_line_sets as sets;
 pub use casca_line_sets::LineSet;

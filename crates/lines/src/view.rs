@@ -106,7 +106,7 @@ impl View {
         depths: [f64; 2],
         size: [u32; 2],
     ) -> Result<Self, ViewError> {
-        let [eye, target, up] = [eye, target, up].map(Vec3::as_dvec3);
+        let [eye, target, up] = [eye, target, up].map(|v: Vec3| v.as_dvec3());
         Self::towards([eye, eye - target, up], lens, depths, size)
     }
 

@@ -28,7 +28,7 @@
 //! | [`Method::Sector`] | the objects in the view, hidden or not | all objects |
 //!
 //! A frame: [`Scene::begin_frame`], [`Scene::update`] for the objects that moved, queries, [`Scene::end_frame`] with their results. Moving objects
-//! that nobody sees get temporal bounding volumes and cost nothing until these come into sight or expire.
+//! that nobody sees get temporal bounding volumes, and queries do not test them until these come into sight or expire.
 //!
 //! The method is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a regular grid (Unicamp 2002), with the
 //! exact methods added.
@@ -66,6 +66,9 @@ pub use bits::BitGrid;
 pub use cell::{CellOptions, Fusion};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
 pub use method::Method;

@@ -22,6 +22,9 @@ mod samples;
 pub mod spacing;
 pub mod splat;
 
+/// The version of glam whose types these functions take and give.
+pub use glam;
+
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
 
 #[cfg(doctest)]

@@ -1,5 +1,5 @@
 //! casca in a render loop. This is what an engine copies: tell the scene what moved, ask what can
-//! be seen, draw that, and give the answer back so that hidden moving objects cost nothing.
+//! be seen, draw that, and give the answer back so that queries test no hidden moving objects.
 
 use std::time::{Duration, Instant};
 

@@ -97,9 +97,8 @@ impl Query {
     /// of each receiver and of up to 4,096 parts of large ones against the camera's buffers.
     ///
     /// ```
+    /// use casca::glam::{Mat4, UVec3, Vec3, Vec4};
     /// use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, View};
-    /// use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
-    /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
     /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
@@ -110,7 +109,9 @@ impl Query {
     /// let ground = solid(Vec3::ZERO, Vec3::new(64.0, 1.0, 64.0))?;
     /// let tower = solid(Vec3::new(28.0, 1.0, 58.0), Vec3::new(36.0, 30.0, 60.0))?;
     /// let eye = Vec3::new(32.0, 3.0, 50.0);
-    /// let matrix = perspective(1.0, 1.5, 0.1, 200.0) * look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);
+    /// // It looks along -z: 60 degrees high, 3:2, with reversed depth from 0.1 on.
+    /// let projection = Mat4::from_cols(Vec4::X * 1.155, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
+    /// let matrix = projection * Mat4::from_translation(-eye);
     /// let (mut camera, mut sun) = (Query::new(), Query::new());
     /// let pvs = camera.run(&scene, &View::perspective(eye, matrix)?);
     /// assert!(pvs.contains(ground) && !pvs.contains(tower), "it stands behind the camera");

@@ -208,7 +208,8 @@ fn by_motion(
     }
     section.text(
         "Change of the occlusion at the same points of the spiral from one frame to the next (root of the mean square) when the view \
-         moves. Whole pixels change nothing but the numbers of pixels: all that changes then is flicker. Rays change only where \
+         moves. Where columns are a pixel wide, whole pixels change nothing but the numbers of pixels: all that changes then is \
+         flicker. Columns of few rows are wider: lines fall into other parts of them. Rays change only where \
          the hemisphere turns with the viewer.",
     );
     section.table(table);

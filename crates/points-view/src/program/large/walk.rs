@@ -57,8 +57,8 @@ pub struct Walk {
 const RATE: f32 = 60.0;
 const SIZE: (u32, u32) = (1280, 720);
 
-/// How far behind squares points count as visible, as in the thesis. It hides about 1 % of the visible points of a street falsely; a
-/// bias of 0.3 m hides 15 %, as facades are seen at grazing angles.
+/// How far behind squares points count as visible, as in the thesis. Facades are seen at grazing angles: `--check` finds 19 to 31 % of
+/// the visible points of a street falsely hidden in a generated town of 10 million points, and 5 to 9 % in one of 40 million.
 const BIAS: Bias = Bias::Window(0.05);
 
 const COLUMNS: [&str; 9] = [
