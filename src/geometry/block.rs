@@ -18,6 +18,17 @@ impl Block {
         Self { min, max }
     }
 
+    /// The least box around points; inverted without points.
+    pub(crate) fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+        let none = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(none, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// By how much another box sticks out of this one along an axis, at most; negative if by nothing.
+    pub(crate) fn beyond(&self, other: &Self) -> f64 {
+        (self.min - other.min).max(other.max - self.max).max_element()
+    }
+
     pub(crate) fn contains(&self, other: &Self) -> bool {
         self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
     }

@@ -62,11 +62,7 @@ impl Instance {
         let largest = vertices().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let placement = Placement::new("a mesh as transformed", transform, largest)?;
         let Placement { affine, error, .. } = placement;
-        let (min, max) = vertices().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
-            let p = affine.transform_point3(v);
-            (min.min(p), max.max(p))
-        });
-        let block = Block { min: min - error, max: max + error };
+        let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
         Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block }) })
     }
 
@@ -106,10 +102,7 @@ impl Instance {
                 // Flattened, or thin: only its box is known.
                 None => {
                     let corners = part.vertices().map(|v| affine.transform_point3(v) - origin);
-                    let (min, max) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
-                        (min.min(v), max.max(v))
-                    });
-                    Polytope::block(&Block { min: min - error, max: max + error })
+                    Polytope::block(&Block::around(corners).grown(error))
                 }
             }
         })
@@ -273,6 +266,12 @@ impl Kind for Instance {
 
     fn rows(&self) -> Option<&dyn Rows> {
         Some(self)
+    }
+
+    fn least_block(&self) -> Block {
+        let affine = &self.inner.placement.affine;
+        let corners = self.mesh().all_corners().flatten().map(|p| affine.transform_point3(p));
+        Block::around(corners)
     }
 
     fn is_solid(&self) -> bool {
