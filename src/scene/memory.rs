@@ -43,6 +43,7 @@ impl Scene {
             objects: self.slots.bytes()
                 + self.listed.bytes()
                 + self.always.bytes()
+                + self.overhang.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.journal.bytes()

@@ -11,7 +11,7 @@
 //!   visible to every query and hides nothing.
 //!
 //! Objects whose cells do not tell all - outside the grid, too large, or of unknown place - are in the set `always`,
-//! which every query tests.
+//! which every query tests. Those that reach out of the grid are in cells and in `overhang` ([`outer`]).
 //!
 //! # A frame
 //!
@@ -65,6 +65,7 @@ use crate::mesh::surface::seams::Seams;
 use crate::scene::expiry::ExpiryQueue;
 use crate::scene::journal::Journal;
 use crate::scene::opaque::OpaqueCells;
+use crate::scene::outer::Outer;
 use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
@@ -118,6 +119,8 @@ pub struct Scene {
     listed: SlotSet,
     /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
     always: SlotSet,
+    /// Listed objects in cells that reach beyond the grid, with their boxes.
+    overhang: Outer,
     expiries: ExpiryQueue,
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
@@ -157,6 +160,7 @@ impl Scene {
             volumes: Volumes::new(&grid),
             listed: SlotSet::default(),
             always: SlotSet::default(),
+            overhang: Outer::default(),
             expiries: ExpiryQueue::default(),
             viewers: Vec::new(),
             now: 0.0,
@@ -257,6 +261,12 @@ impl Scene {
         self.always.as_slice()
     }
 
+    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about their parts out there.
+    #[inline]
+    pub(crate) fn overhang(&self) -> &Outer {
+        &self.overhang
+    }
+
     /// Number of slots: all slots of objects are below.
     #[inline]
     pub(crate) fn slot_count(&self) -> usize {
@@ -344,8 +354,9 @@ impl Scene {
     /// Corners of a box that contains all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
-        let outer = self.volumes.outer().map(|bucket| bucket.around);
-        always.chain(outer).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
+        let outer = self.volumes.outer().pages().map(|page| page.around);
+        let overhang = self.overhang.pages().map(|page| page.around);
+        always.chain(outer).chain(overhang).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
             (min.min(block.min), max.max(block.max))
         })
     }

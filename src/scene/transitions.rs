@@ -182,7 +182,10 @@ impl Scene {
         if self.object(slot).is_unlocated() {
             return false;
         }
-        let Some(hidden) = self.make_volume(slot) else { return false };
+        let Some(hidden) = self.make_volume(slot) else {
+            self.slots.object_mut(slot).adapt(Validity::passed);
+            return false;
+        };
         self.unlist(slot);
         self.enclose(slot, hidden);
         true
@@ -213,7 +216,9 @@ impl Scene {
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
         let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
+        let overhangs = Span::of(&self.grid, &block).overhangs();
         let border = match (object.on_expiry(), object.validity().is_confined()) {
+            (false, false) if overhangs => Border::Beyond,
             (false, _) => Border::Cut,
             (true, false) => Border::Beyond,
             (true, true) => Border::Inside,

@@ -153,6 +153,7 @@ impl<'a> Walk<'a> {
             }
             (Origin::Direction(d), _) => self.everywhere(d),
         }
+        self.find_overhanging();
         if !self.fixed_only {
             self.test_outer_volumes();
         }
