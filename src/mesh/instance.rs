@@ -1,10 +1,10 @@
 //! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is shared.
 
 use crate::error::Error;
-use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
+use crate::geometry::{Aabb, Block};
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::heap::in_arc;
@@ -84,6 +84,26 @@ impl Instance {
         let mut transform = self.inner.transform;
         transform.translation += Vec3A::from(offset);
         Self::new(self.inner.mesh.clone(), transform)
+    }
+
+    /// The box of its triangles in world units, rounded outwards; with room for a renderer that transforms their
+    /// corners in single precision. Infinite where it ends beyond the range of that. Costs the triangles.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use casca::{Instance, TriMesh};
+    /// use glam::{Affine3A, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+    /// let leaf = Instance::new(Arc::new(leaf), Affine3A::from_scale(Vec3::splat(2.0)))?;
+    /// assert!(leaf.aabb().contains(Vec3::X * 2.0) && leaf.aabb().max.max_element() < 2.001);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn aabb(&self) -> Aabb {
+        self.least_block().grown(self.inner.placement.error).to_aabb()
     }
 
     pub(crate) fn placement(&self) -> &Placement {
