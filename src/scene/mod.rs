@@ -42,6 +42,7 @@ mod objects;
 mod opaque;
 mod outer;
 mod rims;
+mod shift;
 mod slot_set;
 mod slots;
 mod solids;

@@ -252,7 +252,7 @@ impl Scene {
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
-    fn hide(&mut self, slot: u32, mut hidden: Hidden) {
+    pub(super) fn hide(&mut self, slot: u32, mut hidden: Hidden) {
         let generation = self.slots.id(slot).generation;
         let object = self.slots.object_mut(slot);
         let early = object.on_expiry() && hidden.expires < hidden.queued;
