@@ -48,6 +48,7 @@ impl Scene {
                 + self.expiries.bytes()
                 + self.journal.bytes()
                 + self.seen.capacity() * size_of::<u64>()
+                + self.unseen.capacity() * size_of::<u32>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),
         }

@@ -71,7 +71,7 @@ use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
-pub use frame::FrameReport;
+pub use frame::{FrameReport, MOST_NEW_VOLUMES};
 pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
@@ -123,6 +123,8 @@ pub struct Scene {
     /// Listed objects in cells that reach beyond the grid, with their boxes.
     overhang: Outer,
     expiries: ExpiryQueue,
+    /// The slot from which on the next frame hides objects, if they are many.
+    next_to_hide: u32,
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
     /// The clock, in seconds.
@@ -137,8 +139,10 @@ pub struct Scene {
     fixed_revision: u64,
     moves: u64,
     journal: Journal,
-    /// Memory used again: the objects in sight, a bit for each slot, and the cells of an object that moves.
+    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
+    /// object that moves.
     seen: Vec<u64>,
+    unseen: Vec<u32>,
     moved: Moved,
 }
 
@@ -163,6 +167,7 @@ impl Scene {
             always: SlotSet::default(),
             overhang: Outer::default(),
             expiries: ExpiryQueue::default(),
+            next_to_hide: 0,
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
@@ -173,6 +178,7 @@ impl Scene {
             moves: 0,
             journal: Journal::default(),
             seen: Vec::new(),
+            unseen: Vec::new(),
             moved: Moved::default(),
         })
     }
