@@ -45,8 +45,9 @@ fn no_object_waits_for_ever_while_others_come_and_go() {
     let (mut scene, mut query) = (scene(), Query::new());
     // Some stay in sight.
     let seen: Vec<ObjectId> = (0..3000).map(|i| insert(&mut scene, i, 5.0)).collect();
+    // Those that come and go are before the others in the order of their indices.
+    let mut new: Vec<ObjectId> = (0..2500).map(|i| insert(&mut scene, i, 60.0)).collect();
     let old: Vec<ObjectId> = (0..5000).map(|i| insert(&mut scene, i, 30.0)).collect();
-    let mut new: Vec<ObjectId> = Vec::new();
     let mut frames = 0;
     while hidden(&scene, &old) < old.len() {
         assert!(frames < 30, "{} of the old ones are in volumes", hidden(&scene, &old));

@@ -3,7 +3,6 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::Error;
-use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::heap::in_arc;
 use crate::shape::convex::Convex;
@@ -25,10 +24,6 @@ impl Kind for Convex {
 
     fn rows(&self) -> Option<&dyn Rows> {
         Some(self)
-    }
-
-    fn least_block(&self) -> Block {
-        Block::new(self.corner_bounds())
     }
 
     /// Only eyes known exactly see it whole.
