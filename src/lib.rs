@@ -152,7 +152,7 @@ pub use method::{CellOptions, Method, PointOptions};
 pub use object::{Bounds, Motion, ObjectDesc, Occluder, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::{CameraQuery, Query, Sight};
-pub use scene::{FrameReport, MemoryUse, ObjectRef, Scene};
+pub use scene::{FrameReport, MOST_NEW_VOLUMES, MemoryUse, ObjectRef, Scene};
 pub use shape::{Convex, MAX_CONVEX};
 pub use view::{MAX_PLANES, View};
 

@@ -87,6 +87,13 @@ pub struct Pvs {
     pub(crate) stats: Stats,
 }
 
+/// An empty set, of no scene and no view: [`Scene::end_frame`](crate::Scene::end_frame) passes over it.
+impl Default for Pvs {
+    fn default() -> Self {
+        Self::empty()
+    }
+}
+
 impl Pvs {
     pub(crate) fn empty() -> Self {
         Self {

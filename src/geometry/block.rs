@@ -6,6 +6,17 @@ use crate::geometry::plane::HalfSpace;
 use crate::geometry::primitives::Aabb;
 use crate::numeric::shape::REGION;
 
+/// The least number in single precision that is not less.
+pub(crate) fn above(v: f64) -> f32 {
+    let single = v as f32;
+    if f64::from(single) < v { single.next_up() } else { single }
+}
+
+/// The greatest number in single precision that is not greater.
+pub(crate) fn below(v: f64) -> f32 {
+    -above(-v)
+}
+
 /// An axis-aligned box in `f64`, in world units unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Block {
@@ -16,6 +27,17 @@ pub(crate) struct Block {
 impl Block {
     pub(crate) fn new((min, max): (DVec3, DVec3)) -> Self {
         Self { min, max }
+    }
+
+    /// The least box around points; inverted without points.
+    pub(crate) fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+        let none = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.into_iter().fold(none, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// By how much another box sticks out of this one along an axis, at most; negative if by nothing.
+    pub(crate) fn beyond(&self, other: &Self) -> f64 {
+        (self.min - other.min).max(other.max - self.max).max_element()
     }
 
     pub(crate) fn contains(&self, other: &Self) -> bool {
@@ -59,6 +81,14 @@ impl Block {
     /// The box larger by a length on all sides.
     pub(crate) fn grown(&self, by: f64) -> Self {
         Self { min: self.min - by, max: self.max + by }
+    }
+
+    /// The least box in single precision around it: infinite where it ends beyond the range of that.
+    pub(crate) fn to_aabb(self) -> Aabb {
+        Aabb {
+            min: self.min.to_array().map(|v| -above(-v)).into(),
+            max: self.max.to_array().map(above).into(),
+        }
     }
 
     /// The volume of a box that is not inverted.

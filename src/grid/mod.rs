@@ -22,6 +22,14 @@ pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 /// enough to be outside, small enough for exact integer arithmetic.
 const FAR_CELLS: f64 = (1u64 << 30) as f64;
 
+/// Corners are no more than so many units from the origin.
+const MOST_UNITS: f64 = (1u64 << 51) as f64;
+
+/// The last binary digit of a cell size, at most 2^-23 of it.
+fn unit_of(cell: f32) -> f64 {
+    2f64.powi(cell.to_bits().wrapping_shr(23) as i32 - 127 - 23)
+}
+
 /// The measures of a grid: a corner, the edge length of its cubic cells and how
 /// many of them lie along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,12 +139,31 @@ impl Grid {
             return Err(Error::GridDims { dims: spec.dims, max: MAX_CELLS_PER_AXIS });
         }
         let cell = f64::from(spec.cell);
-        let unit = 2f64.powi(spec.cell.to_bits().wrapping_shr(23) as i32 - 127 - 23);
+        let unit = unit_of(spec.cell);
         let units = (spec.min.as_dvec3() / unit).floor();
-        if units.abs().max_element() > 2f64.powi(51) {
+        if units.abs().max_element() > MOST_UNITS {
             return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
         }
         Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec3() })
+    }
+
+    /// The grid in coordinates that are less by an offset. Its corner is snapped down as that of [`Grid::new`], by at most two
+    /// units of [`Grid::unit`].
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub(crate) fn shifted(&self, offset: DVec3) -> Result<Self, Error> {
+        let unit = self.unit();
+        let units = ((self.origin - offset) / unit).floor();
+        if units.abs().max_element() > MOST_UNITS {
+            return Err(Error::GridTooFar { min: (units * unit).as_vec3(), cell: self.cell as f32 });
+        }
+        Ok(Self { origin: units * unit, ..*self })
+    }
+
+    /// The last binary digit of the cell size: all planes are multiples of it.
+    pub(crate) fn unit(&self) -> f64 {
+        unit_of(self.cell as f32)
     }
 
     /// The grid of bricks of 8x8x8 cells. Its planes are planes of this grid, just as exact.

@@ -93,7 +93,7 @@ impl Watch {
         for brick in scene.tbv_matrix().bricks().filter(|&brick| drawn.may_see_brick(brick)) {
             scene.tbv_matrix().ids(brick).for_each(|slot| self.test_once(drawn, slot));
         }
-        for bucket in scene.volumes().outer() {
+        for bucket in scene.volumes().outer().buckets() {
             bucket.slots.iter().for_each(|&slot| self.test_once(drawn, slot));
         }
     }

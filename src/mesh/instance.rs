@@ -1,10 +1,10 @@
 //! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is shared.
 
 use crate::error::Error;
-use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Polytope;
+use crate::geometry::{Aabb, Block};
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
 use crate::heap::in_arc;
@@ -62,11 +62,7 @@ impl Instance {
         let largest = vertices().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let placement = Placement::new("a mesh as transformed", transform, largest)?;
         let Placement { affine, error, .. } = placement;
-        let (min, max) = vertices().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
-            let p = affine.transform_point3(v);
-            (min.min(p), max.max(p))
-        });
-        let block = Block { min: min - error, max: max + error };
+        let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
         Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block }) })
     }
 
@@ -90,6 +86,26 @@ impl Instance {
         Self::new(self.inner.mesh.clone(), transform)
     }
 
+    /// The box of its triangles in world units, rounded outwards; with room for a renderer that transforms their
+    /// corners in single precision. Infinite where it ends beyond the range of that. Costs the triangles.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use casca::{Instance, TriMesh};
+    /// use glam::{Affine3A, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+    /// let leaf = Instance::new(Arc::new(leaf), Affine3A::from_scale(Vec3::splat(2.0)))?;
+    /// assert!(leaf.aabb().contains(Vec3::X * 2.0) && leaf.aabb().max.max_element() < 2.001);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn aabb(&self) -> Aabb {
+        self.least_block().grown(self.inner.placement.error).to_aabb()
+    }
+
     pub(crate) fn placement(&self) -> &Placement {
         &self.inner.placement
     }
@@ -106,10 +122,7 @@ impl Instance {
                 // Flattened, or thin: only its box is known.
                 None => {
                     let corners = part.vertices().map(|v| affine.transform_point3(v) - origin);
-                    let (min, max) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), v| {
-                        (min.min(v), max.max(v))
-                    });
-                    Polytope::block(&Block { min: min - error, max: max + error })
+                    Polytope::block(&Block::around(corners).grown(error))
                 }
             }
         })
@@ -273,6 +286,12 @@ impl Kind for Instance {
 
     fn rows(&self) -> Option<&dyn Rows> {
         Some(self)
+    }
+
+    fn least_block(&self) -> Block {
+        let affine = &self.inner.placement.affine;
+        let corners = self.mesh().all_corners().flatten().map(|p| affine.transform_point3(p));
+        Block::around(corners)
     }
 
     fn is_solid(&self) -> bool {

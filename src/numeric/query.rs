@@ -32,3 +32,7 @@ pub(crate) const FRONT_SINE: f64 = 1e-4;
 /// Growth of the region that the near plane cuts away, as a share of its size, when it is compared with the slab of a
 /// patch: sums of three products.
 pub(crate) const CUT_REGION: f64 = 1e-9;
+
+/// Points at which segments leave the grid are known to this share of the coordinates that they come from: sums and
+/// quotients of a few numbers, each with a relative error of 1e-16.
+pub(crate) const EXIT: f64 = 1e-12;

@@ -38,6 +38,25 @@ pub enum Bounds {
 kinds!(Bounds: Sphere(Sphere), Box(Aabb), Oriented(Obb), Mesh(Arc<TriMesh>), Instance(Instance));
 
 impl Bounds {
+    /// A box around the bounds in world units, rounded outwards: the one that is compared with cells and occlusion
+    /// buffers first. Infinite where it ends beyond the range of single precision. Costs a few operations.
+    ///
+    /// The box of an [`Instance`] is that of the convex parts that it is tested by, which may be larger than its vertices
+    /// need: see [`Instance::aabb`].
+    ///
+    /// ```
+    /// use casca::{Aabb, Bounds, Sphere};
+    /// use glam::Vec3;
+    ///
+    /// let ball = Bounds::from(Sphere::new(Vec3::ONE, 0.1));
+    /// assert!(ball.aabb().contains(Vec3::new(1.1, 1.0, 1.0)));
+    /// let level = Aabb::new(Vec3::ZERO, Vec3::splat(0.7));
+    /// assert_eq!(Bounds::from(level).aabb(), level);
+    /// ```
+    pub fn aabb(&self) -> Aabb {
+        self.block().to_aabb()
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.kind().check("the bounds")
     }

@@ -205,11 +205,15 @@ pub(crate) fn check_pair(bounds: &Bounds, occluder: Option<&Occluder>) -> Result
     bounds.check()?;
     let Some(occluder) = occluder else { return Ok(()) };
     occluder.check()?;
-    let (outer, inner) = (bounds.block(), occluder.block());
-    let by = (outer.min - inner.min).max(inner.max - outer.max).max_element();
+    let outer = bounds.block();
     let reach = outer.min.abs().max(outer.max.abs()).max_element();
-    if by > OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach {
-        return Err(Error::OccluderOutside { by });
+    let allowed = OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach;
+    // The quick box of an instance may be much larger than its vertices need.
+    if outer.beyond(&occluder.block()) > allowed {
+        let by = outer.beyond(&occluder.kind().least_block());
+        if by > allowed {
+            return Err(Error::OccluderOutside { by });
+        }
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod desc;
 mod kinds;
 mod occluder;
 mod placed;
+mod shifted;
 #[cfg(feature = "serde")]
 mod stored;
 mod union;

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use glam::{Affine3A, DMat3, DQuat, DVec3, Quat, Vec3};
 
 use crate::error::Error;
+use crate::geometry::block::{above, below};
 use crate::geometry::placement::{Placement, scales_alike};
-use crate::geometry::{Aabb, Obb, Sphere};
+use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::mesh::Instance;
 use crate::numeric::mesh::ANGLES;
 use crate::numeric::shape::{ALIKE, LENGTH_OF_ERROR};
@@ -102,8 +103,7 @@ impl Cuboid {
             None => {
                 let reach: DVec3 = self.axes().iter().map(|axis| axis.abs()).sum();
                 let (min, max) = (self.center - reach - room, self.center + reach + room);
-                let low = Vec3::from_array(min.to_array().map(|v| -above(-v)));
-                Aabb::new(low, Vec3::from_array(max.to_array().map(above))).into()
+                Block { min, max }.to_aabb().into()
             }
         }
     }
@@ -173,18 +173,6 @@ impl Cuboid {
         }
         (inner.half.min_element() > 0.0).then_some(inner)
     }
-}
-
-/// A number in single precision that is not less.
-fn above(v: f64) -> f32 {
-    let single = v as f32;
-    if f64::from(single) < v { single.next_up() } else { single }
-}
-
-/// A number in single precision that is not greater.
-fn below(v: f64) -> f32 {
-    let single = v as f32;
-    if f64::from(single) > v { single.next_down() } else { single }
 }
 
 /// The scale of a transform that scales all axes alike.

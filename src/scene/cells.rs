@@ -5,7 +5,7 @@ use glam::IVec3;
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::grid::bricks::BRICK;
-use crate::grid::cell_box::volume;
+use crate::grid::cell_box::{CellBox, volume};
 use crate::matrix::bits::NONE;
 use crate::object::{Bounds, Motion, Occluder};
 use crate::scene::Scene;
@@ -19,8 +19,12 @@ const MOST_SPANNED: u64 = 1 << 22;
 /// How the cells of a box stand for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Span {
+    /// The cells, also those beyond the grid.
+    cells: CellBox,
     /// Whether all of them lie in the grid.
     inside: bool,
+    /// Whether one of them does.
+    enters: bool,
     /// Whether those in the grid are few enough to be written into I.
     few: bool,
 }
@@ -29,13 +33,20 @@ impl Span {
     pub(super) fn of(grid: &Grid, block: &Block) -> Self {
         let (lo, hi) = grid.cover(block.min, block.max);
         let inside = grid.contains(lo) && grid.contains(hi);
-        let few = grid.clip(lo, hi).is_none_or(|(lo, hi)| volume(lo, hi) <= MOST_SPANNED);
-        Self { inside, few }
+        let clipped = grid.clip(lo, hi);
+        let few = clipped.is_none_or(|(lo, hi)| volume(lo, hi) <= MOST_SPANNED);
+        Self { cells: CellBox { lo, hi }, inside, enters: clipped.is_some(), few }
     }
 
-    /// Whether the walk over the cells finds the object wherever it can be seen.
+    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes around what reaches
+    /// beyond the grid do.
     pub(super) fn suffices(self) -> bool {
-        self.inside && self.few
+        self.enters && self.few
+    }
+
+    /// Whether it is in cells and reaches beyond the grid.
+    pub(super) fn overhangs(self) -> bool {
+        self.suffices() && !self.inside
     }
 }
 
@@ -50,7 +61,8 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
     // A connected shape touches all bricks of its box if those are a row.
     let rows = (hi >> 3i32).cmpgt(lo >> 3i32).bitmask().count_ones() <= 1;
     let whole = |lo: IVec3, hi: IVec3| (hi - lo).min_element() >= BRICK - 1;
-    same && rows && grid.contains(lo) && grid.contains(hi) && !whole(lo, hi) && !whole(old_lo, old_hi)
+    let inside = [lo, hi, old_lo, old_hi].into_iter().all(|cell| grid.contains(cell));
+    same && rows && inside && !whole(lo, hi) && !whole(old_lo, old_hi)
 }
 
 impl Scene {
@@ -59,7 +71,8 @@ impl Scene {
         let grid = self.grid;
         let object = self.slots.object_mut(slot);
         object.apply(Event::Listed);
-        let span = Span::of(&grid, &object.bounds.block());
+        let block = object.bounds.block();
+        let span = Span::of(&grid, &block);
         object.in_cells = span.few;
         let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
@@ -72,6 +85,9 @@ impl Scene {
         }
         if !span.suffices() {
             self.always.insert(slot);
+        }
+        if span.overhangs() {
+            self.overhang.insert(&block, &span.cells, slot);
         }
         if dynamic {
             self.listed.insert(slot);
@@ -97,6 +113,10 @@ impl Scene {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
         self.always.remove(slot);
+        let span = Span::of(&grid, &bounds.block());
+        if span.overhangs() {
+            self.overhang.remove(&span.cells, slot);
+        }
         if self.listed.remove(slot) {
             self.listed_on_expiry -= u32::from(on_expiry);
         }
@@ -130,13 +150,19 @@ impl Scene {
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
         }
+        let (before, after) = (Span::of(&grid, &object.bounds.block()), Span::of(&grid, &bounds.block()));
         // An occluder that comes or goes joins or leaves its part of the opacity.
         let same_part = object.occluder().is_some() == occluder.is_some();
-        let simple =
-            !object.is_static() && in_cells && same_part && Span::of(&grid, &bounds.block()).suffices();
+        let simple = !object.is_static() && in_cells && same_part && after.suffices();
         let mut moved = std::mem::take(&mut self.moved);
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
         if done {
+            if before.overhangs() {
+                self.overhang.remove(&before.cells, slot);
+            }
+            if after.overhangs() {
+                self.overhang.insert(&bounds.block(), &after.cells, slot);
+            }
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
             let object = self.slots.object(slot);
             if let Some(part) = object.opacity {

@@ -13,8 +13,10 @@ impl Scene {
     ///
     /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each 512 cells
     /// inside. Bounds that span more than 2^22 cells cost no cells: such an object is tested against the
-    /// view in every query instead, and so is one that reaches out of the grid. A mesh costs the cells of
-    /// its surface.
+    /// view in every query instead, and so is one that lies wholly outside of the grid. One that reaches out of the
+    /// grid costs no more than others, but for a box around it and its neighbours that queries test;
+    /// [`crate::Method::Cell`] takes a part beyond a side of the grid that the eye's cell touches to be visible. A mesh
+    /// costs the cells of its surface.
     ///
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
@@ -62,6 +64,54 @@ impl Scene {
         }
         self.slots.object_mut(id.slot).placed = None;
         self.report(id.slot, bounds, occluder);
+        Ok(())
+    }
+
+    /// Gives an object other bounds. Its occluder stays, and so does its place: [`Scene::set_transform`] goes on
+    /// working for a [placed](ObjectDesc::placed) object. For skinned meshes, whose bounds change with each pose.
+    ///
+    /// The bounds are in the space that the object was described in: in its own one if it is placed, in world units if
+    /// not. So an engine gives the box of the pose, and apart from that the transform of the object. Bounds of an object
+    /// that consists of [`Instance`](crate::Instance)s must be an instance under the same transform again, or
+    /// [`Scene::set_transform`] refuses it from then on.
+    ///
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    ///
+    /// ```
+    /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+    /// use glam::{Affine3A, UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let standing = Aabb::new(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.4, 1.8, 0.4));
+    /// let at = |x| Affine3A::from_translation(Vec3::new(x, 2.0, 9.0));
+    /// let person = scene.insert(ObjectDesc::dynamic(standing).placed(at(5.0)))?;
+    /// // The next pose, and the next step.
+    /// scene.set_bounds(person, Aabb { max: Vec3::new(0.4, 1.1, 0.9), ..standing })?;
+    /// scene.set_transform(person, at(5.1))?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`]: also bounds that the occluder
+    /// of the object sticks out of. The object then stays as it is.
+    pub fn set_bounds(&mut self, id: ObjectId, bounds: impl Into<Bounds>) -> Result<(), Error> {
+        let bounds = bounds.into();
+        let object = self.find(id)?;
+        let occluder = object.given_occluder().cloned();
+        let Some(placed) = &object.placed else {
+            check_pair(&bounds, occluder.as_ref())?;
+            self.report(id.slot, bounds, occluder);
+            return Ok(());
+        };
+        check_pair(&bounds, placed.occluder.as_ref())?;
+        let world = bounds.placed(placed.transform)?;
+        check_pair(&world, None)?;
+        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+            placed.bounds = bounds;
+        }
+        self.report(id.slot, world, occluder);
         Ok(())
     }
 

@@ -43,11 +43,13 @@ impl Scene {
             objects: self.slots.bytes()
                 + self.listed.bytes()
                 + self.always.bytes()
+                + self.overhang.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.journal.bytes()
                 + self.static_changes.bytes()
                 + self.seen.capacity() * size_of::<u64>()
+                + self.unseen.capacity() * size_of::<u32>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),
         }

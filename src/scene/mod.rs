@@ -11,7 +11,7 @@
 //!   visible to every query and hides nothing.
 //!
 //! Objects whose cells do not tell all - outside the grid, too large, or of unknown place - are in the set `always`,
-//! which every query tests.
+//! which every query tests. Those that reach out of the grid are in cells and in `overhang` ([`outer`]).
 //!
 //! # A frame
 //!
@@ -43,6 +43,7 @@ mod opacity;
 mod opaque;
 mod outer;
 mod rims;
+mod shift;
 mod slot_set;
 mod slots;
 mod solids;
@@ -64,11 +65,12 @@ use crate::mesh::surface::seams::Seams;
 use crate::scene::expiry::ExpiryQueue;
 use crate::scene::journal::Journal;
 use crate::scene::opacity::Opacity;
+use crate::scene::outer::Outer;
 use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
-pub use frame::FrameReport;
+pub use frame::{FrameReport, MOST_NEW_VOLUMES};
 pub(crate) use journal::StaticChange;
 pub use memory::MemoryUse;
 pub(crate) use object::Object;
@@ -115,7 +117,11 @@ pub struct Scene {
     listed: SlotSet,
     /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
     always: SlotSet,
+    /// Listed objects in cells that reach beyond the grid, with their boxes.
+    overhang: Outer,
     expiries: ExpiryQueue,
+    /// The slot from which on the next frame hides objects, if they are many.
+    next_to_hide: u32,
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
     /// The clock, in seconds.
@@ -130,8 +136,10 @@ pub struct Scene {
     journal: Journal<u32>,
     /// The static objects that came, went or changed.
     static_changes: Journal<StaticChange>,
-    /// Memory used again: the objects in sight, a bit for each slot, and the cells of an object that moves.
+    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
+    /// object that moves.
     seen: Vec<u64>,
+    unseen: Vec<u32>,
     moved: Moved,
 }
 
@@ -152,7 +160,9 @@ impl Scene {
             volumes: Volumes::new(&grid),
             listed: SlotSet::default(),
             always: SlotSet::default(),
+            overhang: Outer::default(),
             expiries: ExpiryQueue::default(),
+            next_to_hide: 0,
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
@@ -162,6 +172,7 @@ impl Scene {
             journal: Journal::default(),
             static_changes: Journal::default(),
             seen: Vec::new(),
+            unseen: Vec::new(),
             moved: Moved::default(),
         })
     }
@@ -238,6 +249,12 @@ impl Scene {
     #[inline]
     pub(crate) fn always(&self) -> &[u32] {
         self.always.as_slice()
+    }
+
+    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about their parts out there.
+    #[inline]
+    pub(crate) fn overhang(&self) -> &Outer {
+        &self.overhang
     }
 
     /// Number of slots: all slots of objects are below.
@@ -327,8 +344,9 @@ impl Scene {
     /// Corners of a box that contains all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
-        let outer = self.volumes.outer().map(|bucket| bucket.around);
-        always.chain(outer).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
+        let outer = self.volumes.outer().pages().map(|page| page.around);
+        let overhang = self.overhang.pages().map(|page| page.around);
+        always.chain(outer).chain(overhang).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
             (min.min(block.min), max.max(block.max))
         })
     }

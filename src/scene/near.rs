@@ -24,9 +24,20 @@ impl Scene {
             let occluder = self.shown_occluder(slot, layers);
             occluder.is_some_and(|o| o.block().may_meet(&around) && o.contains_point(point))
         };
-        self.always().iter().copied().any(contains)
-            || self.grid.contains(cell)
-                && (self.is_opaque(cell, layers) || self.ids.in_brick(cell >> 3i32).any(contains))
+        if self.always().iter().copied().any(contains) {
+            return true;
+        }
+        if self.grid.contains(cell) {
+            return self.is_opaque(cell, layers) || self.ids.in_brick(cell >> 3i32).any(contains);
+        }
+        self.any_overhanging(&around, contains)
+    }
+
+    /// Whether an object that reaches beyond the grid and may meet a box passes a test.
+    fn any_overhanging(&self, around: &Block, mut test: impl FnMut(u32) -> bool) -> bool {
+        let mut found = false;
+        self.overhang.slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
+        found
     }
 
     /// The occluder of an object that views of some layers show.
@@ -41,7 +52,9 @@ impl Scene {
         let layers = region.layers();
         let touches =
             |slot: u32| self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around));
-        let always = || self.always().iter().any(|&slot| touches(slot));
+        // Cells tell nothing about what reaches beyond the grid.
+        let always =
+            || self.always().iter().any(|&slot| touches(slot)) || self.any_overhanging(around, touches);
         let (lo, hi) = self.grid.cover(around.min, around.max);
         let Some((lo, hi)) = self.grid.clip(lo, hi) else { return always() };
         let anywhere = || self.living().any(|(slot, _)| touches(slot));

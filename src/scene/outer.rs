@@ -1,36 +1,55 @@
-//! Volumes that leave the grid: an object that stands on the floor of the grid may go below it.
+//! Boxes that leave the grid: an object that stands on the floor of the grid may go below it.
 //!
-//! The matrices end with the grid, and so do the walks. Volumes that reach beyond are kept in buckets of
-//! the size of a brick, each with a box around its volumes: a query tests the boxes first. Since these volumes are in
-//! no cells, they need not be made of whole ones.
+//! The matrices end with the grid, and so do the walks. Volumes that reach beyond, and listed objects that do, are kept
+//! in buckets of the size of a brick, and these in pages of 8x8x8 of them. Buckets and pages have boxes around their
+//! contents: a query tests those first. Since these volumes are in no cells, they need not be made of whole ones.
 
 use std::collections::BTreeMap;
+
+use glam::IVec3;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::CellBox;
 use crate::heap::in_tree;
 
-/// Volumes whose middles lie in one brick, of the grid or beyond it.
+/// Boxes whose middles lie in one brick, of the grid or beyond it.
 #[derive(Debug, Clone)]
 pub(crate) struct Bucket {
-    /// Contains all volumes; too large after removals, for a while.
+    /// Contains all boxes; too large after removals, for a while.
     pub(crate) around: Block,
     pub(crate) slots: Vec<u32>,
     /// Removals since `around` was exact.
     removed: usize,
 }
 
-/// The volumes that reach beyond the grid.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Outer {
-    /// Ordered, so that results do not depend on a hash.
+/// The buckets of one page of bricks.
+#[derive(Debug, Clone)]
+pub(crate) struct Page {
+    /// Contains all boxes; too large after removals, for a while.
+    pub(crate) around: Block,
+    /// By brick. Ordered, so that results do not depend on a hash.
     buckets: BTreeMap<[i32; 3], Bucket>,
-    /// By slot: its place in its bucket, and its volume.
+    /// Removals since `around` was exact.
+    removed: usize,
+}
+
+impl Page {
+    pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
+        self.buckets.values()
+    }
+}
+
+/// The boxes that reach beyond the grid.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Outer {
+    pages: BTreeMap<[i32; 3], Page>,
+    /// By slot: its place in its bucket, and its box.
     placed: Vec<(u32, Block)>,
 }
 
-fn key(cells: &CellBox) -> [i32; 3] {
-    ((cells.lo + cells.hi) >> 4i32).to_array()
+/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it or near it.
+fn brick_of(cells: &CellBox) -> IVec3 {
+    (cells.lo + cells.hi) >> 4i32
 }
 
 fn union(a: Block, b: Block) -> Block {
@@ -38,22 +57,28 @@ fn union(a: Block, b: Block) -> Block {
 }
 
 impl Outer {
-    /// Adds a volume, and the cells that it touches.
-    pub(super) fn insert(&mut self, volume: &Block, cells: &CellBox, slot: u32) {
-        let empty = || Bucket { around: *volume, slots: Vec::new(), removed: 0 };
-        let bucket = self.buckets.entry(key(cells)).or_insert_with(empty);
-        bucket.around = union(bucket.around, *volume);
+    /// Adds a box, and the cells that it touches.
+    pub(super) fn insert(&mut self, block: &Block, cells: &CellBox, slot: u32) {
+        let brick = brick_of(cells);
+        let page = || Page { around: *block, buckets: BTreeMap::new(), removed: 0 };
+        let page = self.pages.entry((brick >> 3i32).to_array()).or_insert_with(page);
+        page.around = union(page.around, *block);
+        let bucket = || Bucket { around: *block, slots: Vec::new(), removed: 0 };
+        let bucket = page.buckets.entry(brick.to_array()).or_insert_with(bucket);
+        bucket.around = union(bucket.around, *block);
         if self.placed.len() <= slot as usize {
-            self.placed.resize(slot as usize + 1, (0, *volume));
+            self.placed.resize(slot as usize + 1, (0, *block));
         }
-        self.placed[slot as usize] = (bucket.slots.len() as u32, *volume);
+        self.placed[slot as usize] = (bucket.slots.len() as u32, *block);
         bucket.slots.push(slot);
     }
 
-    /// Takes a volume out.
+    /// Takes a box out.
     pub(super) fn remove(&mut self, cells: &CellBox, slot: u32) {
-        let key = key(cells);
-        let Some(bucket) = self.buckets.get_mut(&key) else { return };
+        let brick = brick_of(cells);
+        let at = (brick >> 3i32).to_array();
+        let Some(page) = self.pages.get_mut(&at) else { return };
+        let Some(bucket) = page.buckets.get_mut(&brick.to_array()) else { return };
         let place = self.placed[slot as usize].0;
         bucket.slots.swap_remove(place as usize);
         if let Some(&moved) = bucket.slots.get(place as usize) {
@@ -65,32 +90,62 @@ impl Outer {
             match bucket.slots.iter().map(|&s| self.placed[s as usize].1).reduce(union) {
                 Some(exact) => bucket.around = exact,
                 None => {
-                    self.buckets.remove(&key);
+                    page.buckets.remove(&brick.to_array());
+                }
+            }
+        }
+        page.removed += 1;
+        if page.removed > page.buckets.len() {
+            page.removed = 0;
+            match page.buckets().map(|bucket| bucket.around).reduce(union) {
+                Some(around) => page.around = around,
+                None => {
+                    self.pages.remove(&at);
                 }
             }
         }
     }
 
-    /// The volume of an object that is here.
+    /// The box of an object that is here.
     pub(super) fn block(&self, slot: u32) -> Block {
         self.placed[slot as usize].1
     }
 
-    pub(super) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
-        self.buckets.values()
+    pub(crate) fn pages(&self) -> impl Iterator<Item = &Page> {
+        self.pages.values()
+    }
+
+    pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
+        self.pages().flat_map(Page::buckets)
+    }
+
+    /// The objects in the buckets that pass a test of their boxes, as do the pages of those.
+    pub(crate) fn slots_where(&self, mut asked: impl FnMut(&Block) -> bool, mut found: impl FnMut(u32)) {
+        for page in self.pages() {
+            if !asked(&page.around) {
+                continue;
+            }
+            for bucket in page.buckets() {
+                if asked(&bucket.around) {
+                    bucket.slots.iter().for_each(|&slot| found(slot));
+                }
+            }
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        in_tree::<([i32; 3], Bucket)>(self.buckets.len())
-            + self.buckets.values().map(|b| b.slots.capacity() * 4).sum::<usize>()
+        let page = |page: &Page| {
+            in_tree::<([i32; 3], Bucket)>(page.buckets.len())
+                + page.buckets().map(|b| b.slots.capacity() * 4).sum::<usize>()
+        };
+        in_tree::<([i32; 3], Page)>(self.pages.len())
+            + self.pages().map(page).sum::<usize>()
             + self.placed.capacity() * size_of::<(u32, Block)>()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::IVec3;
-
     use super::*;
 
     #[test]
@@ -115,11 +170,14 @@ mod tests {
             let mut expected = inside.clone();
             expected.sort_unstable();
             assert_eq!(found, expected);
+            for page in outer.pages() {
+                assert!(page.buckets().all(|bucket| page.around.contains(&bucket.around)));
+            }
             for bucket in outer.buckets() {
                 assert!(bucket.slots.iter().all(|&s| bucket.around.contains(&volumes[s as usize].1)));
                 assert!(bucket.slots.iter().all(|&s| outer.block(s) == volumes[s as usize].1));
             }
         }
-        assert_eq!(outer.buckets().count(), 0);
+        assert_eq!((outer.buckets().count(), outer.pages().count()), (0, 0));
     }
 }

@@ -10,7 +10,7 @@
 //! | `Enclosed`: it is inside a volume from now on     | Hidden  | -       | Hidden                  | Hidden    |
 //! | `Requeued`: its expiry is queued for another time | -       | -       | Hidden                  | -         |
 //! | `Expired`: it may have left its volume            | -       | -       | Unlocated, with volume  | -         |
-//! | `Revealed`: a view saw the volume, not the object | -       | -       | Unlocated, no volume    | -         |
+//! | `Revealed`: its volume is gone                    | -       | -       | Unlocated, no volume    | the same  |
 //! | `Listed`: its cells are in the matrices           | Listed  | -       | Listed                  | Listed    |
 //!
 //! A new object is listed. An object of any state can be removed.
@@ -31,6 +31,9 @@
 //! | `end_frame`                | hidden, volume revealed, reported on expiry   | `Revealed`                                    |
 //! | `end_frame`                | hidden, volume revealed, in a set             | `Listed`                                      |
 //! | `end_frame`                | hidden, volume revealed, in no set            | `Enclosed` if a new volume fits, else `Listed`|
+//! | `shift_origin`             | hidden, surely still inside its volume        | `Enclosed` (the same volume)                  |
+//! | `shift_origin`             | hidden or unlocated, reported on expiry       | `Revealed` if it may be outside               |
+//! | `shift_origin`             | hidden, reported when moved, outside by now   | `Listed`                                      |
 //!
 //! An overdue object gets no volume: a volume around an old place contains nothing for certain.
 
@@ -88,7 +91,9 @@ impl State {
                 Some(Self::Hidden(Hidden { queued, ..hidden }))
             }
             (Self::Hidden(hidden), Event::Expired) => Some(Self::Unlocated { volume: Some(hidden.tbv) }),
-            (Self::Hidden(_), Event::Revealed) => Some(Self::Unlocated { volume: None }),
+            (Self::Hidden(_) | Self::Unlocated { .. }, Event::Revealed) => {
+                Some(Self::Unlocated { volume: None })
+            }
             _ => None,
         }
     }
@@ -123,7 +128,7 @@ mod tests {
             (Event::Enclosed(large), [Some(into), no, Some(into), Some(into), Some(into)]),
             (Event::Requeued(4.5), [no, no, Some(State::Hidden(hidden(2, 4.5))), no, no]),
             (Event::Expired, [no, no, Some(kept), no, no]),
-            (Event::Revealed, [no, no, Some(bare), no, no]),
+            (Event::Revealed, [no, no, Some(bare), Some(bare), Some(bare)]),
             (Event::Listed, [Some(listed), no, Some(listed), Some(listed), Some(listed)]),
         ];
         for (event, row) in table {

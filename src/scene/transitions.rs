@@ -197,7 +197,10 @@ impl Scene {
         if self.object(slot).is_unlocated() {
             return false;
         }
-        let Some(hidden) = self.make_volume(slot) else { return false };
+        let Some(hidden) = self.make_volume(slot) else {
+            self.slots.object_mut(slot).adapt(Validity::passed);
+            return false;
+        };
         self.unlist(slot);
         self.enclose(slot, hidden);
         true
@@ -228,7 +231,9 @@ impl Scene {
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
         let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
+        let overhangs = Span::of(&self.grid, &block).overhangs();
         let border = match (object.on_expiry(), object.validity().is_confined()) {
+            (false, false) if overhangs => Border::Beyond,
             (false, _) => Border::Cut,
             (true, false) => Border::Beyond,
             (true, true) => Border::Inside,
@@ -262,7 +267,7 @@ impl Scene {
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
-    fn hide(&mut self, slot: u32, mut hidden: Hidden) {
+    pub(super) fn hide(&mut self, slot: u32, mut hidden: Hidden) {
         let generation = self.slots.id(slot).generation;
         let object = self.slots.object_mut(slot);
         let early = object.on_expiry() && hidden.expires < hidden.queued;

@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::grid::cell_box::CellBox;
 use crate::matrix::tbv::TbvMatrix;
 use crate::scene::containing::Containing;
-use crate::scene::outer::{Bucket, Outer};
+use crate::scene::outer::Outer;
 use crate::scene::volume::Tbv;
 
 /// All volumes of a scene.
@@ -71,8 +71,8 @@ impl Volumes {
     }
 
     /// The volumes that reach beyond the grid.
-    pub(crate) fn outer(&self) -> impl Iterator<Item = &Bucket> {
-        self.outer.buckets()
+    pub(crate) fn outer(&self) -> &Outer {
+        &self.outer
     }
 
     pub(super) fn remove(&mut self, slot: u32) {

@@ -53,6 +53,11 @@ pub(crate) trait Kind: Shape {
         Block::new(self.bounds())
     }
 
+    /// The least box around its points, where [`Kind::block`] may be larger. May cost all vertices.
+    fn least_block(&self) -> Block {
+        self.block()
+    }
+
     /// The box, if the shape is exactly a box along the axes.
     fn as_block(&self) -> Option<Block> {
         None

@@ -2,7 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use casca::{GridSpec, KeptQuery, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View};
+use casca::{
+    CameraQuery, GridSpec, KeptQuery, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View,
+};
 use casca_lab::cases;
 use casca_lab::drive::Driver;
 use casca_lab::oracle::RayOracle;
@@ -176,6 +178,7 @@ proptest! {
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
         let [mut query, mut sun] = methods.map(|m| Query::with_method(m).unwrap());
         let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());
+        let (mut several, mut lists) = ([sun.clone(), sun.clone()], Vec::new());
         // What is new counts as seen.
         let mut reported: HashSet<usize> = (0..objects.len()).collect();
         for (number, (way, (camera, perspective), lamp, feed_light)) in frames.iter().enumerate() {
@@ -197,9 +200,15 @@ proptest! {
             let (mut casters, mut of_kept) = (Vec::new(), Vec::new());
             kept_sun.shadow_casters(&driver.scene, &kept, &lamp.light(), &mut of_kept).unwrap();
             sun.shadow_casters(&driver.scene, &query, &lamp.light(), &mut casters).unwrap();
+            // Two lights and two cameras at once.
+            let other = &frames[(number + 1) % frames.len()].2;
+            let lights = [other.light(), lamp.light()];
+            let cameras: [&dyn CameraQuery; 2] = [&query, &kept];
+            Query::shadow_casters_of_all(&mut several, &driver.scene, &cameras, &lights, &mut lists).unwrap();
 
             let (all, solid) = (rays(&objects, |_| true), rays(&objects, |i| objects[i].occludes));
-            for casters in [&casters, &of_kept] {
+            let found = [(&casters, lamp), (&of_kept, lamp), (&lists[0], other), (&lists[1], lamp)];
+            for (casters, lamp) in found {
                 let cast: HashSet<usize> = casters.iter().map(|id| index[id]).collect();
                 prop_assert_eq!(cast.len(), casters.len());
                 let casting = rays(&objects, |i| cast.contains(&i));

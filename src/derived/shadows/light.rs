@@ -137,7 +137,7 @@ impl Lamp {
 }
 
 /// The smallest box around two.
-fn join(a: Block, b: Block) -> Block {
+pub(super) fn join(a: Block, b: Block) -> Block {
     Block { min: a.min.min(b.min), max: a.max.max(b.max) }
 }
 

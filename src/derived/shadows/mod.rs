@@ -138,9 +138,92 @@ impl Query {
         if camera.pvs().scene != scene.tag() {
             return Err(Error::ForeignPvs);
         }
+        let lamp = [lamp];
+        self.shadows.pieces.clear();
+        let known = find_pieces(scene, camera.pvs(), camera.sight(scene), &lamp, &mut self.shadows);
+        self.cast(scene, &lamp[0], known, out);
+        Ok(())
+    }
+
+    /// As [`Query::shadow_casters`], for several views of lights and the receivers of several cameras at once: the
+    /// cascades of a sun, the six faces of a point light, all lights of a frame. The receivers are found and cut into
+    /// parts once for all of them.
+    ///
+    /// The query at each index finds the casters of the light at the same index, for the receivers of all cameras; they come
+    /// in `out` at that index. If the slices differ in length, the rest of the longer one is ignored. `out` gets as many
+    /// lists as there are pairs.
+    ///
+    /// Give the view of each cascade, or of each face, as a [`Light::Spot`]: its rays then start at the near plane of that view.
+    /// Casters before it are missing, so make the near planes of cascades start outside of the scene, or give
+    /// [`Light::Directional`] where one list for all cascades will do.
+    ///
+    /// Costs a test of each receiver of each camera, of up to 4,096 parts of large ones for each camera, one comparison of
+    /// each part with each light, and a query for each light.
+    ///
+    /// ```
+    /// use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, View};
+    /// use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
+    /// let ground = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 1.0, 64.0));
+    /// scene.insert(ObjectDesc::fixed(ground).occluder(ground))?;
+    /// let mut camera = Query::new();
+    /// camera.run(&scene, &View::omnidirectional(Vec3::new(32.0, 3.0, 50.0))?);
+    ///
+    /// // The faces of a cube around a lamp.
+    /// let lamp = Vec3::new(30.0, 9.0, 40.0);
+    /// let faces = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|forward| {
+    ///     let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::Z };
+    ///     let right_angle = std::f32::consts::FRAC_PI_2;
+    ///     let matrix = perspective(right_angle, 1.0, 0.05, 100.0) * look_to_mat4(lamp, forward, up);
+    ///     Ok(Light::Spot(View::perspective(lamp, matrix)?))
+    /// });
+    /// let faces = faces.into_iter().collect::<Result<Vec<Light>, casca::Error>>()?;
+    /// let (mut queries, mut casters) = (vec![Query::new(); 6], Vec::new());
+    /// Query::shadow_casters_of_all(&mut queries, &scene, &[&camera], &faces, &mut casters)?;
+    /// assert!(casters[3].len() == 1 && casters[2].is_empty(), "the ground is below");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Query::shadow_casters`], for any of the lights and cameras. Nothing is changed then.
+    pub fn shadow_casters_of_all(
+        queries: &mut [Self],
+        scene: &Scene,
+        cameras: &[&dyn CameraQuery],
+        lights: &[Light],
+        out: &mut Vec<Vec<ObjectId>>,
+    ) -> Result<(), Error> {
+        let count = queries.len().min(lights.len());
+        let lamps = lights[..count].iter().map(Lamp::new).collect::<Result<Vec<Lamp>, Error>>()?;
+        if cameras.iter().any(|camera| camera.pvs().scene != scene.tag()) {
+            return Err(Error::ForeignPvs);
+        }
+        out.resize_with(count, Vec::new);
+        let Some(first) = queries.first_mut() else { return Ok(()) };
+        let mut shared = std::mem::take(&mut first.shadows);
+        shared.pieces.clear();
+        let mut known = true;
+        for camera in cameras {
+            known &= find_pieces(scene, camera.pvs(), camera.sight(scene), &lamps, &mut shared);
+        }
+        let pieces = std::mem::take(&mut shared.pieces);
+        first.shadows = shared;
+        for ((query, lamp), out) in queries.iter_mut().zip(&lamps).zip(out) {
+            query.shadows.pieces.clear();
+            query.shadows.pieces.extend(pieces.iter().filter_map(|piece| lamp.lit(piece)));
+            query.cast(scene, lamp, known, out);
+        }
+        Ok(())
+    }
+
+    /// Finds the casters of a light onto the pieces in the scratch memory, or onto anything if those are not `known`.
+    fn cast(&mut self, scene: &Scene, lamp: &Lamp, known: bool, out: &mut Vec<ObjectId>) {
         out.clear();
         let mut scratch = std::mem::take(&mut self.shadows);
-        let known = find_pieces(scene, camera.pvs(), camera.sight(scene), &lamp, &mut scratch);
         let pieces = &scratch.pieces;
         match (known, lamp.view_of(pieces)) {
             (false, _) => out.extend_from_slice(self.run(scene, &lamp.whole_view()).visible()),
@@ -156,7 +239,6 @@ impl Query {
             }
         }
         self.shadows = scratch;
-        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::derived::shadows::light::Lamp;
+use crate::derived::shadows::light::{Lamp, join};
 use crate::geometry::Block;
 use crate::numeric::shape::{OCCLUDER_ROUNDING, REGION};
 use crate::pvs::Pvs;
@@ -19,18 +19,17 @@ const SHORTEST: f64 = 1.0;
 /// The boxes of all receivers together are cut at most this often, the largest in the picture first.
 const MOST_CUTS: usize = 2048;
 
-/// Finds boxes that together contain every point that the camera sees, of objects in its set, and that the light
-/// reaches; false if such a point may be anywhere.
+/// Appends boxes that together contain every point that the camera sees, of objects in its set, and that one of the
+/// lights reaches; false if such a point may be anywhere.
 pub(super) fn find_pieces(
     scene: &Scene,
     receivers: &Pvs,
     sight: Option<Sight>,
-    lamp: &Lamp,
+    lamps: &[Lamp],
     scratch: &mut ReceiverScratch,
 ) -> bool {
     let ReceiverScratch { parts, pieces, .. } = scratch;
     parts.clear();
-    pieces.clear();
     let Some(sight) = sight else { return true };
     let cell = scene.grid().cell_size();
     let size =
@@ -41,7 +40,7 @@ pub(super) fn find_pieces(
             return false;
         }
         for block in visible_boxes(object, &sight) {
-            let Some(block) = lamp.lit(&block).filter(|block| sight.may_see(block)) else { continue };
+            let Some(block) = lit(lamps, &block).filter(|block| sight.may_see(block)) else { continue };
             parts.push(Part { size: size(&block), slot: id.slot, block });
         }
     }
@@ -58,13 +57,18 @@ pub(super) fn find_pieces(
         cuts += 1;
         let object = scene.object(part.slot);
         for half in halves(&part.block, axis) {
-            let Some(block) = lamp.lit(&half) else { continue };
+            let Some(block) = lit(lamps, &half) else { continue };
             if sight.may_see(&block) && reaches_into(object, &block) {
                 parts.push(Part { size: size(&block), block, ..part });
             }
         }
     }
     true
+}
+
+/// A box around the parts of a box that the lights may reach; `None` if none of them reaches it.
+fn lit(lamps: &[Lamp], block: &Block) -> Option<Block> {
+    lamps.iter().filter_map(|lamp| lamp.lit(block)).reduce(join)
 }
 
 /// Boxes that together contain all visible points of an object whose place is known.

@@ -3,6 +3,7 @@
 mod bands;
 pub(crate) mod masks;
 mod objects;
+mod overhang;
 pub(crate) mod scratch;
 mod shell_scale;
 mod side;
@@ -104,9 +105,10 @@ impl<'a> Walk<'a> {
             self.reveal_all();
         }
         // Nothing is known to hide objects beyond the grid.
-        for &slot in self.scene.volumes().outer().flat_map(|bucket| &bucket.slots) {
+        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| &bucket.slots) {
             if self.view.may_see_volume(&self.scene.volume_block(slot)) {
                 self.reveal(slot, 0);
+                self.decide(slot);
             }
         }
         for &slot in self.scene.always() {
@@ -145,6 +147,7 @@ impl<'a> Walk<'a> {
         let closed = inside && (slack == Some(0.0) || interior);
         self.scratch.masks.clear();
         self.scratch.pending.iter_mut().for_each(Vec::clear);
+        self.list_overhanging(slack.is_some());
         if inside {
             self.first_cell();
         }

@@ -77,18 +77,20 @@ impl Walk<'_> {
             self.decide(slot);
             return;
         }
-        let (cell, pending) = (self.shells.cell, &mut self.scratch.pending);
+        let cell = self.shells.cell;
         bounds.touched(self.scene.grid(), &mut |run| {
-            for c in run.cells() {
-                let shell = (c - cell).abs().max_element();
-                if shell >= m {
-                    if pending.len() <= shell as usize {
-                        pending.resize_with(shell as usize + 1, Vec::new);
-                    }
-                    pending[shell as usize].push((c, slot));
-                }
-            }
+            run.cells().filter(|c| (*c - cell).abs().max_element() >= m).for_each(|c| self.pend(c, slot));
         });
+    }
+
+    /// Lists an object to be decided if a cell is in sight.
+    pub(super) fn pend(&mut self, cell: IVec3, slot: u32) {
+        let shell = (cell - self.shells.cell).abs().max_element() as usize;
+        let pending = &mut self.scratch.pending;
+        if pending.len() <= shell {
+            pending.resize_with(shell + 1, Vec::new);
+        }
+        pending[shell].push((cell, slot));
     }
 
     /// Decides the revealed objects with cells in shell `m`.

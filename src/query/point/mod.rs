@@ -175,6 +175,7 @@ impl<'a> Walk<'a> {
             }
             (Origin::Direction(d), _) => self.everywhere(d),
         }
+        self.find_overhanging();
     }
 
     /// Whether a box in world units is hidden by the occluders drawn so far.

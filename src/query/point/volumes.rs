@@ -42,12 +42,32 @@ impl Walk<'_> {
     /// Tests the volumes that leave the grid, where the walk does not go.
     pub(super) fn test_outer_volumes(&mut self) {
         let scene = self.scene;
-        for bucket in scene.volumes().outer() {
-            if self.view.may_see_volume(&bucket.around) && !self.hides(&bucket.around) {
-                bucket.slots.iter().for_each(|&slot| self.test_volume(slot));
-            }
-        }
+        let mut slots = std::mem::take(&mut self.scratch.open);
+        slots.clear();
+        scene.volumes().outer().slots_where(|block| self.may_see_around(block), |slot| slots.push(slot));
+        slots.iter().for_each(|&slot| self.test_volume(slot));
+        self.scratch.open = slots;
         self.settle();
+    }
+
+    /// Finds the objects that reach beyond the grid and were not found in their bricks: a brick out of sight, or a
+    /// hidden one, tells nothing about the parts of its objects beyond the grid.
+    pub(super) fn find_overhanging(&mut self) {
+        let scene = self.scene;
+        let mut slots = std::mem::take(&mut self.scratch.open);
+        slots.clear();
+        scene.overhang().slots_where(|block| self.may_see_around(block), |slot| slots.push(slot));
+        slots.iter().for_each(|&slot| self.find(slot));
+        self.scratch.open = slots;
+        if !self.scratch.found.is_empty() {
+            self.settle();
+            self.draw_all_patches(self.around.as_ref().map_or(0, |shells| shells.farthest));
+        }
+    }
+
+    /// Whether a box around boxes beyond the grid may be in sight.
+    fn may_see_around(&self, block: &Block) -> bool {
+        self.view.may_see_volume(block) && !self.hides(block)
     }
 
     /// Reveals a volume that is in sight.

@@ -1,0 +1,188 @@
+//! Other coordinates for the whole scene: an origin that follows the camera through a large world.
+
+use glam::{Vec3, Vec3A};
+
+use crate::error::{Error, finite3};
+use crate::geometry::Block;
+use crate::grid::Grid;
+use crate::matrix::ids::IdMatrix;
+use crate::numeric::mesh::SINGLE;
+use crate::object::{Bounds, Occluder, Placed};
+use crate::scene::Scene;
+use crate::scene::expiry::{AT_ONCE, Expiry};
+use crate::scene::object::Object;
+use crate::scene::opacity::Opacity;
+use crate::scene::outer::Outer;
+use crate::scene::slot_set::SlotSet;
+use crate::scene::state::{Event, Hidden, State};
+use crate::scene::volume::Tbv;
+
+/// The shapes of an object in other coordinates.
+struct Shifted {
+    bounds: Bounds,
+    occluder: Option<Occluder>,
+    placed: Option<Placed>,
+}
+
+impl Shifted {
+    /// The shapes of an object; `None` if one is a mesh in world space.
+    fn of(object: &Object, offset: Vec3) -> Result<Option<Self>, Error> {
+        if let Some(placed) = &object.placed {
+            let mut placed = (**placed).clone();
+            placed.transform.translation -= Vec3A::from(offset);
+            let (bounds, occluder) = placed.at(placed.transform)?;
+            return Ok(Some(Self { bounds, occluder, placed: Some(placed) }));
+        }
+        let Some(bounds) = object.bounds().shifted(offset)? else { return Ok(None) };
+        let occluder = match object.given_occluder().map(|occluder| occluder.shifted(offset)).transpose()? {
+            Some(None) => return Ok(None),
+            Some(Some(occluder)) => occluder,
+            None => None,
+        };
+        bounds.check()?;
+        occluder.iter().try_for_each(Occluder::check)?;
+        Ok(Some(Self { bounds, occluder, placed: None }))
+    }
+}
+
+impl Tbv {
+    /// The volume in a grid that was shifted: its cells stay.
+    fn shifted(&self, grid: &Grid, offset: Vec3, is_outer: bool) -> Self {
+        let (by, Block { min, max }) = (offset.as_dvec3(), self.block);
+        let block = match is_outer {
+            true => Block { min: min - by, max: max - by },
+            false => Block::new(grid.range_bounds(self.cells.lo, self.cells.hi)),
+        };
+        Self { block, ..*self }
+    }
+}
+
+impl Scene {
+    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by it, those of the grid, the
+    /// objects and the volumes alike. For large worlds, whose renderer keeps the camera near the origin. Shift everything else
+    /// in the same frame: cameras, lights and your own copies of positions.
+    ///
+    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is snapped down to
+    /// a 2^22nd part of a cell. All sums round as those of an application that subtracts in single precision: bounds round
+    /// outwards, occluders inwards, and transforms of [placed](crate::ObjectDesc::placed) objects and of
+    /// [`Instance`](crate::Instance)s to nearest, as [`Scene::translate`] does. Where the offset is a multiple of a
+    /// power of two that the coordinates are multiples of, nothing is rounded; multiples of the cell are a good choice. An
+    /// occluder that is thinner than the rounding hides nothing from then on.
+    ///
+    /// No result from before is taken for one of the new coordinates: [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
+    /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a [`KeptQuery`](crate::KeptQuery) finds a
+    /// new result. [`Scene::end_frame`] still takes earlier results. Ids stay. Hidden objects stay in their volumes, unless rounding takes
+    /// them out.
+    ///
+    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few hundred cells of the camera's way.
+    ///
+    /// ```
+    /// use casca::{Aabb, Error, GridSpec, ObjectDesc, Scene};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let wall = scene.insert(ObjectDesc::fixed(Aabb::new(Vec3::splat(8.0), Vec3::splat(10.0))))?;
+    /// scene.shift_origin(Vec3::new(16.0, 0.0, 0.0))?;
+    /// assert_eq!(scene.bounds(wall)?.aabb().min, Vec3::new(-8.0, 8.0, 8.0));
+    /// assert_eq!(scene.grid().min().x, -16.0);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would lie too far from the
+    /// origin, scenes with meshes in world space ([`Error::FixedMesh`]: give instances of them), and convex occluders as
+    /// [`Convex::translated`](crate::Convex::translated) does. Nothing is changed then.
+    pub fn shift_origin(&mut self, offset: Vec3) -> Result<(), Error> {
+        finite3("the offset", offset)?;
+        let grid = self.grid.shifted(offset.as_dvec3())?;
+        let mut shapes = Vec::with_capacity(self.len());
+        for (slot, object) in self.living() {
+            let refused = || Error::FixedMesh(self.id(slot));
+            shapes.push((slot, Shifted::of(object, offset)?.ok_or_else(refused)?));
+        }
+        self.grid = grid;
+        self.clear_matrices();
+        self.revision += 1;
+        self.static_changes.cut();
+        self.moves += 1;
+        for (slot, shape) in shapes {
+            self.place_shifted(slot, shape, offset);
+        }
+        self.opacity.refresh();
+        Ok(())
+    }
+
+    /// Empties all matrices and lists but those of volumes.
+    fn clear_matrices(&mut self) {
+        let dims = self.grid.dims();
+        (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
+        (self.listed, self.always) = (SlotSet::default(), SlotSet::default());
+        self.overhang = Outer::default();
+        self.listed_on_expiry = 0;
+    }
+
+    /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it where it was.
+    fn place_shifted(&mut self, slot: u32, shape: Shifted, offset: Vec3) {
+        let Shifted { bounds, occluder, placed } = shape;
+        let object = self.slots.object_mut(slot);
+        object.placed = placed.map(Box::new);
+        object.bounds = bounds;
+        object.moved = self.moves;
+        self.exchange_occluder(slot, occluder);
+        match self.object(slot).state() {
+            State::Listed => self.list(slot),
+            State::Overdue => {
+                self.list(slot);
+                self.opacity.miss(self.object(slot).opacity);
+                self.always.insert(slot);
+            }
+            State::Hidden(hidden) => self.shift_volume(slot, hidden, offset),
+            // Its report finds a new volume.
+            State::Unlocated { volume } => {
+                self.lose(slot, volume.is_some());
+            }
+        }
+    }
+
+    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still inside.
+    fn shift_volume(&mut self, slot: u32, hidden: Hidden, offset: Vec3) {
+        let is_outer = self.volumes.is_outer(slot);
+        let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
+        let object = self.object(slot);
+        let inside = tbv.contains(&self.grid, &object.bounds.block());
+        // The place of an object that is not reported was rounded as its bounds were.
+        let reach = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
+        let off = SINGLE * (reach(&tbv.block) + reach(&hidden.tbv.block)) + 2.0 * self.grid.unit();
+        let speed = object.promised_speed().unwrap_or(0.0);
+        let mut expires = hidden.expires;
+        if object.on_expiry() {
+            expires = (expires - (off / speed).next_up()).next_down();
+            // Also if it is no number, for an object that does not move.
+            if !(inside && expires > self.now) {
+                return self.lose(slot, true);
+            }
+        } else if !inside {
+            self.volumes.remove(slot);
+            return self.list(slot);
+        }
+        if is_outer {
+            self.volumes.remove(slot);
+            self.volumes.insert(slot, &tbv);
+        }
+        self.journal.push(slot, self.slots.len());
+        self.hide(slot, Hidden { tbv, expires, ..hidden });
+    }
+
+    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported, and its report is due.
+    fn lose(&mut self, slot: u32, enclosed: bool) {
+        if enclosed {
+            self.volumes.remove(slot);
+        }
+        let generation = self.slots.id(slot).generation;
+        self.slots.object_mut(slot).apply(Event::Revealed);
+        self.always.insert(slot);
+        self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
+    }
+}

@@ -1,0 +1,219 @@
+//! Objects that reach a little or far out of the grid, on any side: none that an eye sees is lost, by segments cut by the
+//! shapes themselves, and they cost hardly more than objects inside.
+
+mod segments;
+
+use casca::{
+    Aabb, GridSpec, KeptOptions, KeptQuery, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, View,
+};
+use casca_lab::cases;
+use glam::{DVec3, UVec3, Vec3};
+use proptest::prelude::*;
+
+use crate::segments::cuts_box;
+
+const SIZE: f32 = 32.0;
+
+fn scene() -> Scene {
+    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(SIZE as u32) }).unwrap()
+}
+
+fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(range).prop_map(Vec3::from)
+}
+
+/// A box that sticks out of one side of the grid by a distance.
+fn overhanging(side: usize, middle: Vec3, half: Vec3, by: f32) -> Aabb {
+    let (axis, mut b) = (side / 2, Aabb::from_center(middle, half));
+    if side.is_multiple_of(2) {
+        (b.min[axis], b.max[axis]) = (-by, half[axis]);
+    } else {
+        (b.min[axis], b.max[axis]) = (SIZE - half[axis], SIZE + by);
+    }
+    b
+}
+
+fn target() -> impl Strategy<Value = Aabb> {
+    let by = prop_oneof![1e-6f32..1e-3, 1e-3f32..0.99, Just(0.99f32), 0.99f32..6.0];
+    (0usize..6, vector(1.0..31.0), vector(0.05..1.5), by)
+        .prop_map(|(side, middle, half, by)| overhanging(side, middle, half, by))
+}
+
+/// Walls through the whole grid, and boxes of all sizes; some reach out of the grid, too.
+fn wall() -> impl Strategy<Value = Aabb> {
+    let whole = (0usize..3, 3u8..28, 2u8..5, prop_oneof![Just(0.0f32), 0.0..2.0f32]).prop_map(
+        |(axis, at, thick, by)| {
+            let (mut min, mut max) = (Vec3::splat(-by), Vec3::splat(SIZE + by));
+            (min[axis], max[axis]) = (f32::from(at), f32::from(at + thick));
+            Aabb::new(min, max)
+        },
+    );
+    let any = (vector(0.0..32.0), vector(0.5..9.0)).prop_map(|(p, half)| Aabb::from_center(p, half));
+    prop_oneof![2 => whole, 1 => any]
+}
+
+/// Eyes inside the grid, beside its border, and outside.
+fn eye() -> impl Strategy<Value = Vec3> {
+    let near = (vector(0.5..31.5), 0usize..6, -0.5f32..1.5).prop_map(|(mut p, side, off)| {
+        p[side / 2] = if side.is_multiple_of(2) { off } else { SIZE - off };
+        p
+    });
+    prop_oneof![2 => vector(0.5..31.5), 2 => near, 1 => vector(-12.0..44.0)]
+}
+
+/// Points of a box, most of them beyond the grid.
+fn points(b: &Aabb) -> Vec<DVec3> {
+    let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
+    let share = |i: u32| f64::from(i) / 4.0;
+    let on = |i: u32| min + (max - min) * DVec3::new(share(i % 5), share(i / 5 % 5), share(i / 25));
+    (0..125).map(on).collect()
+}
+
+/// Whether an eye sees a point of a box before walls.
+fn sees(walls: &[Aabb], eye: Vec3, target: &Aabb) -> bool {
+    let hiding: Vec<&Aabb> = walls.iter().filter(|w| !w.contains(eye)).collect();
+    let eye = eye.as_dvec3();
+    points(target).into_iter().any(|p| !hiding.iter().any(|w| cuts_box(w, eye, p)))
+}
+
+fn methods() -> Vec<Method> {
+    let coherent = Method::Point(PointOptions::new().coherent(true));
+    vec![Method::point(), Method::Point(PointOptions::fast()), coherent, Method::cell(), Method::Frustum]
+}
+
+/// One of the targets seen that is not found.
+fn lost(seen: &[(ObjectId, Aabb)], found: impl Fn(ObjectId) -> bool) -> Option<Aabb> {
+    seen.iter().find(|(id, _)| !found(*id)).map(|(_, b)| *b)
+}
+
+struct World {
+    scene: Scene,
+    walls: Vec<Aabb>,
+    targets: Vec<(ObjectId, Aabb)>,
+}
+
+impl World {
+    fn new(walls: &[Aabb], targets: &[Aabb], dynamic: bool) -> Self {
+        let mut scene = scene();
+        for &wall in walls {
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        }
+        let desc = |b: Aabb| if dynamic { ObjectDesc::dynamic(b) } else { ObjectDesc::fixed(b) };
+        let targets = targets.iter().map(|&b| (scene.insert(desc(b)).unwrap(), b)).collect();
+        Self { scene, walls: walls.to_vec(), targets }
+    }
+
+    /// The targets that an eye sees.
+    fn seen(&self, eye: Vec3) -> Vec<(ObjectId, Aabb)> {
+        self.targets.iter().filter(|(_, b)| sees(&self.walls, eye, b)).copied().collect()
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(192))]
+
+    #[test]
+    fn no_object_that_reaches_out_of_the_grid_is_lost(
+        walls in prop::collection::vec(wall(), 1..5),
+        targets in prop::collection::vec(target(), 24),
+        eyes in prop::collection::vec(eye(), 3),
+    ) {
+        let world = World::new(&walls, &targets, false);
+        let mut queries: Vec<Query> = methods().iter().map(|m| Query::with_method(*m).unwrap()).collect();
+        let mut kept = KeptQuery::with_options(KeptOptions::new().reach(0.5)).unwrap();
+        for &eye in &eyes {
+            let view = View::omnidirectional(eye).unwrap();
+            let seen = world.seen(eye);
+            for query in &mut queries {
+                let pvs = query.run(&world.scene, &view);
+                let lost = lost(&seen, |id| pvs.contains(id));
+                prop_assert_eq!(lost, None, "{:?} from {}", query.method(), eye);
+            }
+            let pvs = kept.run(&world.scene, &view);
+            prop_assert_eq!(lost(&seen, |id| pvs.contains(id)), None, "kept, from {}", eye);
+            let reach = queries[0].run(&world.scene, &view.clone().with_reach(0.4).unwrap());
+            for step in Vec3::AXES.map(|axis| axis * 0.39) {
+                let lost = lost(&world.seen(eye + step), |id| reach.contains(id));
+                prop_assert_eq!(lost, None, "from {}, {} beside it", eye, step);
+            }
+        }
+    }
+
+    #[test]
+    fn no_moving_object_that_reaches_out_of_the_grid_is_lost(
+        walls in prop::collection::vec(wall(), 1..4),
+        targets in prop::collection::vec(target(), 16),
+        eye in eye(),
+        steps in prop::collection::vec(vector(-0.7..0.7), 6),
+    ) {
+        for method in methods() {
+            let mut world = World::new(&walls, &targets, true);
+            let mut query = Query::with_method(method).unwrap();
+            for (frame, step) in steps.iter().enumerate() {
+                world.scene.begin_frame(frame as f64 / 60.0).unwrap();
+                // In three frames they move, then they stand still.
+                for (k, (id, b)) in world.targets.iter_mut().enumerate().filter(|_| frame % 2 == 0) {
+                    let step = if k % 2 == 0 { *step } else { *step * 0.01 };
+                    *b = Aabb::new(b.min + step, b.max + step);
+                    world.scene.update(*id, *b, None).unwrap();
+                }
+                let pvs = query.run(&world.scene, &View::omnidirectional(eye).unwrap());
+                let lost = lost(&world.seen(eye), |id| pvs.contains(id));
+                prop_assert_eq!(lost, None, "{:?} from {} in frame {}", query.method(), eye, frame);
+                world.scene.end_frame([query.pvs()]).unwrap();
+            }
+            for (id, _) in &world.targets {
+                world.scene.remove(*id).unwrap();
+            }
+            prop_assert_eq!(query.run(&world.scene, &View::omnidirectional(eye).unwrap()).len() <= walls.len(), true);
+        }
+    }
+}
+
+/// A wall across the grid, and boxes that stand behind it, below the floor of the grid by a distance.
+fn street(below: f32) -> (Scene, Vec<ObjectId>) {
+    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 16, 128) };
+    let mut scene = Scene::new(&spec).unwrap();
+    let wall = Aabb::new(Vec3::new(0.0, 0.0, 60.0), Vec3::new(128.0, 16.0, 62.0));
+    scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    let corner = |i: u32| Vec3::new(1.0 + (i % 50) as f32 * 2.5, 0.0, 64.0 + (i / 50) as f32);
+    let boxes = (0..2500).map(|i| Aabb::new(corner(i) - Vec3::Y * below, corner(i) + 0.5));
+    let ids = boxes.map(|b| scene.insert(ObjectDesc::dynamic(b)).unwrap()).collect();
+    (scene, ids)
+}
+
+#[test]
+fn what_reaches_out_of_the_grid_a_little_costs_hardly_more() {
+    let eye = View::omnidirectional(Vec3::new(64.3, 2.3, 20.3)).unwrap();
+    for method in [Method::point(), Method::cell()] {
+        let mut query = Query::with_method(method).unwrap();
+        let mut cost = |below: f32| {
+            let (scene, _) = street(below);
+            let pvs = query.run(&scene, &eye);
+            (pvs.stats().objects_tested, pvs.len())
+        };
+        let (inside, found) = cost(0.0);
+        for below in [1e-4, 0.01] {
+            let (tested, seen) = cost(below);
+            assert!(
+                tested <= inside + 10 && seen <= found + 10,
+                "{method:?}: {tested} {seen}, {inside} {found}"
+            );
+        }
+    }
+}
+
+#[test]
+fn movers_that_reach_out_of_the_grid_a_little_get_volumes() {
+    let (mut scene, ids) = street(1e-4);
+    let eye = View::omnidirectional(Vec3::new(64.3, 2.3, 20.3)).unwrap();
+    let mut query = Query::new();
+    for frame in 0..10 {
+        scene.begin_frame(f64::from(frame) * 0.02).unwrap();
+        query.run(&scene, &eye);
+        scene.end_frame([query.pvs()]).unwrap();
+    }
+    let hidden = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
+    assert!(hidden > 2400, "{hidden} of 2500 are in volumes");
+    assert!(query.run(&scene, &eye).stats().objects_tested < 100);
+}
