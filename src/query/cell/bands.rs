@@ -19,8 +19,7 @@ impl Walk<'_> {
         let dims = self.scene.grid().dims();
         let v = self.shells.cell;
         let cells = &mut self.scratch.sides[index];
-        cells.rows = 0;
-        cells.fresh.clear();
+        cells.clear();
         let depth = m * side.sign;
         let at = v[axes.normal] + depth;
         if !(0..dims[axes.normal]).contains(&at) {

@@ -40,6 +40,10 @@ impl Walk<'_> {
     pub(super) fn side(&mut self, index: usize, m: i32, scale: &ShellScale) -> (u64, u64) {
         let side = Side::ALL[index];
         let (axes, v, depth) = (side.axes, self.shells.cell, m * side.sign);
+        if self.remaining.is_done(index) {
+            self.scratch.sides[index].clear();
+            return (0, 0);
+        }
         let Some(frustum) = self.begin_side(index, m) else { return (0, 0) };
         let record = self.record.is_some();
         let first_page = (v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32;
@@ -71,6 +75,7 @@ impl Walk<'_> {
             if !self.shells.frustum.meets(side.cell(depth, first, c0), side.cell(depth, last, c1)) {
                 continue;
             }
+            self.remaining.rows += i64::from(last - first + 1);
             let Some(cols) = self.open_rows(&pass, (first, last), band, scale, &mut counts) else { continue };
             let fresh = self.block_tiles(&pass, first, cols, band, &mut hits);
             if fresh != 0 {

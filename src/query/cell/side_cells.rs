@@ -26,6 +26,12 @@ pub(crate) struct SideCells {
 pub(crate) const PASSED_OVER: u32 = u32::MAX;
 
 impl SideCells {
+    /// Leaves no cells.
+    pub(crate) fn clear(&mut self) {
+        self.rows = 0;
+        self.fresh.clear();
+    }
+
     /// Appends a band of eight rows, and returns it.
     pub(crate) fn make_band(&mut self, band: usize) -> &mut [u64] {
         let size = 8 * self.words;
