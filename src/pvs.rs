@@ -17,7 +17,8 @@ pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
     /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to. Large empty parts of the grid are passed over and not counted.
+    /// of a shell that they belong to. Large parts of the grid that are empty or hidden are passed over and not
+    /// counted, and so are all cells where [`Method::Cell`] takes nothing to be hidden.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,

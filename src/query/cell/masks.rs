@@ -95,6 +95,31 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
+    /// The columns, of some, from the first to the last in which a pixel of some rows is not set; `None` if all are set.
+    pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
+        if !self.used[side] {
+            return Some(cols);
+        }
+        let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
+        let (first, last) = (from / 64, (end - 1) / 64);
+        let open = |word: usize| {
+            let set = (rows.0..=rows.1)
+                .fold(u64::MAX, |all, row| all & self.bits[side][row as usize * self.words + word]);
+            let head = if word == first { u64::MAX << (from % 64) } else { u64::MAX };
+            let tail = if word == last { u64::MAX >> (63 - (end - 1) % 64) } else { u64::MAX };
+            !set & head & tail
+        };
+        let a = (first..=last).find_map(|word| {
+            let open = open(word);
+            (open != 0).then(|| word as i64 * 64 + i64::from(open.trailing_zeros()))
+        })?;
+        let b = (first..=last).rev().find_map(|word| {
+            let open = open(word);
+            (open != 0).then(|| word as i64 * 64 + 63 - i64::from(open.leading_zeros()))
+        })?;
+        Some((a, b))
+    }
+
     /// Calls `hidden` with the runs of hidden cells between two columns of a row.
     #[inline]
     pub(crate) fn hidden_runs(

@@ -3,6 +3,8 @@
 //! A direction mask only ever grows. So an object or a volume whose directions it covers is not found any more, nor is
 //! one that was found, or whose cells the walk has passed: the search for one that remains goes through the slots once.
 
+use glam::DVec3;
+
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::query::cell::Walk;
@@ -58,16 +60,28 @@ impl Walk<'_> {
 
     /// Whether some object may be found on a side beyond shell `m`, as far as the search has come.
     fn any_remains(&mut self, index: usize, m: i32) -> bool {
-        let (grid, v) = (self.scene.grid(), self.shells.cell);
-        let Side { axes, sign } = Side::ALL[index];
-        let last = if sign > 0 { grid.dims()[axes.normal] - 1 - v[axes.normal] } else { v[axes.normal] };
-        while m < last && (self.remaining.slots[index] as usize) < self.scene.slot_count() {
+        if !self.meets_beyond(&Side::ALL[index], m) {
+            return false;
+        }
+        while (self.remaining.slots[index] as usize) < self.scene.slot_count() {
             if self.remaining.budget <= 0 || self.may_find(self.remaining.slots[index], index, m) {
                 return true;
             }
             self.remaining.slots[index] += 1;
         }
         false
+    }
+
+    /// Whether the grid and the frustum go on beyond shell `m` on a side.
+    fn meets_beyond(&self, side: &Side, m: i32) -> bool {
+        let (v, axis) = (self.shells.cell, side.axes.normal);
+        let (mut lo, mut hi) = (-v, self.scene.grid().dims() - 1 - v);
+        if side.sign > 0 {
+            lo[axis] = lo[axis].max(m + 1);
+        } else {
+            hi[axis] = hi[axis].min(-m - 1);
+        }
+        lo[axis] <= hi[axis] && self.shells.frustum.meets(lo, hi)
     }
 
     /// Whether the object in a slot, or its volume, may be found on a side beyond shell `m`.
@@ -98,10 +112,10 @@ impl Walk<'_> {
     /// The cells by which the walk may find an object: those of its volume, or its own. `None` if it was found, or is
     /// not found by cells.
     fn cells_to_find(&self, slot: u32) -> Option<CellBox> {
-        let object = self.scene.living_at(slot)?;
-        if self.marks.is_decided(slot) || !object.is_shown(self.view) {
+        if self.marks.is_decided(slot) {
             return None;
         }
+        let object = self.scene.living_at(slot).filter(|object| object.is_shown(self.view))?;
         let (is_hidden, volumes) = (object.is_hidden(), self.scene.volumes());
         if is_hidden && !self.marks.is_revealed(slot) {
             return (!volumes.is_outer(slot)).then(|| *volumes.cells(slot));
@@ -109,11 +123,10 @@ impl Walk<'_> {
         if !is_hidden && !self.scene.is_in_cells(object) {
             return None;
         }
-        let block = object.bounds().block();
-        let grid = self.scene.grid();
-        let (lo, hi) = grid.cover(block.min, block.max);
-        // Rounded outwards, a shape may touch the cells around them.
-        let (lo, hi) = grid.clip(lo - 1, hi + 1)?;
+        let (grid, block) = (self.scene.grid(), object.bounds().block());
+        let cell = |at: DVec3| ((at - grid.min()) / grid.cell_size()).as_ivec3();
+        // Cells that shapes touch are rounded outwards, and these may be rounded inwards: by less than a cell both.
+        let (lo, hi) = grid.clip(cell(block.min) - 1, cell(block.max) + 1)?;
         Some(CellBox { lo, hi })
     }
 }
