@@ -25,7 +25,7 @@ pub(super) struct Remaining {
     slots: [u32; 6],
     /// For each side, a pixel through which it may be.
     open: [(i64, i64); 6],
-    /// Sides on which no object may be found, or no cell is in sight.
+    /// Sides on which no object may be found.
     done: [bool; 6],
     /// Slots that may be looked at. Below zero after a large object.
     budget: i64,
@@ -37,11 +37,6 @@ impl Remaining {
     /// Whether the walk has left a side.
     pub(super) fn is_done(&self, side: usize) -> bool {
         self.done[side]
-    }
-
-    /// Leaves a side.
-    pub(super) fn leave(&mut self, side: usize) {
-        self.done[side] = true;
     }
 }
 

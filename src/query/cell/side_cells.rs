@@ -19,7 +19,7 @@ pub(crate) struct SideCells {
     /// Where each band is in `open`, counted in bands, or [`PASSED_OVER`].
     pub(crate) bands: Vec<u32>,
     /// The place of a band in which all cells block, which hidden ones share.
-    hidden: Option<u32>,
+    pub(crate) hidden: Option<u32>,
     /// For each row, whether it has opaque cells that are not hidden.
     pub(crate) fresh: Vec<bool>,
 }
