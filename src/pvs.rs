@@ -45,7 +45,7 @@ pub struct Stats {
     /// drawn. Patches that cover pixels only together count for each of their objects. No more than were drawn,
     /// except in a [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may be out of sight.
     pub occluders_useful: u32,
-    /// [`Method::Point`]: patches of triangles drawn.
+    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later neighbours are drawn again.
     pub patches_drawn: u32,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
