@@ -29,7 +29,8 @@ pub enum Method {
     /// nothing is taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`crate::Pvs::is_valid_for`] asks the same of the
     /// near plane of another view.
     ///
-    /// Costs the cells in sight. Orthographic views get the cells of the frustum without occlusion.
+    /// Costs the cells in sight, as far as they may contain objects that were not found yet. Orthographic views get no
+    /// occlusion. Where nothing is taken to be hidden, it costs all objects of the scene, and no cells.
     /// Thesis, section 3.3.
     Cell(CellOptions),
     /// The objects that can be seen from the eye, at pixel precision: the tightest method. Costs the cells and occluders

@@ -11,13 +11,17 @@ use crate::view::View;
 
 /// The work of a query in numbers, the same on every machine. The library has no clock: measure around
 /// [`crate::Query::run`].
+///
+/// They follow from the scene, the view and the method, whatever the query ran before; those of a
+/// [coherent](crate::PointOptions::coherent) run also from the runs that it builds on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
     /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to. Large empty parts of the grid are passed over and not counted.
+    /// of a shell that they belong to. Large parts of the grid that are empty or hidden are passed over and not
+    /// counted, and so are all cells where [`Method::Cell`] takes nothing to be hidden.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,
@@ -35,11 +39,13 @@ pub struct Stats {
     pub pixels: u64,
     /// [`Method::Point`]: objects compared with the occlusion buffers, counted each time.
     pub occlusion_tests: u32,
-    /// [`Method::Point`]: occluders drawn.
+    /// [`Method::Point`]: objects in sight whose occluders were drawn.
     pub occluders_drawn: u32,
-    /// [`Method::Point`]: how many of them covered a pixel that was open, or hid nearer.
+    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at the time when they were
+    /// drawn. Patches that cover pixels only together count for each of their objects. No more than were drawn,
+    /// except in a [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may be out of sight.
     pub occluders_useful: u32,
-    /// [`Method::Point`]: patches of triangles drawn.
+    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later neighbours are drawn again.
     pub patches_drawn: u32,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,

@@ -153,7 +153,7 @@ fn static_solids_as_large_as_pages_come_and_go() {
             scene.remove(id).unwrap();
             let single = alone(&scene, held.iter().map(|h| h.1));
             let both = [&solids[1], &solids[2]].iter().all(|s| held.iter().any(|h| std::ptr::eq(h.1, *s)));
-            let all = scene.static_opacity();
+            let all = &*scene.static_opacity();
             assert!(single.is_subset(all), "round {round}: {:?}", single.iter().find(|&c| !all.get(c)));
             let solids: Vec<&Occluder> = held.iter().map(|h| h.1).collect();
             all.iter().filter(|&c| !single.get(c)).for_each(|c| assert_filled(c, &solids));

@@ -275,6 +275,12 @@ impl Scene {
         self.slots.get(slot).is_some_and(Object::is_hidden)
     }
 
+    /// Whether the cells of an object are in I.
+    #[inline]
+    pub(crate) fn is_in_cells(&self, object: &Object) -> bool {
+        object.in_cells
+    }
+
     /// The object of a slot, if it contains one.
     #[inline]
     pub(crate) fn living_at(&self, slot: u32) -> Option<&Object> {

@@ -60,7 +60,7 @@ impl Volumes {
     }
 
     /// Whether the volume of an object reaches beyond the grid.
-    pub(super) fn is_outer(&self, slot: u32) -> bool {
+    pub(crate) fn is_outer(&self, slot: u32) -> bool {
         self.leaves(self.cells(slot))
     }
 

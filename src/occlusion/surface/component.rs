@@ -13,15 +13,14 @@ use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch, WholeSide}
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
-/// Draws the patches of one component, a range of the order of drawing. Returns whether they hide more than
-/// before.
+/// Draws the patches of one component, a range of the order of drawing, and notes which hide more than before.
 pub(super) fn draw_component(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
     range: Range<usize>,
     viewpoint: Viewpoint,
     scratch: &mut SurfaceScratch,
-) -> bool {
+) {
     let SurfaceScratch { seen, sides, order, raster, rims, joint, useful, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
     let area = Area::around(&members().fold(PixelRect::EMPTY, |around, s| around.join(&s.pixels)));
@@ -29,7 +28,6 @@ pub(super) fn draw_component(
         joint.clear(area);
         joint
     });
-    let mut changed = false;
     let projector = Projector::new(buffer, viewpoint);
     let (first, deep) = (projector.first(), projector.deep_sides());
     let is_seam = |side: &WholeSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
@@ -52,17 +50,14 @@ pub(super) fn draw_component(
         deep.draw(raster, own, d.turned, is_seam);
         raster.finish();
         if cover_patch(buffer, raster, s, d, rims, joint.as_deref_mut()) {
-            changed = true;
             useful.push(s.drawable);
         }
     }
     if let Some(joint) = joint
         && cover_seams(buffer, rims, joint)
     {
-        changed = true;
         useful.extend(members().map(|s| s.drawable));
     }
-    changed
 }
 
 /// Covers the pixels of one patch, and adds its marks to those of its component.

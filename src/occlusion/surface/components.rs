@@ -14,8 +14,8 @@ use crate::occlusion::surface::viewpoint::Viewpoint;
 /// so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
 
-/// Draws patches together on one face, those that it sees. `patches` is greater than all their numbers. Returns whether they
-/// hide more than before.
+/// Draws patches together on one face, those that it sees, and notes which hide more than before. `patches` is greater than all
+/// their numbers.
 pub(crate) fn draw_surfaces(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
@@ -23,12 +23,11 @@ pub(crate) fn draw_surfaces(
     viewpoint: Viewpoint,
     patches: usize,
     scratch: &mut SurfaceScratch,
-) -> bool {
+) {
     scratch.begin(patches);
     see(buffer, batch, sights, viewpoint, scratch);
     join(batch, viewpoint.reach, scratch);
     order(scratch);
-    let mut changed = false;
     let mut first = 0;
     while first < scratch.order.len() {
         let root = scratch.order[first].1;
@@ -38,11 +37,10 @@ pub(crate) fn draw_surfaces(
             buffer.hides_pixels(&s.pixels, s.near)
         };
         if !scratch.order[first..last].iter().all(hidden) {
-            changed |= draw_component(buffer, batch, first..last, viewpoint, scratch);
+            draw_component(buffer, batch, first..last, viewpoint, scratch);
         }
         first = last;
     }
-    changed
 }
 
 /// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its pixels.

@@ -38,20 +38,19 @@ use crate::occlusion::surface::viewpoint::Viewpoint;
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
-    /// their numbers; `listed` tells whether they are listed by place. Returns whether they hide more than before.
-    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) -> bool {
+    /// their numbers; `listed` tells whether they are listed by place. [`OcclusionBuffers::useful_patches`] then tells which hide
+    /// more than before.
+    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) {
         let viewpoint = self.viewpoint();
         let (faces, scratch) = self.surfaces_mut();
-        let mut changed = false;
         scratch.useful.clear();
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            changed |= draw_surfaces(buffer, &batch.drawables, sights, viewpoint, patches, scratch);
+            draw_surfaces(buffer, &batch.drawables, sights, viewpoint, patches, scratch);
             if listed {
                 list(buffer, &batch.drawables, scratch);
             }
         }
-        changed
     }
 
     /// The indices of the patches of the last batch that hid more than before. Some may be named twice.

@@ -11,6 +11,9 @@ use crate::query::cell::side_cells::{PASSED_OVER, SideCells};
 use crate::query::cell::spans::{clear_span, set_span};
 use crate::walk::SideFrustum;
 
+/// Bands with more rows of pixels than this are looked at row by row.
+const MOST_PIXELS: i64 = 8;
+
 impl Walk<'_> {
     /// Prepares the cells of one side of shell `m`; `None` if the frustum reaches no cell of it.
     pub(crate) fn begin_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
@@ -19,8 +22,7 @@ impl Walk<'_> {
         let dims = self.scene.grid().dims();
         let v = self.shells.cell;
         let cells = &mut self.scratch.sides[index];
-        cells.rows = 0;
-        cells.fresh.clear();
+        cells.clear();
         let depth = m * side.sign;
         let at = v[axes.normal] + depth;
         if !(0..dims[axes.normal]).contains(&at) {
@@ -69,6 +71,35 @@ impl Walk<'_> {
         scene.id_matrix().pages().row_is_empty(along, page)
             && scene.tbv_matrix().pages().row_is_empty(along, page)
             && self.opaque.iter().all(|opaque| opaque.pages().row_is_empty(along, page))
+    }
+
+    /// The columns between which rows of a side have cells that are not hidden, as far as the pixels around all of the rows
+    /// tell; `None` if they are hidden. Near shells are not looked at: their rows have many pixels each.
+    pub(crate) fn open_part(
+        &self,
+        index: usize,
+        scale: &ShellScale,
+        rows: (i32, i32),
+        cols: (i32, i32),
+    ) -> Option<(i32, i32)> {
+        let pixels = (scale.pixel(rows.0), scale.pixel(rows.1));
+        if pixels.1 - pixels.0 > MOST_PIXELS {
+            return Some(cols);
+        }
+        let (first, last) =
+            self.scratch.masks.open_columns(index, pixels, (scale.pixel(cols.0), scale.pixel(cols.1)))?;
+        let part =
+            ((scale.line_from(first) as i32).max(cols.0), (scale.line_before(last + 1) as i32).min(cols.1));
+        (part.0 <= part.1).then_some(part)
+    }
+
+    /// Whether the pages between two columns of a row of bricks contain nothing that a walk looks for.
+    pub(crate) fn pages_are_empty(&self, axis: usize, brick: IVec3, cols: (i32, i32)) -> bool {
+        (cols.0 >> 6..=cols.1 >> 6).all(|col| {
+            let mut page = brick >> 3i32;
+            page[axis] = col;
+            self.page_is_empty(page)
+        })
     }
 
     /// Whether a page contains nothing that a walk looks for.

@@ -66,6 +66,60 @@ impl DirectionMasks {
         self.bits[side][r * self.words + c / 64] >> (c % 64) & 1 != 0
     }
 
+    /// Whether a pixel is not set.
+    #[inline]
+    pub(crate) fn is_open(&self, side: usize, row: i64, col: i64) -> bool {
+        !self.used[side]
+            || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
+    }
+
+    /// The first pixel between two rows and two columns, all included, that is not set, and how many words were read.
+    pub(crate) fn first_open(
+        &self,
+        side: usize,
+        rows: (i64, i64),
+        cols: (i64, i64),
+    ) -> (Option<(i64, i64)>, i64) {
+        if !self.used[side] {
+            return (Some((rows.0, cols.0)), 0);
+        }
+        let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
+        let words = (end / 64 - from / 64) as i64 + 1;
+        for row in rows.0..=rows.1 {
+            let at = row as usize * self.words;
+            let col = next_clear(&self.bits[side][at..at + self.words], from, end);
+            if col < end {
+                return (Some((row, col as i64)), words * (row - rows.0 + 1));
+            }
+        }
+        (None, words * (rows.1 - rows.0 + 1))
+    }
+
+    /// The columns, of some, from the first to the last in which a pixel of some rows is not set; `None` if all are set.
+    pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
+        if !self.used[side] {
+            return Some(cols);
+        }
+        let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
+        let (first, last) = (from / 64, (end - 1) / 64);
+        let open = |word: usize| {
+            let set = (rows.0..=rows.1)
+                .fold(u64::MAX, |all, row| all & self.bits[side][row as usize * self.words + word]);
+            let head = if word == first { u64::MAX << (from % 64) } else { u64::MAX };
+            let tail = if word == last { u64::MAX >> (63 - (end - 1) % 64) } else { u64::MAX };
+            !set & head & tail
+        };
+        let a = (first..=last).find_map(|word| {
+            let open = open(word);
+            (open != 0).then(|| word as i64 * 64 + i64::from(open.trailing_zeros()))
+        })?;
+        let b = (first..=last).rev().find_map(|word| {
+            let open = open(word);
+            (open != 0).then(|| word as i64 * 64 + 63 - i64::from(open.leading_zeros()))
+        })?;
+        Some((a, b))
+    }
+
     /// Calls `hidden` with the runs of hidden cells between two columns of a row.
     #[inline]
     pub(crate) fn hidden_runs(

@@ -1,9 +1,11 @@
 //! The cell method: the objects that can be seen from anywhere in the viewer's cell.
 
 mod bands;
+mod everything;
 pub(crate) mod masks;
 mod objects;
 mod overhang;
+mod remaining;
 pub(crate) mod scratch;
 mod shell_scale;
 mod side;
@@ -13,6 +15,7 @@ mod spans;
 use crate::matrix::bits::BitMatrix;
 use crate::method::CellOptions;
 use crate::pvs::{Pvs, Stats};
+use crate::query::cell::remaining::Remaining;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
@@ -48,6 +51,7 @@ pub(crate) struct Walk<'a> {
     opaque: SmallVec<[&'a BitMatrix; 4]>,
     /// For each side, about where cells were last in sight: a share of its rows.
     seen_at: [f64; 6],
+    remaining: Remaining,
     stats: Stats,
 }
 
@@ -79,6 +83,7 @@ impl<'a> Walk<'a> {
                 .flat_map(|part| std::iter::once(part.fixed()).chain(part.known_moving()))
                 .collect(),
             seen_at: [0.5; 6],
+            remaining: Remaining::default(),
             stats: Stats::default(),
         }
     }
@@ -96,13 +101,15 @@ impl<'a> Walk<'a> {
 
     /// Fills the set.
     pub(crate) fn run(mut self) {
-        let slack = self.occlusion_slack();
-        if slack.is_some() {
-            self.pvs.cell = Some(self.shells.cell);
-        }
-        self.walk_shells(slack);
-        if !self.from_eye {
-            self.reveal_all();
+        match self.occlusion_slack() {
+            Some(slack) => {
+                self.pvs.cell = Some(self.shells.cell);
+                self.walk_shells(Some(slack));
+            }
+            None => {
+                self.find_everything();
+                self.record_frustum();
+            }
         }
         // Nothing is known to hide objects beyond the grid.
         for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| &bucket.slots) {
@@ -117,13 +124,11 @@ impl<'a> Walk<'a> {
         self.pvs.stats = self.stats;
     }
 
-    /// Reveals all volumes in the frustum, for rays that may start and end inside a hollow one.
-    fn reveal_all(&mut self) {
-        let scene = self.scene;
-        for slot in 0..scene.slot_count() as u32 {
-            if scene.is_hidden(slot) && self.view.may_see_block(&scene.volume_block(slot)) {
-                self.reveal(slot, 0);
-            }
+    /// Records the cells of the frustum, if cells are recorded, where everything was found without them.
+    fn record_frustum(&mut self) {
+        if self.record.is_some() {
+            (0..self.scene.slot_count() as u32).for_each(|slot| _ = self.marks.decide(slot));
+            self.walk_shells(None);
         }
     }
 
@@ -151,7 +156,13 @@ impl<'a> Walk<'a> {
         if inside {
             self.first_cell();
         }
+        // A segment from inside the grid to a farther cell passes each shell inside the grid, on the same side.
+        let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
+            // All cells are recorded, also those without objects.
+            if self.record.is_none() && !self.search_remaining(m - 1) {
+                break;
+            }
             self.stats.shells += 1;
             let scale = ShellScale::new(m, self.scratch.masks.log(), slack.unwrap_or(0.0));
             let (mut cells, mut in_sight) = (0, 0);
@@ -163,8 +174,6 @@ impl<'a> Walk<'a> {
             self.settle_pending(m, &scale);
             self.stats.cells_visited += cells;
             self.stats.cells_hidden += cells - in_sight;
-            // A segment from inside the grid to a farther cell passes this shell inside the grid.
-            let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
             if ends && in_sight == 0 && !(0..6).any(|side| self.sees_passed_over(side, m, &scale)) {
                 break;
             }

@@ -7,6 +7,7 @@ use crate::grid::side::Side;
 use crate::matrix::tbv::TbvMatrix;
 use crate::query::cell::Walk;
 use crate::query::cell::shell_scale::ShellScale;
+use crate::scene::Object;
 use crate::shape::Shape;
 
 /// A revealed object with more cells than this is decided without testing which of them are in sight.
@@ -35,23 +36,23 @@ impl Walk<'_> {
     /// Decides an object one of whose cells is in sight.
     pub(super) fn decide(&mut self, slot: u32) {
         let object = self.scene.object(slot);
-        if !self.marks.decide(slot) || !object.is_shown(self.view) {
-            return;
-        }
-        self.stats.objects_tested += 1;
-        // An object whose place is not known may be anywhere.
-        if object.is_unlocated() || self.view.may_see(object.bounds()) {
+        if self.marks.decide(slot) && object.is_shown(self.view) && self.is_in_view(object) {
             self.pvs.push(self.scene.id(slot));
         }
     }
 
-    /// A volume came into sight at shell `m`: the cells of its object from
-    /// there on decide. Nearer ones are hidden, or the surface around them would have
-    /// been seen before.
-    pub(super) fn reveal(&mut self, slot: u32, m: i32) {
+    /// Compares the bounds of an object with the frustum.
+    pub(super) fn is_in_view(&mut self, object: &Object) -> bool {
+        self.stats.objects_tested += 1;
+        // An object whose place is not known may be anywhere.
+        object.is_unlocated() || self.view.may_see(object.bounds())
+    }
+
+    /// Reveals a volume. Returns whether its object remains to be decided.
+    pub(super) fn uncover(&mut self, slot: u32) -> bool {
         let object = self.scene.object(slot);
         if !self.marks.reveal(slot) || !object.is_shown(self.view) {
-            return;
+            return false;
         }
         self.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.scene.id(slot));
@@ -59,14 +60,19 @@ impl Walk<'_> {
             // Its bounds are old: it may be anywhere in the volume.
             self.marks.decide(slot);
             self.pvs.push(self.scene.id(slot));
+            return false;
+        }
+        true
+    }
+
+    /// A volume came into sight at shell `m`: the cells of its object from
+    /// there on decide. Nearer ones are hidden, or the surface around them would have
+    /// been seen before.
+    pub(super) fn reveal(&mut self, slot: u32, m: i32) {
+        if !self.uncover(slot) {
             return;
         }
-        if !self.from_eye {
-            // Rays do not start where the walk does, which may have passed the object's cells.
-            self.decide(slot);
-            return;
-        }
-        let bounds = object.bounds();
+        let bounds = self.scene.object(slot).bounds();
         if !self.view.may_see(bounds) {
             return;
         }

@@ -65,7 +65,7 @@ impl Walk<'_> {
         let grid = scene.grid();
         let room = self.view.eye_room();
         let from = Block::new(grid.cell_bounds(cell)).grown(room);
-        let mut slots = Vec::new();
+        let (mut slots, mut listed) = (Vec::new(), Vec::new());
         scene.overhang().slots_where(|block| self.view.may_see_volume(block), |slot| slots.push(slot));
         for slot in slots {
             let object = scene.object(slot);
@@ -81,11 +81,14 @@ impl Walk<'_> {
             match faces.and_then(|faces| few(faces.collect())) {
                 Some(_) if !self.view.may_see(object.bounds()) => {}
                 Some(faces) => {
+                    let join = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
+                    listed.extend(faces.iter().copied().reduce(join).map(|around| (slot, around)));
                     faces.into_iter().flat_map(CellBox::cells).for_each(|c| self.pend(c, slot));
                 }
                 None => self.decide(slot),
             }
         }
+        self.remaining.add_exits(listed);
     }
 }
 

@@ -17,8 +17,6 @@ struct SidePass {
     /// Coordinate of its cells along its axis: relative to V, and in the grid.
     depth: i32,
     at: i32,
-    /// First and last column, relative to V.
-    cols: (i32, i32),
     /// Words in a row, and the first of them in the grid.
     words: usize,
     first_word: usize,
@@ -36,10 +34,14 @@ struct Counts {
 
 impl Walk<'_> {
     /// Walks one side of shell `m`. Returns the number of its cells in the frustum, and how many of them are not
-    /// hidden, both without the parts where the grid contains nothing: those are passed over.
+    /// hidden, both without the parts where the grid contains nothing or the masks hide all: those are passed over.
     pub(super) fn side(&mut self, index: usize, m: i32, scale: &ShellScale) -> (u64, u64) {
         let side = Side::ALL[index];
         let (axes, v, depth) = (side.axes, self.shells.cell, m * side.sign);
+        if self.remaining.is_done(index) {
+            self.scratch.sides[index].clear();
+            return (0, 0);
+        }
         let Some(frustum) = self.begin_side(index, m) else { return (0, 0) };
         let record = self.record.is_some();
         let first_page = (v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32;
@@ -55,7 +57,6 @@ impl Walk<'_> {
             frustum,
             depth,
             at: v[axes.normal] + depth,
-            cols: (c0, c1),
             words: cells.words,
             first_word: ((v[axes.col] + c0) >> 6) as usize,
             base: cells.offset as i32 - c0,
@@ -67,11 +68,25 @@ impl Walk<'_> {
             if !record && self.row_is_empty(axes.col, page) {
                 continue;
             }
+            let part =
+                if record { Some((c0, c1)) } else { self.open_part(index, scale, (first, last), (c0, c1)) };
+            let Some(part) = part else {
+                cells.hide_band(number);
+                continue;
+            };
+            let brick = (v + side.cell(depth, first, part.0)) >> 3i32;
+            let columns = (v[axes.col] + part.0, v[axes.col] + part.1);
+            if !record && part != (c0, c1) && self.pages_are_empty(axes.col, brick, columns) {
+                continue;
+            }
             let band = cells.make_band(number);
             if !self.shells.frustum.meets(side.cell(depth, first, c0), side.cell(depth, last, c1)) {
                 continue;
             }
-            let Some(cols) = self.open_rows(&pass, (first, last), band, scale, &mut counts) else { continue };
+            self.remaining.rows += i64::from(last - first + 1);
+            let Some(cols) = self.open_rows(&pass, (first, last), part, band, scale, &mut counts) else {
+                continue;
+            };
             let fresh = self.block_tiles(&pass, first, cols, band, &mut hits);
             if fresh != 0 {
                 cells.fresh.resize(cells.rows as usize, false);
@@ -93,13 +108,14 @@ impl Walk<'_> {
         (counts.total, counts.in_sight)
     }
 
-    /// Sets the bits of the cells of a band that are in the frustum and not hidden. Returns the columns between which
-    /// some are.
+    /// Sets the bits of the cells of a band that are in the frustum and not hidden, of which the columns of `part` contain
+    /// all. Returns the columns between which some are.
     #[inline(always)]
     fn open_rows(
         &mut self,
         pass: &SidePass,
         (first, last): (i32, i32),
+        part: (i32, i32),
         band: &mut [u64],
         scale: &ShellScale,
         counts: &mut Counts,
@@ -108,7 +124,7 @@ impl Walk<'_> {
         let skip = ((self.shells.cell[pass.side.axes.row] + first) & 7) as usize;
         let (mut left, mut right) = (i32::MAX, i32::MIN);
         for (row, line) in (first..=last).zip(band[skip * words..].chunks_mut(words)) {
-            let Some((lo, hi)) = pass.frustum.row(row, pass.cols) else { continue };
+            let Some((lo, hi)) = pass.frustum.row(row, part) else { continue };
             set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
             counts.total += (hi - lo + 1) as u64;
             let mut seen = hi - lo + 1;

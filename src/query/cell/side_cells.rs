@@ -18,6 +18,8 @@ pub(crate) struct SideCells {
     pub(crate) before: usize,
     /// Where each band is in `open`, counted in bands, or [`PASSED_OVER`].
     pub(crate) bands: Vec<u32>,
+    /// The place of a band in which all cells block, which hidden ones share.
+    pub(crate) hidden: Option<u32>,
     /// For each row, whether it has opaque cells that are not hidden.
     pub(crate) fresh: Vec<bool>,
 }
@@ -26,6 +28,24 @@ pub(crate) struct SideCells {
 pub(crate) const PASSED_OVER: u32 = u32::MAX;
 
 impl SideCells {
+    /// Leaves no cells.
+    pub(crate) fn clear(&mut self) {
+        self.rows = 0;
+        self.fresh.clear();
+        self.hidden = None;
+    }
+
+    /// Makes a band of cells that all block.
+    pub(crate) fn hide_band(&mut self, band: usize) {
+        match self.hidden {
+            Some(shared) => self.bands[band] = shared,
+            None => {
+                self.make_band(band);
+                self.hidden = Some(self.bands[band]);
+            }
+        }
+    }
+
     /// Appends a band of eight rows, and returns it.
     pub(crate) fn make_band(&mut self, band: usize) -> &mut [u64] {
         let size = 8 * self.words;
@@ -60,5 +80,7 @@ mod tests {
         assert_eq!(cells.line(1), Some(&[0, 9][..]));
         assert_eq!(cells.line(13), Some(&[5, 0][..]));
         assert_eq!(cells.line(7), None);
+        cells.hide_band(1);
+        assert_eq!((cells.line(7), cells.open.len()), (Some(&[0, 0][..]), 48));
     }
 }

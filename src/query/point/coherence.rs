@@ -120,7 +120,9 @@ impl<'a> Walk<'a> {
 
     /// Notes that a solid was drawn, and whether it hid more than before.
     pub(super) fn drew_solid(&mut self, slot: u32, changed: bool) {
-        self.stats.occluders_useful += u32::from(changed);
+        if changed {
+            self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
+        }
         if self.coherent {
             self.scratch.coherence.drew_solid(slot, changed);
         }

@@ -92,7 +92,7 @@ impl<'a> Walk<'a> {
         scratch: &'a mut PointScratch,
     ) -> Self {
         marks.begin(scene.slot_count());
-        scratch.begin(scene.seams().patches(), marks.epoch());
+        scratch.begin(scene.slot_count(), scene.seams().patches(), marks.epoch());
         // Limits choose by rules of their own among all occluders.
         let coherent =
             options.coherent && options.max_occluders == u32::MAX && options.min_solid_angle == 0.0;

@@ -9,6 +9,7 @@ use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
+use crate::query::marks::Marks;
 use crate::query::point::follow::Offered;
 use crate::query::point::recall::Coherence;
 use crate::view::View;
@@ -73,6 +74,8 @@ pub(crate) struct PointScratch {
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(u32, u32)>,
+    /// The objects of which an occluder hid more than before.
+    pub(super) useful: Marks,
     pub(super) magnifier: Magnifier,
     /// The objects whose occluders were offered in a run on static objects only.
     pub(crate) offered: Offered,
@@ -80,9 +83,10 @@ pub(crate) struct PointScratch {
 }
 
 impl PointScratch {
-    /// Forgets the last query. `patches` is the number of patches of the scene, and `epoch` the number of the
+    /// Forgets the last query. `slots` and `patches` are the numbers of those of the scene, and `epoch` the number of the
     /// query, which starts at 1 again when it has reached its greatest value.
-    pub(super) fn begin(&mut self, patches: usize, epoch: u32) {
+    pub(super) fn begin(&mut self, slots: usize, patches: usize, epoch: u32) {
+        self.useful.begin(slots);
         self.candidates.clear();
         self.waiting.iter_mut().for_each(Waiting::clear);
         self.patches.clear();

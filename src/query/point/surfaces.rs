@@ -8,7 +8,7 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
 use crate::query::point::drawables::Source;
 use crate::query::point::recall::Role;
-use crate::query::point::scratch::{DrawnPatch, Waiting};
+use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
 /// their outlines touch do not count.
@@ -114,9 +114,22 @@ impl<'a> Walk<'a> {
         self.collect_neighbours(&mut batch);
         self.stats.patches_drawn += batch.drawables.len() as u32;
         let listed = self.options.refine_patches > 0;
-        let changed = self.scratch.buffers.draw_surfaces(&batch, self.scene.seams().patches(), listed);
-        self.stats.occluders_useful += u32::from(changed);
+        self.scratch.buffers.draw_surfaces(&batch, self.scene.seams().patches(), listed);
+        self.count_useful(&batch);
         self.drew_batch(&batch);
+    }
+
+    /// Counts the objects with patches in a batch that hid more than before.
+    fn count_useful(&mut self, batch: &Batch) {
+        let PointScratch { buffers, patches, useful, .. } = &mut *self.scratch;
+        for &index in buffers.useful_patches() {
+            let drawable = &batch.drawables[index as usize];
+            let slot = match drawable.again {
+                true => self.scene.seams().owner(drawable.number),
+                false => patches[drawable.id as usize].0,
+            };
+            self.stats.occluders_useful += u32::from(useful.decide(slot));
+        }
     }
 
     /// Appends one patch to a batch, as one, unless it is small or hidden.
