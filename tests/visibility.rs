@@ -510,7 +510,7 @@ fn memory_follows_occupied_cells() {
         &scene,
         &View::from_planes(Vec3::ONE, &[casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 }]).unwrap(),
     );
-    scene.end_frame([query.pvs()]).unwrap();
+    while scene.end_frame([query.pvs()]).unwrap().hidden > 0 {}
     let half_hidden = scene.memory();
     println!("all listed {all_listed:?}, half in volumes {half_hidden:?}");
     assert!(scene.tbv_matrix().volumes() > 49_000);
