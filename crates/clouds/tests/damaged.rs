@@ -45,8 +45,7 @@ fn number(file: &[u8], at: usize) -> usize {
 fn load(path: &std::path::Path) {
     let Ok(bricks) = Bricks::open(path).map(Arc::new) else { return };
     let Ok(loader) = Loader::new(bricks.clone(), 1 << 24) else { return };
-    let wants: Vec<Want> =
-        (0..bricks.len() as u32).map(|brick| Want { brick, points: u32::MAX }).collect();
+    let wants: Vec<Want> = (0..bricks.len() as u32).map(|brick| Want { brick, points: u32::MAX }).collect();
     loader.want(&wants);
     loader.settle();
     loader.gather(&wants);
@@ -126,13 +125,13 @@ fn items(file: &[u8]) -> usize {
 #[test]
 fn the_parts_of_compressed_points_are_checked() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    for (format, least) in [(2, 2), (7, 3)] {
+    for format in [2, 7] {
         let whole = files::las(40, format, 20_000, true);
         refused(&whole, "20000 extra bytes");
         let whole = files::las(40, format, 6, true);
         assert_eq!(parse(&whole), Ok(40));
         let at = items(&whole);
-        assert_eq!(usize::from(whole[at]), least);
+        assert_eq!(whole[at], 3, "coordinates, colours and bytes");
         let change = |item: usize, field: usize, value: u16| {
             let mut file = whole.clone();
             let at = at + 2 + 6 * item + 2 * field;
@@ -140,19 +139,27 @@ fn the_parts_of_compressed_points_are_checked() {
             file
         };
         refused(&change(1, 1, 7), "bytes a point");
-        let first = u16::from_le_bytes([whole[at + 2], whole[at + 3]]);
-        refused(&change(1, 0, first), "twice");
+        // Bytes in the place of colours: as long, but a second item of that kind.
+        let bytes = u16::from_le_bytes([whole[at + 14], whole[at + 15]]);
+        refused(&change(1, 0, bytes), "twice");
+        // Lengths of the same sum that are not those of the kinds.
+        let mut moved = change(1, 1, 4);
+        moved[at + 16] = 8;
+        refused(&moved, "of 4 bytes");
         let mut none = whole.clone();
         none[at] = 0;
         refused(&none, "bytes a point");
     }
 }
 
-/// An E57 file with another text in its XML, as long as the one that it replaces.
-fn e57_with(from: &str, to: &str) -> Vec<u8> {
-    let mut file = files::e57(40, false);
-    let at = file.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
-    file[at..at + from.len()].copy_from_slice(format!("{to:0$}", from.len()).as_bytes());
+/// An E57 file with other texts of the same lengths in its XML.
+fn e57_with(count: usize, changes: &[(&str, &str)]) -> Vec<u8> {
+    let mut file = files::e57(count, false);
+    for (from, to) in changes {
+        assert_eq!(from.len(), to.len());
+        let at = file.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
+        file[at..at + from.len()].copy_from_slice(to.as_bytes());
+    }
     files::mend(&mut file);
     file
 }
@@ -162,15 +169,8 @@ fn scans_whose_points_take_no_bits_are_refused() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     assert_eq!(parse(&files::e57(40, false)), Ok(40));
     // The ranges of all coordinates are one number: the crate would unpack points without end.
-    let mut file = files::e57(40, false);
-    for _ in 0..3 {
-        let from = b"maximum=\"9999999\"";
-        let at = file.windows(from.len()).position(|w| w == from).expect("a range");
-        file[at..at + from.len()].copy_from_slice(b"maximum=\"-001000\"");
-    }
-    files::mend(&mut file);
-    refused(&file, "0 bits");
-    refused(&e57_with("recordCount=\"40\"", "recordCount=\"4\""), "");
+    refused(&e57_with(40, &[("maximum=\"9999999\"", "maximum=\"-001000\""); 3]), "0 bits");
+    refused(&e57_with(1000, &[("recordCount=\"1000\"", "recordCount=\"9999\"")]), "its points take");
 }
 
 #[test]

@@ -76,6 +76,7 @@ pub fn las(count: usize, format: u8, extra_bytes: u16, compressed: bool) -> Vec<
             color: format.has_color.then_some(las::Color { red, green, blue }),
             nir: format.has_nir.then_some(i as u16),
             gps_time: format.has_gps_time.then_some(i as f64),
+            waveform: format.has_waveform.then(Default::default),
             extra_bytes: vec![i as u8; extra_bytes.into()],
             ..Default::default()
         };
@@ -99,7 +100,8 @@ pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
     prototype.push(Record { name: RecordName::RowIndex, data_type: constant });
     let mut scan = file.add_pointcloud("scan", prototype).expect("a plain scan");
     for p in helix(count).world_positions() {
-        let value = |c: f64| if doubles { RecordValue::Double(c) } else { RecordValue::ScaledInteger(c as i64) };
+        let value =
+            |c: f64| if doubles { RecordValue::Double(c) } else { RecordValue::ScaledInteger(c as i64) };
         let mut values = p.to_array().map(value).to_vec();
         values.push(RecordValue::Integer(7));
         scan.add_point(values).expect("a list takes all bytes");
