@@ -6,8 +6,9 @@
 #![no_main]
 
 use std::io::Cursor;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use casca::TriMesh;
 use casca_clouds::PointCloud;
@@ -33,6 +34,9 @@ mod scenes;
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
+/// What the last panic said. The fuzzer ends at any panic, but those of libraries that a reader catches are errors.
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
 /// A format: valid files, what sets their checksums right, and the reader.
 struct Kind {
     name: &'static str,
@@ -42,6 +46,9 @@ struct Kind {
 }
 
 static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
+    panic::set_hook(Box::new(|why| {
+        *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = why.to_string()
+    }));
     let kind = |name, files, mend, read| Kind { name, files, mend, read };
     let mut all = vec![
         kind("clouds", clouds::all(), clouds::mend, Box::new(cloud)),
@@ -117,5 +124,9 @@ fuzz_target!(|data: &[u8]| {
             (kind.mend)(&mut file);
         }
     }
-    damage::check(&HEAP, kind.name, &file, &mut |bytes| (kind.read)(bytes));
+    let check = || damage::check(&HEAP, kind.name, &file, &mut |bytes| (kind.read)(bytes));
+    if panic::catch_unwind(AssertUnwindSafe(check)).is_err() {
+        eprintln!("{}: {}", kind.name, LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner));
+        std::process::abort();
+    }
 });

@@ -1065,7 +1065,7 @@ fn what_unfolds_to_more_than_the_file_is_refused() {
     let name = "leaf".repeat(50_000);
     let instanced =
         format!(r#"{name}","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":0}}}}}}"#);
-    let many = format!(r#""nodes":[{{"mesh":0,"name":"{instanced}"}},{{"camera":0}}"#);
+    let many = format!(r#""nodes":[{{"mesh":0,"name":"{instanced}}},{{"camera":0}}"#);
     let one = r#""nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}"#;
     assert!(with(one, &many).is_ok());
     let zeros = zeros.trim_end_matches(',').replace("1048576", "524288");
