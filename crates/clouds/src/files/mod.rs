@@ -2,6 +2,8 @@
 //!
 //! The format is found by the first bytes, not by the name. Counts in headers are checked by reading, never believed by allocating.
 
+mod layers;
+mod lidar;
 mod ply;
 mod scans;
 mod sink;
@@ -11,6 +13,7 @@ mod tests;
 
 use std::fs::File;
 use std::io::BufReader;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 
 use crate::PointCloud;
@@ -22,7 +25,7 @@ pub use sink::{Attributes, FileError, Source};
 /// Reads a whole file. Points whose coordinates are not finite, as scanners write them for rays without an echo, are left out.
 ///
 /// Colours of LAS and LAZ files have 16 bits a channel; they are taken as 8 bits if no channel of the first 65,536 points that are not all
-/// black exceeds 255.
+/// black exceeds 255 (of fewer points, if their records have more than 64 bytes).
 ///
 /// The origin is a multiple of 1,024 units in each coordinate, near the first point or the middle of the bounds in the header.
 ///
@@ -73,10 +76,18 @@ pub fn read_source<E: From<FileError>>(
     let start = source.fill_buf().map_err(|e| sink.io(e))?;
     match start.get(..4) {
         Some(b"ply\n" | b"ply\r") => ply::read(source, &mut sink)?,
-        Some(b"LASF") => scans::read_las(source, &mut sink)?,
-        Some(b"ASTM") => scans::read_e57(source, &mut sink)?,
+        Some(b"LASF") => lidar::read(source, &mut sink)?,
+        Some(b"ASTM") => scans::read(source, &mut sink)?,
         _ => surfel::read(source, &mut sink)?,
     }
     sink.flush()?;
     Ok(sink.skipped)
+}
+
+/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error: nothing of the library is used after it.
+fn guarded<T, E: ToString>(call: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+    match panic::catch_unwind(AssertUnwindSafe(call)) {
+        Ok(result) => result.map_err(|e| e.to_string()),
+        Err(_) => Err("the decoder panicked".into()),
+    }
 }

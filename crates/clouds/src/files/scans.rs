@@ -1,93 +1,27 @@
-//! Files of laser scans: LAS and LAZ (crate `las`), E57 (crate `e57`).
+//! E57, by the crate of that name. Sizes in a file are checked before it reserves memory for them.
 
-use std::io::{self, SeekFrom};
-use std::panic::{self, AssertUnwindSafe};
+use std::io::SeekFrom;
 
-use e57::{CartesianCoordinate, E57Reader};
+use e57::{CartesianCoordinate, E57Reader, PointCloud, RecordDataType};
 use glam::DVec3;
-use las::Reader;
 
+use super::guarded;
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
-use crate::numeric;
 
-/// Points that are decoded at once.
-const BATCH: u64 = 1 << 16;
-
-pub(super) fn read_las<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
-    check_chunks(&mut source).map_err(|e| sink.header("LAS", e))?;
-    let mut reader = guarded(|| Reader::new(source)).map_err(|e| sink.header("LAS", e))?;
-    let header = reader.header();
-    let (bounds, count) = (header.bounds(), header.number_of_points());
-    let low = DVec3::new(bounds.min.x, bounds.min.y, bounds.min.z);
-    let middle = low.midpoint(DVec3::new(bounds.max.x, bounds.max.y, bounds.max.z));
-    sink.origin = middle.is_finite().then(|| numeric::origin_near(middle));
-    let mut read = 0;
-    // The bits below a colour's byte, known from the first batch that is not black.
-    let mut shift = None;
-    while read < count {
-        let place = || format!("after point {read} of {count}");
-        let batch =
-            guarded(|| reader.read_points(BATCH.min(count - read))).map_err(|e| sink.point(place(), e))?;
-        if batch.is_empty() {
-            return Err(sink.point(place(), "the file ends here").into());
-        }
-        read += batch.len() as u64;
-        if shift.is_none() {
-            let channels = batch.rgb().into_iter().flatten().flat_map(|(r, g, b)| [r, g, b]);
-            shift = channels.max().filter(|&most| most > 0).map(|most| if most > 255 { 8 } else { 0 });
-        }
-        // The standard demands 16 bits a channel, but some programs write 8.
-        let byte = |c: u16| (c >> shift.unwrap_or(8)).min(255) as u8;
-        let mut colours = batch.rgb().map(|all| all.map(|(r, g, b)| [r, g, b].map(byte)));
-        let has = Attributes { colours: colours.is_some(), ..Attributes::default() };
-        for ((x, y), z) in batch.x().zip(batch.y()).zip(batch.z()) {
-            let colour = colours.as_mut().and_then(Iterator::next).unwrap_or(Sample::NONE.colour);
-            sink.push(Sample { position: DVec3::new(x, y, z), colour, ..Sample::NONE }, has)?;
-        }
-    }
-    Ok(())
-}
-
-/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error: nothing of the library is used after it.
-fn guarded<T, E: ToString>(call: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
-    let result = panic::catch_unwind(AssertUnwindSafe(call));
-    match result {
-        Ok(result) => result.map_err(|e| e.to_string()),
-        Err(_) => Err("the decoder panicked".into()),
-    }
-}
-
-/// Checks the number of compressed chunks, which `laz` allocates memory for: each is some bytes of the file.
-///
-/// The places are those of the LAS specification: the offset of the points at byte 96, the format, whose upper bits mark compression,
-/// at byte 104. Compressed points begin with the offset of the table of chunks, or -1 and the file ends with it.
-fn check_chunks(source: &mut impl Source) -> io::Result<()> {
-    let length = source.seek(SeekFrom::End(0))?;
-    let mut read = |from: SeekFrom| {
-        let mut bytes = [0; 8];
-        source.seek(from)?;
-        source.read_exact(&mut bytes).map(|()| u64::from_le_bytes(bytes))
-    };
-    let points = read(SeekFrom::Start(96))? & 0xffff_ffff;
-    if read(SeekFrom::Start(104))? & 0xc0 != 0 {
-        let mut table = read(SeekFrom::Start(points))?;
-        if table as i64 <= points as i64 {
-            table = read(SeekFrom::End(-8))?;
-        }
-        // A table beyond the end is no table: the crate does without, or says so.
-        let chunks = read(SeekFrom::Start(table)).map_or(0, |version_and_count| version_and_count >> 32);
-        if chunks > length {
-            return Err(io::Error::other(format!("{chunks} chunks in {length} bytes")));
-        }
-    }
-    source.rewind()
-}
+/// Attributes of a point, at most: the standard has 20, and extensions add some.
+const MOST_ATTRIBUTES: usize = 64;
+/// Bits of a point, at least: an attribute without bits costs 16 bytes of memory a point, a point 150.
+const LEAST_BITS: u64 = 8;
+/// Declarations of namespaces, and attributes of an element, at most: the parser of XML compares each with all others.
+const MOST_NAMES: usize = 256;
 
 /// Reads all scans of a file, each moved by its pose.
-pub(super) fn read_e57<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
+pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
+    let length = guarded(|| check_xml(&mut source)).map_err(|e| sink.header("E57", e))?;
     let mut reader = guarded(|| E57Reader::new(source)).map_err(|e| sink.header("E57", e))?;
     let scans = reader.pointclouds();
-    let has = Attributes { colours: scans.iter().any(e57::PointCloud::has_color), ..Attributes::default() };
+    check_scans(&scans, length).map_err(|e| sink.header("E57", e))?;
+    let has = Attributes { colours: scans.iter().any(PointCloud::has_color), ..Attributes::default() };
     for (number, scan) in scans.iter().enumerate() {
         let mut points = guarded(|| reader.pointcloud_simple(scan)).map_err(|e| sink.header("E57", e))?;
         for index in 0.. {
@@ -105,4 +39,59 @@ pub(super) fn read_e57<E: From<FileError>>(source: impl Source, sink: &mut Sink<
         }
     }
     Ok(())
+}
+
+/// Checks the XML: its length, which stands at byte 32, and how many names there are to compare. Gives the length of the file.
+fn check_xml(source: &mut impl Source) -> Result<u64, String> {
+    let length = source.seek(SeekFrom::End(0)).map_err(|e| e.to_string())?;
+    let mut bytes = [0; 8];
+    source.seek(SeekFrom::Start(32)).map_err(|e| e.to_string())?;
+    source.read_exact(&mut bytes).map_err(|e| e.to_string())?;
+    let xml = u64::from_le_bytes(bytes);
+    if xml > length {
+        return Err(format!("it promises {xml} bytes of XML, and has {length} bytes in all"));
+    }
+    let xml = E57Reader::raw_xml(&mut *source).map_err(|e| e.to_string())?;
+    let spaces = xml.windows(5).filter(|w| w == b"xmlns").count();
+    // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are not.
+    let is_text = |part: &[u8]| part.starts_with(b"![CDATA[") || part.starts_with(b"!--");
+    let parts = xml.split(|&b| b == b'<').filter(|part| !is_text(part));
+    let attributes = parts.map(|part| part.iter().filter(|&&b| b == b'=').count()).max().unwrap_or(0);
+    if spaces.max(attributes) > MOST_NAMES {
+        return Err(format!("its XML has more than {MOST_NAMES} namespaces, or attributes of an element"));
+    }
+    source.rewind().map_err(|e| e.to_string())?;
+    Ok(length)
+}
+
+/// Checks that the points of all scans have room in a file.
+fn check_scans(scans: &[PointCloud], length: u64) -> Result<(), String> {
+    let mut needed = 0_u128;
+    for (number, scan) in scans.iter().enumerate().filter(|(_, scan)| scan.records > 0) {
+        let attributes = scan.prototype.len();
+        if attributes > MOST_ATTRIBUTES {
+            return Err(format!("points of scan {number} have {attributes} attributes"));
+        }
+        let bits: u64 = scan.prototype.iter().map(|record| bits(&record.data_type)).sum();
+        if bits < LEAST_BITS {
+            return Err(format!("a point of scan {number} has {bits} bits; at least {LEAST_BITS} are read"));
+        }
+        needed += u128::from(scan.records) * u128::from(bits) / 8;
+    }
+    if needed > length.into() {
+        return Err(format!("its points take {needed} bytes, and it has {length}"));
+    }
+    Ok(())
+}
+
+/// The bits of an attribute in the file: as many as its range of integers needs.
+fn bits(kind: &RecordDataType) -> u64 {
+    match *kind {
+        RecordDataType::Single { .. } => 32,
+        RecordDataType::Double { .. } => 64,
+        RecordDataType::ScaledInteger { min, max, .. } | RecordDataType::Integer { min, max } => {
+            let range = i128::from(max) - i128::from(min);
+            if range > 0 { u64::from(range.ilog2()) + 1 } else { 0 }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Typed elements of buffers: dense, sparse, or both. Nothing is taken for granted about where they lie.
 
 use std::cell::Cell;
+use std::rc::Rc;
 
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
@@ -9,9 +10,14 @@ use gltf::{Accessor, buffer::View};
 use super::Trouble;
 
 /// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the file.
-const MOST_ZEROS: usize = 1 << 22;
-/// Elements that are read from one file: many accessors can lie in the same bytes.
-const MOST_ELEMENTS: usize = 1 << 28;
+const MOST_ZEROS: usize = 1 << 20;
+/// Elements that are read from any file: many accessors can lie in the same bytes, or in none.
+const FREE_ELEMENTS: usize = 1 << 20;
+/// Elements that are read from a byte of the buffers, in addition. Without sharing it is one at most.
+const ELEMENTS_OF_A_BYTE: usize = 4;
+
+/// Why an accessor is refused that goes beyond the elements of a file.
+pub(super) const TOO_MUCH: &str = "one too many: the file unfolds to too much";
 
 /// Which component types elements may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,14 +33,23 @@ pub(super) enum Components {
 /// All buffers of a file.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    bytes: Vec<Vec<u8>>,
+    bytes: Vec<Rc<Vec<u8>>>,
     /// Elements that may still be read.
     left: Cell<usize>,
 }
 
 impl Buffers {
-    pub(super) fn new(bytes: Vec<Vec<u8>>) -> Self {
-        Self { bytes, left: Cell::new(MOST_ELEMENTS) }
+    pub(super) fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
+        let held = bytes.iter().map(|b| b.len()).fold(0, usize::saturating_add);
+        let left = held.saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS);
+        Self { bytes, left: Cell::new(left) }
+    }
+
+    /// Takes note of elements that need memory; says whether the file may still have them.
+    pub(super) fn spend(&self, count: usize) -> bool {
+        let left = self.left.get().checked_sub(count);
+        self.left.set(left.unwrap_or(0));
+        left.is_some()
     }
 
     /// Reads vectors of `N` floats.
@@ -118,8 +133,9 @@ impl Buffers {
             None if count > MOST_ZEROS => return Err(fail("too long to be read without a buffer view")),
             None => None,
         };
-        let left = self.left.get().checked_sub(count);
-        self.left.set(left.ok_or_else(|| fail("one too many: the file unfolds to too much"))?);
+        if !self.spend(count) {
+            return Err(fail(TOO_MUCH));
+        }
         let mut elements: Vec<T> = match base {
             Some(chunks) => chunks.map(|chunk| decode(&chunk[..size])).collect(),
             None => vec![zero; count],
@@ -166,7 +182,7 @@ impl Buffers {
         size: usize,
     ) -> Result<Option<&[u8]>, Trouble> {
         let buffer = view.buffer().index();
-        let bytes = self.bytes.get(buffer).map_or(&[][..], Vec::as_slice);
+        let bytes = self.bytes.get(buffer).map_or(&[][..], |bytes| bytes.as_slice());
         let end = view.offset().checked_add(view.length());
         let Some(bytes) = end.and_then(|end| bytes.get(view.offset()..end)) else {
             let needed = end.unwrap_or(usize::MAX);

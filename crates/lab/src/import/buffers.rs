@@ -1,7 +1,9 @@
 //! The bytes of buffers: from the binary chunk, from data URIs and from other files.
 
+use std::collections::HashMap;
 use std::io::Read;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -10,22 +12,27 @@ use percent_encoding::percent_decode_str;
 
 use super::Trouble;
 
+/// Files that were read, by their paths without detours: many buffers may name the same.
+type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
+
 /// Reads all buffers; each holds at least as many bytes as the file says.
 pub(super) fn buffers_of(
     document: &gltf::Document,
     mut blob: Option<Vec<u8>>,
     folder: Option<&Path>,
-) -> Result<Vec<Vec<u8>>, Trouble> {
+) -> Result<Vec<Rc<Vec<u8>>>, Trouble> {
     let mut buffers = Vec::new();
+    let mut known = Known::new();
+    let most = document.buffers().map(|buffer| buffer.length()).max().unwrap_or(0);
     for buffer in document.buffers() {
         let (index, needed) = (buffer.index(), buffer.length());
         let data = match buffer.source() {
             // Later buffers have no binary chunk to be in.
             Source::Bin if index > 0 => Err("it has no URI".to_owned()),
-            Source::Bin => blob.take().ok_or_else(|| "the file has no binary chunk".to_owned()),
+            Source::Bin => blob.take().map(Rc::new).ok_or_else(|| "the file has no binary chunk".to_owned()),
             Source::Uri(uri) => match uri.split_at_checked(5) {
-                Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => decoded(rest),
-                _ => beside(folder, uri, needed),
+                Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => decoded(rest).map(Rc::new),
+                _ => beside(folder, uri, most, &mut known),
             },
         };
         let data = data.map_err(|why| Trouble::Buffer { buffer: index, why })?;
@@ -46,8 +53,8 @@ fn decoded(rest: &str) -> Result<Vec<u8>, String> {
     STANDARD.decode(data).map_err(|e| format!("its data URI is not sound base64: {e}"))
 }
 
-/// The bytes of the file at a relative URI; no more than are `needed`, for it may have no end.
-fn beside(folder: Option<&Path>, uri: &str, needed: usize) -> Result<Vec<u8>, String> {
+/// The bytes of the file at a relative URI; no more than the `most` that a buffer needs, for it may have no end.
+fn beside(folder: Option<&Path>, uri: &str, most: usize, known: &mut Known) -> Result<Rc<Vec<u8>>, String> {
     let fail = |why: &str| format!("{uri}: {why}");
     let start = uri.split(['/', '?', '#']).next().unwrap_or("");
     if start.contains(':') {
@@ -63,14 +70,18 @@ fn beside(folder: Option<&Path>, uri: &str, needed: usize) -> Result<Vec<u8>, St
         return Err(fail("only relative URIs are read"));
     }
     let path = folder.ok_or_else(|| fail("lies in another file, and no folder is given"))?.join(path);
-    let read = || {
+    let mut read = || {
+        let path = path.canonicalize()?;
+        if let Some(data) = known.get(&path) {
+            return Ok(data.clone());
+        }
         // Pipes and devices are not opened: that alone may wait without end.
         if !std::fs::metadata(&path)?.is_file() {
             return Err(std::io::Error::other("is no file"));
         }
         let mut data = Vec::new();
-        std::fs::File::open(&path)?.take(needed as u64).read_to_end(&mut data)?;
-        Ok(data)
+        std::fs::File::open(&path)?.take(most as u64).read_to_end(&mut data)?;
+        Ok(known.entry(path).or_insert(Rc::new(data)).clone())
     };
     read().map_err(|e| fail(&e.to_string()))
 }

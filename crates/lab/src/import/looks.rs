@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use gltf::khr_lights_punctual::Kind;
 
 use super::nodes::nodes_of;
@@ -60,9 +60,8 @@ fn material_of(material: &gltf::Material) -> Material {
 fn lights_of(document: &gltf::Document) -> Result<Vec<Light>, Trouble> {
     let nodes = nodes_of(document)?;
     let mut lights = Vec::new();
-    for (place, node) in nodes.0.iter().enumerate() {
+    for (node, place) in nodes.0.iter().zip(nodes.globals()) {
         let Some(light) = document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
-        let place: Affine3A = nodes.global(place, 0.0);
         let (position, direction) = (place.translation.into(), place.transform_vector3(Vec3::NEG_Z));
         let kind = match light.kind() {
             Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },

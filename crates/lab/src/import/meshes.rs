@@ -8,7 +8,7 @@ use glam::Vec3;
 use gltf::mesh::Mode;
 
 use super::Trouble;
-use super::accessors::{Buffers, Components};
+use super::accessors::{Buffers, Components, TOO_MUCH, unfit};
 use crate::world::Mesh;
 
 /// Reads meshes; vertex data that several share is read once.
@@ -41,6 +41,8 @@ impl<'a> Meshes<'a> {
             let vertices = points.len();
             let corners: Vec<u32> = match primitive.indices() {
                 Some(indices) => self.buffers.indices(&indices)?,
+                // Read once, but perhaps used often.
+                None if !self.buffers.spend(vertices) => return Err(unfit(&accessor, "positions", TOO_MUCH)),
                 None => (0..=u32::MAX).take(vertices).collect(),
             };
             let whole = match mode {

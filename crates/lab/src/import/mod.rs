@@ -23,7 +23,8 @@
 //! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs.
 //!   Accessors may be sparse.
 //!
-//! A file is taken whole or refused: nothing is half loaded.
+//! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may have none, but a file that unfolds to
+//! more than four elements a byte and a million more is refused. Nodes may be nested in any depth.
 
 mod accessors;
 mod buffers;
@@ -50,7 +51,7 @@ pub use looks::read_lit;
 
 use instances::{INSTANCING, instances_of};
 use meshes::Meshes;
-use nodes::{check_rigid, nodes_of, role_of};
+use nodes::{check_rigid, nodes_of, role_of, wrong};
 use path::{FilePath, Moving, camera_of};
 use tracks::animate;
 
@@ -58,6 +59,8 @@ use tracks::animate;
 const OWN_FRAMES: usize = 150;
 /// Frames after the first of a path that the file gives.
 const MOST_FRAMES: f64 = 99_999.0;
+/// Bytes of the name of an instance that count as an element of a buffer.
+const NAME_OF_AN_ELEMENT: usize = 16;
 /// By triangle: a material, as [`Meshes::mesh`] numbers them.
 type Looks = Arc<[u32]>;
 
@@ -291,6 +294,7 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<(Wo
     let mut objects = Vec::new();
     let mut materials = Vec::new();
     let mut moving = Vec::new();
+    let (globals, moves) = (nodes.globals(), nodes.moving());
     for (place, item) in nodes.0.iter().enumerate() {
         let Some(node) = document.nodes().nth(item.index) else { continue };
         let Some(mesh) = node.mesh() else { continue };
@@ -306,7 +310,7 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<(Wo
         };
         let Some((mesh, looks)) = mesh else { continue };
         let name = node.name().unwrap_or("");
-        let (transform, dynamic) = (nodes.global(place, 0.0), nodes.moves(place));
+        let (transform, dynamic) = (globals[place], moves[place]);
         let mut add = |name: String, instance: Affine3A| {
             if dynamic {
                 moving.push(Moving {
@@ -328,6 +332,10 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<(Wo
         match instances_of(document, buffers, &node)? {
             None => add(name.to_owned(), Affine3A::IDENTITY),
             Some(places) => {
+                // Each gets the name.
+                if !buffers.spend(places.len().saturating_mul(1 + name.len() / NAME_OF_AN_ELEMENT)) {
+                    return Err(wrong(&node, "has too many instances for its name"));
+                }
                 for (i, instance) in places.into_iter().enumerate() {
                     add(format!("{name}#{i}"), instance);
                 }
@@ -340,9 +348,9 @@ fn world(name: &str, document: &gltf::Document, buffers: &Buffers) -> Result<(Wo
 
     // Both ends of the clip are frames.
     let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
-    let camera = camera_of(document, &nodes);
+    let camera = camera_of(document, &nodes, &moves);
     let frames = match &camera {
-        Some(c) if nodes.moves(c.node) => clip_frames,
+        Some(c) if moves[c.node] => clip_frames,
         _ => OWN_FRAMES,
     };
     let mut animation = FilePath::new(nodes, moving, camera, frames);

@@ -45,18 +45,30 @@ impl Node {
 pub(super) struct Nodes(pub(super) Vec<Node>);
 
 impl Nodes {
+    /// Where a node is. Costs its depth.
     pub(super) fn global(&self, node: usize, time: f32) -> Affine3A {
-        let mut transform = self.0[node].local(time);
-        let mut at = self.0[node].parent;
-        while let Some(parent) = at {
-            transform = self.0[parent].local(time) * transform;
-            at = self.0[parent].parent;
-        }
-        transform
+        let mut way: Vec<usize> = std::iter::successors(Some(node), |&n| self.0[n].parent).collect();
+        let root = way.pop().unwrap_or(node);
+        way.iter().rev().fold(self.0[root].local(time), |at, &n| at * self.0[n].local(time))
     }
 
-    pub(super) fn moves(&self, node: usize) -> bool {
-        std::iter::successors(Some(node), |&n| self.0[n].parent).any(|n| self.0[n].moves)
+    /// Where all nodes are at rest.
+    pub(super) fn globals(&self) -> Vec<Affine3A> {
+        let mut all: Vec<Affine3A> = Vec::with_capacity(self.0.len());
+        for node in &self.0 {
+            let local = node.local(0.0);
+            all.push(node.parent.map_or(local, |parent| all[parent] * local));
+        }
+        all
+    }
+
+    /// Which nodes move, themselves or with what they hang from.
+    pub(super) fn moving(&self) -> Vec<bool> {
+        let mut all: Vec<bool> = Vec::with_capacity(self.0.len());
+        for node in &self.0 {
+            all.push(node.moves || node.parent.is_some_and(|parent| all[parent]));
+        }
+        all
     }
 }
 

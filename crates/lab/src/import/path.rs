@@ -19,7 +19,7 @@ pub(super) struct FileCamera {
 }
 
 /// The first perspective camera that moves, else the first.
-pub(super) fn camera_of(document: &gltf::Document, nodes: &Nodes) -> Option<FileCamera> {
+pub(super) fn camera_of(document: &gltf::Document, nodes: &Nodes, moves: &[bool]) -> Option<FileCamera> {
     let cameras: Vec<FileCamera> = nodes
         .0
         .iter()
@@ -32,7 +32,7 @@ pub(super) fn camera_of(document: &gltf::Document, nodes: &Nodes) -> Option<File
             sound.then_some(FileCamera { node, fov_y: p.yfov(), near: p.znear(), far })
         })
         .collect();
-    cameras.iter().find(|c| nodes.moves(c.node)).or(cameras.first()).cloned()
+    cameras.iter().find(|c| moves[c.node]).or(cameras.first()).cloned()
 }
 
 /// The walk through a file without a camera: a circle, looking ahead.
@@ -83,6 +83,10 @@ pub(super) struct Moving {
 #[derive(Debug)]
 pub(super) struct FilePath {
     nodes: Nodes,
+    /// The nodes that something moves with, and those that they hang from: before a node its parent, whose place in this list it has.
+    links: Vec<(usize, Option<usize>)>,
+    /// By moving object: the place of its node in that list.
+    link_of: Vec<usize>,
     /// By node.
     moving: Vec<Moving>,
     camera: Option<FileCamera>,
@@ -146,19 +150,33 @@ fn reach(transform: &Affine3A, point: Vec3) -> f32 {
 
 impl FilePath {
     pub(super) fn new(nodes: Nodes, moving: Vec<Moving>, camera: Option<FileCamera>, frames: usize) -> Self {
-        Self { nodes, moving, camera, walk: Walk::default(), frames }
+        let mut needed = vec![false; nodes.0.len()];
+        for moving in &moving {
+            let mut at = Some(moving.node);
+            while let Some(node) = at.filter(|&node| !std::mem::replace(&mut needed[node], true)) {
+                at = nodes.0[node].parent;
+            }
+        }
+        let mut place = vec![0; nodes.0.len()];
+        let mut links = Vec::new();
+        for (node, item) in nodes.0.iter().enumerate().filter(|(node, _)| needed[*node]) {
+            place[node] = links.len();
+            links.push((node, item.parent.map(|parent| place[parent])));
+        }
+        let link_of = moving.iter().map(|moving| place[moving.node]).collect();
+        Self { nodes, links, link_of, moving, camera, walk: Walk::default(), frames }
     }
 
     /// Calls `each` for everything that moves, with where it is.
     fn transforms(&self, frame: usize, mut each: impl FnMut(usize, Affine3A)) {
-        let mut known: Option<(usize, Affine3A)> = None;
-        for (i, moving) in self.moving.iter().enumerate() {
-            let (_, node) = match known.filter(|(node, _)| *node == moving.node) {
-                Some(same) => same,
-                None => (moving.node, self.nodes.global(moving.node, time_of(frame))),
-            };
-            known = Some((moving.node, node));
-            each(i, node * moving.place);
+        let time = time_of(frame);
+        let mut globals: Vec<Affine3A> = Vec::with_capacity(self.links.len());
+        for &(node, parent) in &self.links {
+            let local = self.nodes.0[node].local(time);
+            globals.push(parent.map_or(local, |parent| globals[parent] * local));
+        }
+        for (i, (moving, &link)) in self.moving.iter().zip(&self.link_of).enumerate() {
+            each(i, globals[link] * moving.place);
         }
     }
 

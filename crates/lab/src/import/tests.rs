@@ -1007,3 +1007,71 @@ fn materials_and_lights_are_read() {
     let plain = read_lit("plain", &triangle().glb(ONE), None).unwrap();
     assert!(plain.lights.len() == 1 && plain.sky != Vec3::ZERO && plain.triangles().len() == 1);
 }
+
+#[test]
+fn deep_trees_of_objects_cost_no_more_than_their_nodes() {
+    // Every node shows the triangle and hangs from the one before; all of them move.
+    let depth = 20_000;
+    let mut nodes = String::from(r#"{"camera":0}"#);
+    for i in 2..depth {
+        nodes += &format!(r#",{{"mesh":0,"translation":[0,0,0.001],"children":[{}]}}"#, i + 1);
+    }
+    nodes += r#",{"mesh":0}"#;
+    let file = small_file_with(r#"{"camera":0}"#, &nodes);
+    let text = String::from_utf8_lossy(&file).into_owned();
+    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
+    let moved = json.replace(r#""nodes":[0,1]"#, r#""nodes":[0,1,2]"#).replace(r#""node":1"#, r#""node":2"#);
+    let world = read("deep", &glb(&moved, &file[file.len() - 68..]), None).unwrap();
+    assert_eq!(world.objects.len(), depth);
+    // The last hangs from all others, which move it by two in all at the end.
+    let mut last = Vec3::ZERO;
+    world.animation.shapes(0, &mut |i, shape| {
+        if let (true, Shape::Mesh { transform, .. }) = (i + 1 == depth, shape) {
+            last = transform.translation.into();
+        }
+    });
+    assert!((last.z - 0.001 * (depth - 3) as f32).abs() < 0.05, "{last}");
+}
+
+#[test]
+fn what_unfolds_to_more_than_the_file_is_refused() {
+    let small = small_file();
+    let text = String::from_utf8_lossy(&small).into_owned();
+    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
+    let with = |old: &str, new: &str| {
+        assert!(json.contains(old), "{old}");
+        read("made", &glb(&json.replace(old, new), &small[small.len() - 68..]), None)
+    };
+    // A thousand accessors of a mebi of zeros each, which take no bytes.
+    let zeros = r#"{"componentType":5126,"count":1048576,"type":"VEC3","min":[0,0,0],"max":[0,0,0],"sparse":{"count":1,
+        "indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":0}}},"#;
+    let primitives: Vec<String> =
+        (0..1000).map(|i| format!(r#"{{"attributes":{{"POSITION":{}}}}}"#, i + 3)).collect();
+    let with_zeros = json
+        .replace(
+            r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
+            &format!(
+                r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{}]"#,
+                zeros.repeat(1000).trim_end_matches(',')
+            ),
+        )
+        .replace(r#"{"attributes":{"POSITION":0}}"#, &primitives.join(","));
+    says(read("made", &glb(&with_zeros, &small[small.len() - 68..]), None), &["unfolds to too much"]);
+    // The same positions in very many primitives, of which each may have them.
+    let few = r#"{"attributes":{"POSITION":0}}"#;
+    assert!(with(few, &[few; 1000].join(",")).is_ok());
+    says(with(few, &vec![few; 400_000].join(",")), &["unfolds to too much"]);
+    // Instances with a long name.
+    let name = "leaf".repeat(50_000);
+    let instanced =
+        format!(r#"{name}","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":0}}}}}}"#);
+    let many = format!(r#""nodes":[{{"mesh":0,"name":"{instanced}}},{{"camera":0}}"#);
+    let one = r#""nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}"#;
+    assert!(with(one, &many).is_ok());
+    let zeros = zeros.trim_end_matches(',').replace("1048576", "524288");
+    let json = json.replace(one, &many.replace(r#""TRANSLATION":0"#, r#""TRANSLATION":3"#)).replace(
+        r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
+        &format!(r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{zeros}]"#),
+    );
+    says(read("made", &glb(&json, &small[small.len() - 68..]), None), &["too many instances for its name"]);
+}

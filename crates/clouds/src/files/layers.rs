@@ -1,0 +1,105 @@
+//! The layers of compressed points (LAS 1.4, formats 6 to 10), whose lengths are checked before `laz` reserves memory for them.
+
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
+
+use laz::{LazItemType, LazVlr};
+
+/// What the next bytes of a chunk are.
+enum Part {
+    /// Some bytes that no length stands in: the first point, or the layers.
+    Bytes(u64),
+    /// The number of points and the lengths of the layers: their bytes so far.
+    Lengths(Vec<u8>),
+}
+
+/// The source of a decoder. Each chunk is a point, the number of points, the length of each layer (u32), and the layers.
+pub(super) struct Layers<S> {
+    source: S,
+    /// Bytes of a point; layers of a chunk, none where points are not in layers.
+    point: u64,
+    layers: usize,
+    /// Bytes from here to the end of the file, once the chunks have begun.
+    left: Option<u64>,
+    length: u64,
+    part: Part,
+    /// Whether the layers come next.
+    after_lengths: bool,
+}
+
+impl<S: BufRead + Seek> Layers<S> {
+    /// Of a file of `length` bytes. Nothing is checked before [`Self::begin`].
+    pub fn new(source: S, vlr: &LazVlr, length: u64) -> Self {
+        let layers = |kind: LazItemType| match kind {
+            LazItemType::Point14 => 9,
+            LazItemType::RGBNIR14 => 2,
+            LazItemType::RGB14 | LazItemType::WavePacket14 => 1,
+            LazItemType::Byte14(count) => count.into(),
+            _ => 0,
+        };
+        let point = vlr.items().iter().map(|item| u64::from(item.size())).sum();
+        let layers = vlr.items().iter().map(|item| layers(item.item_type())).sum();
+        Self { source, point, layers, left: None, length, part: Part::Bytes(point), after_lengths: false }
+    }
+
+    /// Says that the source is at the first chunk.
+    pub fn begin(&mut self) -> io::Result<()> {
+        self.left = Some(self.length.saturating_sub(self.source.stream_position()?));
+        self.part = Part::Bytes(self.point);
+        self.after_lengths = false;
+        Ok(())
+    }
+
+    /// The bytes of a read that lie in one part; the parts go on where one is full.
+    fn limit(&mut self, wanted: usize) -> usize {
+        let lengths = 4 + 4 * self.layers;
+        if let Part::Bytes(0) = self.part {
+            self.part = match self.after_lengths {
+                true => Part::Bytes(self.point),
+                false => Part::Lengths(Vec::with_capacity(lengths)),
+            };
+            self.after_lengths = !self.after_lengths;
+        }
+        match &self.part {
+            Part::Bytes(left) => wanted.min(usize::try_from(*left).unwrap_or(usize::MAX)),
+            Part::Lengths(bytes) => wanted.min(lengths - bytes.len()),
+        }
+    }
+
+    /// Takes note of bytes that were read.
+    fn note(&mut self, read: &[u8], left: u64) -> io::Result<()> {
+        match &mut self.part {
+            Part::Bytes(rest) => *rest -= read.len() as u64,
+            Part::Lengths(bytes) => {
+                bytes.extend_from_slice(read);
+                if bytes.len() == 4 + 4 * self.layers {
+                    let lengths = bytes[4..].chunks_exact(4).map(|b| b.iter().rev());
+                    let sum: u64 = lengths.map(|b| b.fold(0, |n, &byte| n << 8 | u64::from(byte))).sum();
+                    if sum > left {
+                        let cause = format!("a chunk has layers of {sum} bytes, the file {left} more");
+                        return Err(io::Error::new(io::ErrorKind::InvalidData, cause));
+                    }
+                    self.part = Part::Bytes(sum);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<S: BufRead + Seek> Read for Layers<S> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let Some(left) = self.left.filter(|_| self.layers > 0) else { return self.source.read(into) };
+        let most = self.limit(into.len());
+        let read = self.source.read(&mut into[..most])?;
+        let left = left.saturating_sub(read as u64);
+        self.left = Some(left);
+        self.note(&into[..read], left)?;
+        Ok(read)
+    }
+}
+
+impl<S: BufRead + Seek> Seek for Layers<S> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.source.seek(to)
+    }
+}

@@ -1,0 +1,183 @@
+//! Damaged and hostile files give errors, and cost memory and time in proportion to their bytes.
+
+use std::io::Cursor;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use casca_clouds::PointCloud;
+use casca_clouds::bricks::{Bricks, Loader, Want};
+use casca_clouds::files::{FileError, read_source};
+use peak_alloc::PeakAlloc;
+
+#[path = "../../../tests/damage/mod.rs"]
+mod damage;
+mod files;
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// The tests run one after the other: the allocator counts for all.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// Reads a file in chunks; says how many points it has, or why it has none.
+fn parse(bytes: &[u8]) -> Result<usize, String> {
+    let mut points = 0;
+    let each = |chunk: PointCloud| {
+        points += chunk.len();
+        Ok::<_, FileError>(())
+    };
+    let read = read_source(Cursor::new(bytes.to_vec()), "test".into(), 4096, each);
+    read.map(|_| points).map_err(|e| e.to_string())
+}
+
+/// That a file is refused for a reason, within the limits.
+fn refused(file: &[u8], reason: &str) {
+    let mut said = Ok(0);
+    damage::check(&HEAP, reason, file, &mut |bytes| said = parse(bytes));
+    let said = said.expect_err(reason);
+    assert!(said.contains(reason), "{said} / {reason}");
+}
+
+fn number(file: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(std::array::from_fn(|i| file[at + i])) as usize
+}
+
+/// Opens a file of bricks and loads all of its points.
+fn load(path: &std::path::Path) {
+    let Ok(bricks) = Bricks::open(path).map(Arc::new) else { return };
+    let Ok(loader) = Loader::new(bricks.clone(), 1 << 24) else { return };
+    let wants: Vec<Want> = (0..bricks.len() as u32).map(|brick| Want { brick, points: u32::MAX }).collect();
+    loader.want(&wants);
+    loader.settle();
+    loader.gather(&wants);
+}
+
+#[test]
+fn damaged_clouds_are_read_or_refused() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let read = &mut |bytes: &[u8]| drop(parse(bytes));
+    damage::survive(&HEAP, "clouds", &files::all(), 4000, &files::mend, read);
+}
+
+#[test]
+fn damaged_bricks_are_read_or_refused() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bricks");
+    let files = [files::bricks(40), files::bricks(200), files::bricks(0)];
+    damage::survive(&HEAP, "bricks", &files, 1000, &|_| (), &mut |bytes| {
+        std::fs::write(&path, bytes).unwrap();
+        load(&path);
+    });
+}
+
+#[test]
+fn sizes_of_layers_are_checked_against_the_file() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let whole = files::las(40, 7, 3, true);
+    assert_eq!(parse(&whole), Ok(40));
+    let chunk = number(&whole, 96) + 8;
+    let record = usize::from(u16::from_le_bytes([whole[105], whole[106]]));
+    // Behind the first point and the number of points come the sizes of nine layers, one of colours and three of bytes.
+    for layer in 0..13 {
+        for size in [0xffff_ffff_u32, 0x7fff_ffff, whole.len() as u32] {
+            let mut file = whole.clone();
+            let at = chunk + record + 4 + 4 * layer;
+            file[at..at + 4].copy_from_slice(&size.to_le_bytes());
+            refused(&file, "layers of");
+        }
+    }
+}
+
+#[test]
+fn headers_of_scans_are_checked_against_the_file() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    // A record of 64 KiB, of which 65,536 would be read at once.
+    let mut file = files::las(40, 2, 0, false);
+    file[105..107].copy_from_slice(&u16::MAX.to_le_bytes());
+    file[107..111].copy_from_slice(&u32::MAX.to_le_bytes());
+    refused(&file, "after point 0 of 4294967295");
+    // An extended record of 2^40 bytes behind the points.
+    let mut file = files::las(40, 7, 0, false);
+    let end = file.len() as u64;
+    file[235..243].copy_from_slice(&end.to_le_bytes());
+    file[243..247].copy_from_slice(&1_u32.to_le_bytes());
+    file.extend([0; 20]);
+    file.extend((1_u64 << 40).to_le_bytes());
+    file.extend([0; 32]);
+    damage::check(&HEAP, "extended record", &file, &mut |bytes| drop(parse(bytes)));
+    // More points than 64 bits can give the place of.
+    let mut file = files::las(40, 7, 0, false);
+    file[107..111].fill(0);
+    file[247..255].fill(255);
+    refused(&file, "18446744073709551615 points");
+    // A table of more chunks than the file has bytes for.
+    let mut file = files::las(40, 7, 0, true);
+    let table = number(&file, number(&file, 96));
+    file[table + 4..table + 8].copy_from_slice(&0x00ff_ffff_u32.to_le_bytes());
+    refused(&file, "16777215 chunks in");
+}
+
+/// The items of the record of LAZ, from the number of them on.
+fn items(file: &[u8]) -> usize {
+    file.windows(14).position(|w| w == b"laszip encoded").expect("a record of LAZ") + 16 + 2 + 2 + 32 + 32
+}
+
+#[test]
+fn the_parts_of_compressed_points_are_checked() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for format in [2, 7] {
+        let whole = files::las(40, format, 20_000, true);
+        refused(&whole, "20000 extra bytes");
+        let whole = files::las(40, format, 6, true);
+        assert_eq!(parse(&whole), Ok(40));
+        let at = items(&whole);
+        assert_eq!(whole[at], 3, "coordinates, colours and bytes");
+        let change = |item: usize, field: usize, value: u16| {
+            let mut file = whole.clone();
+            let at = at + 2 + 6 * item + 2 * field;
+            file[at..at + 2].copy_from_slice(&value.to_le_bytes());
+            file
+        };
+        refused(&change(1, 1, 7), "bytes a point");
+        // Bytes in the place of colours: as long, but a second item of that kind.
+        let bytes = u16::from_le_bytes([whole[at + 14], whole[at + 15]]);
+        refused(&change(1, 0, bytes), "twice");
+        // Lengths of the same sum that are not those of the kinds.
+        let mut moved = change(1, 1, 4);
+        moved[at + 16] = 8;
+        refused(&moved, "of 4 bytes");
+        let mut none = whole.clone();
+        none[at] = 0;
+        refused(&none, "bytes a point");
+    }
+}
+
+/// An E57 file with other texts of the same lengths in its XML.
+fn e57_with(count: usize, changes: &[(&str, &str)]) -> Vec<u8> {
+    let mut file = files::e57(count, false);
+    for (from, to) in changes {
+        assert_eq!(from.len(), to.len());
+        let at = file.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
+        file[at..at + from.len()].copy_from_slice(to.as_bytes());
+    }
+    files::mend(&mut file);
+    file
+}
+
+#[test]
+fn scans_whose_points_take_no_bits_are_refused() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    assert_eq!(parse(&files::e57(40, false)), Ok(40));
+    // The ranges of all coordinates are one number: the crate would unpack points without end.
+    refused(&e57_with(40, &[("maximum=\"9999999\"", "maximum=\"-001000\""); 3]), "0 bits");
+    refused(&e57_with(1000, &[("recordCount=\"1000\"", "recordCount=\"9999\"")]), "its points take");
+}
+
+#[test]
+fn the_length_of_xml_is_checked_against_the_file() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut file = files::e57(40, true);
+    file[32..40].copy_from_slice(&(50_u64 << 20).to_le_bytes());
+    files::mend(&mut file);
+    refused(&file, "52428800 bytes of XML");
+}

@@ -1,0 +1,116 @@
+//! The tiles of a layer: as text, or in base64 and compressed.
+
+use std::io::{ErrorKind, Read};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::bufread::{GzDecoder, ZlibDecoder};
+
+use super::TmxError;
+use super::xml::{Element, Xml};
+
+/// Deflate makes at most so many bytes of one: 258 of two bits.
+const MOST_FROM_A_BYTE: u64 = 1032;
+
+/// How the tiles of a layer are stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Data {
+    Csv,
+    Plain,
+    Zlib,
+    Gzip,
+}
+
+/// Takes the ids of tiles by their numbers in the layer.
+type Take<'a> = &'a mut dyn FnMut(u64, u32);
+
+impl Data {
+    pub fn new(xml: &Xml<'_>, data: &Element<'_>) -> Result<Self, TmxError> {
+        let attribute = |name| Ok(xml.attribute(data, name)?.unwrap_or_default());
+        let (encoding, compression) = (attribute("encoding")?, attribute("compression")?);
+        match (&*encoding, &*compression) {
+            ("csv", "") => Ok(Self::Csv),
+            ("base64", "") => Ok(Self::Plain),
+            ("base64", "zlib") => Ok(Self::Zlib),
+            ("base64", "gzip") => Ok(Self::Gzip),
+            _ => Err(xml.damaged(format!(
+                "tiles in {encoding:?} and {compression:?} are not read: choose CSV or base64, not compressed or by zlib or gzip \
+                 (Map, Map Properties, Tile Layer Format)"
+            ))),
+        }
+    }
+
+    /// Checks that a text is long enough for a number of tiles.
+    pub fn check(self, text: &str, count: u64) -> Result<(), String> {
+        let length = text.len() as u64;
+        let most = match self {
+            // A digit and a comma.
+            Self::Csv => length / 2 + 1,
+            // Three bytes of four letters, and four of a tile.
+            Self::Plain => length / 16 * 3 + 3,
+            Self::Zlib | Self::Gzip => (length / 16 * 3 + 3).saturating_mul(MOST_FROM_A_BYTE),
+        };
+        if count > most {
+            Err(format!("too few tiles for its dimensions: at most {most} of {count}"))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Hands out the ids of exactly `count` tiles.
+    pub fn decode(self, text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
+        if self == Self::Csv {
+            return csv(text, count, take);
+        }
+        let bytes = STANDARD.decode(text.trim()).map_err(|why| why.to_string())?;
+        match self {
+            Self::Zlib => binary(ZlibDecoder::new(bytes.as_slice()), count, take),
+            Self::Gzip => binary(GzDecoder::new(bytes.as_slice()), count, take),
+            _ => binary(bytes.as_slice(), count, take),
+        }
+    }
+}
+
+fn csv(text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
+    let mut read = 0;
+    for word in text.split(',').map(str::trim).filter(|_| count > 0 || !text.trim().is_empty()) {
+        let id = word.parse().map_err(|why| format!("tile {read}, {word:.40}: {why}"))?;
+        if read == count {
+            return Err(too_many(count));
+        }
+        take(read, id);
+        read += 1;
+    }
+    if read < count { Err(too_few(read, count)) } else { Ok(()) }
+}
+
+/// Ids in 32 bits, little-endian. Bytes are decompressed a buffer at a time, and none behind the last tile.
+fn binary(mut bytes: impl Read, count: u64, take: Take<'_>) -> Result<(), String> {
+    let mut buffer = [0; 4096];
+    let mut read = 0;
+    while read < count {
+        let tiles = (count - read).min(buffer.len() as u64 / 4);
+        let part = &mut buffer[..4 * tiles as usize];
+        match bytes.read_exact(part) {
+            Err(why) if why.kind() == ErrorKind::UnexpectedEof => return Err(too_few(read, count)),
+            result => result.map_err(|why| why.to_string())?,
+        }
+        for (id, index) in part.as_chunks().0.iter().zip(read..) {
+            take(index, u32::from_le_bytes(*id));
+        }
+        read += tiles;
+    }
+    match bytes.read(&mut buffer[..1]) {
+        Ok(0) => Ok(()),
+        Ok(_) => Err(too_many(count)),
+        Err(why) => Err(why.to_string()),
+    }
+}
+
+fn too_few(read: u64, count: u64) -> String {
+    format!("too few tiles for its dimensions: about {read} of {count}")
+}
+
+fn too_many(count: u64) -> String {
+    format!("more than the {count} tiles of its dimensions")
+}

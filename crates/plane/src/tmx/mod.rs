@@ -1,0 +1,200 @@
+//! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block sight.
+//!
+//! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers of tiles, also those in groups.
+//! Memory is reserved in proportion to the bytes of the files and the bits of the result, whatever the files promise.
+
+mod data;
+mod error;
+#[cfg(test)]
+mod tests;
+mod tileset;
+mod xml;
+
+use std::collections::HashMap;
+use std::io;
+use std::path::Path;
+use std::rc::Rc;
+
+use crate::bits::BitGrid;
+use data::Data;
+pub use error::TmxError;
+use tileset::{Opaque, Tilesets};
+use xml::{Element, Xml};
+
+/// Tiles along a side of a map, at most: the editor makes no larger ones.
+const LONGEST_SIDE: u32 = 1 << 20;
+
+/// Which tiles of a file block sight: those of tilesets that say so, and all tiles of some layers.
+///
+/// ```no_run
+/// use casca_plane::OpaqueTiles;
+/// use casca_plane::tmx::TmxImport;
+///
+/// # fn main() -> Result<(), casca_plane::tmx::TmxError> {
+/// let import = TmxImport { layer: "collision".into(), ..TmxImport::default() };
+/// let walls = OpaqueTiles::new(import.read("level_1.tmx")?);
+/// # let _ = walls;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TmxImport {
+    /// Tiles whose tileset gives them a property of this name block, if it is `true`; at first `opaque`.
+    pub property: String,
+    /// All tiles in layers of this name block; at first `walls`.
+    pub layer: String,
+}
+
+impl Default for TmxImport {
+    fn default() -> Self {
+        Self { property: "opaque".into(), layer: "walls".into() }
+    }
+}
+
+impl TmxImport {
+    /// The tiles of a file that block sight, column and row as in the editor. Tilesets in files of their own are looked for from the
+    /// folder of the map.
+    ///
+    /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The cost is linear in the bytes of the
+    /// files and the number of tiles.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged, an infinite map, one of hexagons, one whose tiles are stored in another way.
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<BitGrid, TmxError> {
+        let path = path.as_ref();
+        let map = file(path).map_err(|why| TmxError::File { file: path.display().to_string(), why })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        self.parse(&map, |source| file(&folder.join(source)))
+    }
+
+    /// As [`Self::read`], from the bytes of a map. `tileset` gives the bytes of a tileset in a file of its own, by the path that the map
+    /// has for it; it is called once for each path.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; those of `tileset` become [`TmxError::File`].
+    pub fn parse(
+        &self,
+        map: &[u8],
+        mut tileset: impl FnMut(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<BitGrid, TmxError> {
+        let mut xml = Xml::new(map, "the map")?;
+        let root = xml.root("map")?;
+        if xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1") {
+            return Err(TmxError::Infinite);
+        }
+        let orientation = xml.required(&root, "orientation")?;
+        if !["orthogonal", "isometric"].contains(&&*orientation) {
+            return Err(TmxError::Orientation(orientation.into_owned()));
+        }
+        let size = self.size(&xml, &root)?;
+        let (mut tilesets, mut known) = (Tilesets::default(), HashMap::new());
+        let mut opaque = None;
+        let mut groups = 0_usize;
+        loop {
+            let Some(child) = xml.child()? else {
+                // The end of a group, or of the map.
+                match groups.checked_sub(1) {
+                    Some(fewer) => groups = fewer,
+                    None => break,
+                }
+                continue;
+            };
+            match child.local_name().as_ref() {
+                b"group" => groups += 1,
+                b"tileset" => {
+                    let first = xml.number(&child, "firstgid")?;
+                    let tiles = match xml.attribute(&child, "source")? {
+                        Some(source) => {
+                            xml.skip(&child)?;
+                            self.external(&source, &mut known, &mut tileset)?
+                        }
+                        None => Rc::new(Opaque::read(&mut xml, &self.property)?),
+                    };
+                    tilesets.push(first, tiles);
+                }
+                b"layer" => self.layer(&mut xml, &child, size, &tilesets, &mut opaque)?,
+                _ => xml.skip(&child)?,
+            }
+        }
+        opaque.ok_or(TmxError::NoTiles)
+    }
+
+    /// The columns and rows of a map.
+    fn size(&self, xml: &Xml<'_>, map: &Element<'_>) -> Result<(u32, u32), TmxError> {
+        let (width, height) = (xml.number(map, "width")?, xml.number(map, "height")?);
+        match width.max(height) <= LONGEST_SIDE {
+            true => Ok((width, height)),
+            false => Err(xml
+                .damaged(format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read"))),
+        }
+    }
+
+    /// The opaque tiles of a tileset in a file of its own.
+    fn external(
+        &self,
+        source: &str,
+        known: &mut HashMap<String, Rc<Opaque>>,
+        tileset: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<Rc<Opaque>, TmxError> {
+        if let Some(tiles) = known.get(source) {
+            return Ok(tiles.clone());
+        }
+        let bytes = tileset(source).map_err(|why| TmxError::File { file: source.to_owned(), why })?;
+        let mut xml = Xml::new(&bytes, source)?;
+        xml.root("tileset")?;
+        let tiles = Rc::new(Opaque::read(&mut xml, &self.property)?);
+        known.insert(source.to_owned(), tiles.clone());
+        Ok(tiles)
+    }
+
+    /// Adds the tiles of a layer that block, from behind its start.
+    fn layer(
+        &self,
+        xml: &mut Xml<'_>,
+        layer: &Element<'_>,
+        (width, height): (u32, u32),
+        tilesets: &Tilesets,
+        opaque: &mut Option<BitGrid>,
+    ) -> Result<(), TmxError> {
+        let name = xml.attribute(layer, "name")?.unwrap_or_default().into_owned();
+        let (found_width, found_height) = (xml.number(layer, "width")?, xml.number(layer, "height")?);
+        if (found_width, found_height) != (width, height) {
+            return Err(TmxError::Dimensions { layer: name, found_width, found_height, width, height });
+        }
+        let count = u64::from(width) * u64::from(height);
+        let all = name == self.layer;
+        let mut has_data = count == 0;
+        while let Some(child) = xml.child()? {
+            if child.local_name().as_ref() != b"data" {
+                xml.skip(&child)?;
+                continue;
+            }
+            let data = Data::new(xml, &child)?;
+            let text = xml.text()?;
+            let fail = |why| xml.damaged(format!("the layer {name:?}: {why}"));
+            // Before memory is reserved: a header may promise any number.
+            data.check(&text, count).map_err(fail)?;
+            let opaque = opaque.get_or_insert_with(|| BitGrid::new(width, height));
+            let add = &mut |index: u64, id: u32| {
+                if tilesets.blocks(id, all) {
+                    opaque.set((index % u64::from(width)) as u32, (index / u64::from(width)) as u32, true);
+                }
+            };
+            data.decode(&text, count, add).map_err(fail)?;
+            has_data = true;
+        }
+        if !has_data {
+            return Err(xml.damaged(format!("the layer {name:?} has no tiles")));
+        }
+        opaque.get_or_insert_with(|| BitGrid::new(width, height));
+        Ok(())
+    }
+}
+
+/// The bytes of a file. Pipes and devices are not opened: they may have no end.
+fn file(path: &Path) -> io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("is no file"));
+    }
+    std::fs::read(path)
+}

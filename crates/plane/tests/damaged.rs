@@ -1,0 +1,96 @@
+//! Damaged and hostile maps of Tiled give errors, and cost memory and time in proportion to their bytes.
+#![cfg(feature = "tiled")]
+
+use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+
+use casca_plane::BitGrid;
+use casca_plane::tmx::{TmxError, TmxImport};
+use peak_alloc::PeakAlloc;
+
+#[path = "../../../tests/damage/mod.rs"]
+mod damage;
+mod maps;
+
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// The tests run one after the other: the allocator counts for all.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// Reads a map, with a tileset beside it.
+fn read(map: &[u8], tileset: &[u8]) -> Result<BitGrid, TmxError> {
+    TmxImport::default().parse(map, |_| Ok(tileset.to_vec()))
+}
+
+#[test]
+fn damaged_maps_are_read_or_refused() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut files = maps::all();
+    files.push(maps::TILESET.into());
+    damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
+        // A map, or the tileset of one.
+        drop(read(bytes, maps::TILESET.as_bytes()));
+        drop(read(&files[0], bytes));
+    });
+}
+
+/// Reads a map and its tileset within the limits.
+fn result(map: &str, tileset: &str) -> Result<BitGrid, String> {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut result = Err(String::new());
+    damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
+        result = read(map, tileset.as_bytes()).map_err(|why| why.to_string());
+    });
+    result
+}
+
+#[test]
+fn promises_of_tilesets_cost_nothing() {
+    let map = maps::map("encoding=\"csv\"", &maps::csv());
+    let whole = result(&map, maps::TILESET).unwrap();
+    // Tiles that a tileset does not list have no properties, whatever their number.
+    let many = |text: &str| text.replace("tilecount=\"4\"", "tilecount=\"4294967295\"");
+    assert_eq!(result(&many(&map), maps::TILESET), Ok(whole.clone()));
+    assert_eq!(result(&map, &many(maps::TILESET)), Ok(whole));
+}
+
+#[test]
+fn layers_that_unfold_to_more_than_their_tiles_are_refused() {
+    // A quarter of a gibibyte of zeros, in a quarter of a mebibyte.
+    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    let zeros = vec![0; 1 << 20];
+    (0..256).for_each(|_| zlib.write_all(&zeros).unwrap());
+    drop(zeros);
+    use base64::Engine;
+    let data = base64::engine::general_purpose::STANDARD.encode(zlib.finish().unwrap());
+    let map = maps::map("encoding=\"base64\" compression=\"zlib\"", &data);
+    assert!(result(&map, maps::TILESET).unwrap_err().contains("more than the 12 tiles"));
+    // As many tiles as it says.
+    let map = map.replace("width=\"4\" height=\"3\"", "width=\"8192\" height=\"8192\"");
+    assert_eq!(result(&map, maps::TILESET).unwrap().count(), 0);
+    // And more.
+    let map = map.replace("height=\"8192\"", "height=\"1048576\"");
+    assert!(result(&map, maps::TILESET).unwrap_err().contains("too few tiles"));
+    let map = map.replace("width=\"8192\" height=\"1048576\"", "width=\"1\" height=\"4294967295\"");
+    assert!(result(&map, maps::TILESET).unwrap_err().contains("along a side"));
+}
+
+#[test]
+fn depth_does_not_matter() {
+    let plain = maps::map("encoding=\"csv\"", &maps::csv());
+    let whole = result(&plain, maps::TILESET).unwrap();
+    let nested = |element: &str, start: &str, end: &str| {
+        let (first, last) = (format!("<{element} "), format!("</{element}>"));
+        let opened = plain.replace(&first, &format!("{}{first}", start.repeat(100_000)));
+        opened.replace(&last, &format!("{last}{}", end.repeat(100_000)))
+    };
+    assert_eq!(result(&nested("group", "<group>", "</group>"), maps::TILESET), Ok(whole.clone()));
+    let (start, end) = ("<properties><property name=\"p\" type=\"class\">", "</property></properties>");
+    assert_eq!(result(&nested("objectgroup", start, end), maps::TILESET), Ok(whole.clone()));
+    // A template that is made of itself.
+    let object = plain.replace("<object id=\"1\"", "<object id=\"1\" template=\"t.tsx\"");
+    let template = "<template><object id=\"1\" template=\"t.tsx\"/></template>";
+    assert!(result(&object, template).unwrap_err().contains("no element tileset"));
+    assert_eq!(result(&object, maps::TILESET), Ok(whole));
+}
