@@ -1,0 +1,262 @@
+//! Views of one place, and views that stand for many: with a reach, a turn, both.
+
+use casca::{Method, PointOptions, Query, View};
+use glam::{DQuat, DVec3, Vec3};
+
+use super::super::dice::Dice;
+use super::super::ops::direction;
+use super::super::views::{Depth, Limits, TrueView, look_upright};
+use super::solid::Start;
+use super::stage::{Place, Stage, Target, Witness};
+use super::walls::SHAPES;
+
+/// Questions to views with a reach or a turn, as tallies have them.
+const REACH_SIGHT: &str = "reach, sight";
+/// Points that are asked for beside the objects.
+const ASKED: u32 = 400;
+
+/// A camera, as the library takes it and as it is.
+pub struct Camera {
+    /// For the library.
+    pub view: View,
+    /// As it is.
+    pub truth: TrueView,
+    /// Its eye.
+    pub eye: DVec3,
+    /// Where it looks.
+    pub forward: Vec3,
+    /// What bounds it.
+    pub limits: Limits,
+}
+
+/// What bounds a camera: nothing, or the sides of a picture.
+pub fn limits(stage: &mut Stage, around: bool) -> Limits {
+    let unit = stage.unit;
+    let dice = &mut stage.dice;
+    if around {
+        return Limits::Around;
+    }
+    Limits::Camera {
+        fov: dice.pick(&[1.0, 1.0, 1.5, 0.4, 2.2]),
+        aspect: dice.between(0.7, 1.8),
+        near: unit * dice.pick(&[0.01, 0.1]),
+        far: unit * 1000.0,
+        mirrored: dice.once_in(4),
+        depth: dice.pick(&[Depth::Usual, Depth::Reversed, Depth::Infinite, Depth::Gl]),
+        exact: !dice.once_in(5),
+    }
+}
+
+/// A camera; `None` if its matrix is too coarse for where it is.
+pub fn camera(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits, mask: u32) -> Option<Camera> {
+    let (view, truth) = look_upright(eye, forward, up, limits).ok()?;
+    let eye = truth.eye?;
+    Some(Camera { view: view.with_layers(mask), truth, eye, forward, limits: limits.clone() })
+}
+
+/// Point queries of all kinds, and their names.
+pub fn presets(dice: &mut Dice) -> Vec<(&'static str, Query)> {
+    let degrees = dice.pick(&[0.25, 0.5, 1.0, 90.0 / 128.0, 90.0 / 256.0, 3.0]);
+    let odd = PointOptions::new()
+        .pixel_degrees(degrees)
+        .refine_depth(dice.pick(&[6, 0, 12, 16]))
+        .refine_squares(dice.pick(&[256, 16, 2048]))
+        .min_pixels(dice.pick(&[128, 0, 300]));
+    let all = [("fast", PointOptions::fast()), ("balanced", PointOptions::balanced()), ("other options", odd)];
+    let tight = dice.once_in(4).then_some(("tight", PointOptions::tight()));
+    all.into_iter()
+        .chain(tight)
+        .filter_map(|(name, options)| Some((name, Query::with_method(Method::Point(options)).ok()?)))
+        .collect()
+}
+
+/// A direction to which an eye goes: along an axis, a diagonal, or any.
+pub fn way(dice: &mut Dice) -> DVec3 {
+    match dice.below(4) {
+        0 => DVec3::AXES[dice.below(3) as usize] * dice.pick(&[1.0, -1.0]),
+        1 => DVec3::from_array(std::array::from_fn(|_| dice.pick(&[1.0, -1.0]))).normalize(),
+        _ => direction(dice).as_dvec3().normalize(),
+    }
+}
+
+/// A turn by an angle about any axis, or about one of the world.
+pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
+    DQuat::from_axis_angle(way(dice), angle)
+}
+
+/// The eye that is as far as may be from another, in a direction.
+pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
+    let mut share = 1.0;
+    loop {
+        let at = eye + way * (reach * share);
+        if (at - eye).length() <= reach {
+            return at;
+        }
+        share -= 1e-15 * (1.0 + eye.abs().max_element() / reach.max(f64::MIN_POSITIVE)).min(1e12);
+    }
+}
+
+/// Plays a scene with views of one place.
+pub fn play(mut stage: Stage, around: bool) -> Stage {
+    let eye = stage.eye();
+    let forward = direction(&mut stage.dice);
+    let limits = limits(&mut stage, around);
+    let mask = stage.mask();
+    let up = forward.any_orthonormal_vector();
+    let Some(base) = camera(eye, forward, up, &limits, mask) else { return stage };
+    let walls = 8 + stage.dice.below(24);
+    stage.build(walls, |d| around || d.dot(forward) > 0.2);
+    let reach = f64::from((stage.unit * 10f32.powf(stage.dice.between(-4.0, -0.4))).next_up());
+    let angle = 10f64.powf(-3.0 + 2.6 * stage.dice.real());
+    for number in 0..500 {
+        aim(&mut stage, &base, base.eye, number, reach, angle, around);
+    }
+    stage.insert_targets();
+    let mut presets = presets(&mut stage.dice);
+    let first = |w: &Witness| w.place == Place::View(0);
+    for (name, query) in &mut presets {
+        let pvs = query.run(&stage.scene, &base.view).clone();
+        stage.check(name, mask, first, |t, _| t.id.is_some_and(|id| pvs.contains(id)));
+        ask(&mut stage, query, &base, mask, name, |place| place == Place::View(0));
+    }
+    let near = |w: &Witness| matches!(w.place, Place::View(0) | Place::Reach);
+    let here = |w: &Witness| matches!(w.place, Place::View(0) | Place::Turn);
+    let opened = [
+        (base.view.clone().with_reach(reach as f32), 0),
+        (base.view.clone().with_turn(angle as f32), 1),
+        (base.view.clone().with_reach(reach as f32).and_then(|v| v.with_turn(angle as f32)), 2),
+    ];
+    for (view, kind) in opened {
+        let Ok(view) = view else { continue };
+        if around && kind == 1 {
+            continue;
+        }
+        for (_, query) in &mut presets {
+            let pvs = query.run(&stage.scene, &view).clone();
+            let holds = |t: &Target, _| t.id.is_some_and(|id| pvs.contains(id));
+            match kind {
+                0 => stage.check("reach", mask, near, holds),
+                1 => stage.check("turn", mask, here, holds),
+                _ => stage.check("reach and turn", mask, |_| true, holds),
+            }
+            ask(&mut stage, query, &base, mask, REACH_SIGHT, |place| match kind {
+                0 => matches!(place, Place::View(0) | Place::Reach),
+                1 => matches!(place, Place::View(0) | Place::Turn),
+                _ => true,
+            });
+        }
+    }
+    stage
+}
+
+/// Aims at one object, from one of the eyes and by one of the cameras that views stand for.
+fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, angle: f64, around: bool) {
+    let place = match number % 5 {
+        0 | 1 => Place::View(0),
+        2 => Place::Reach,
+        _ if around => Place::Reach,
+        3 => Place::Turn,
+        _ => Place::Both,
+    };
+    let mut at = eye;
+    if matches!(place, Place::Reach | Place::Both) {
+        // Mostly to where the eye sees most past an edge.
+        let past = if stage.dice.once_in(3) { None } else { stage.graze(&Start::Eye(eye)) };
+        let way = past.map_or_else(|| way(&mut stage.dice), |(_, out, _)| out);
+        at = outermost(eye, way, reach);
+    }
+    let turn = if matches!(place, Place::Turn | Place::Both) {
+        turned(&mut stage.dice, f64::from(angle as f32) * (1.0 - 1e-9))
+    } else {
+        DQuat::IDENTITY
+    };
+    if around {
+        stage.aim(Start::Eye(at), place, |_| true);
+        return;
+    }
+    let truth = base.truth.at(at, turn);
+    let seen = |p: DVec3| truth.sight(p).is_some();
+    if number % 7 == 0 {
+        aside(stage, base, at, turn, place, seen);
+    } else {
+        stage.aim(Start::Eye(at), place, seen);
+    }
+}
+
+/// Aims at an object closely inside a side of the view.
+fn aside(
+    stage: &mut Stage,
+    base: &Camera,
+    at: DVec3,
+    turn: DQuat,
+    place: Place,
+    seen: impl Fn(DVec3) -> bool,
+) {
+    let Limits::Camera { fov, .. } = base.limits else { return };
+    let dice = &mut stage.dice;
+    let ahead = turn * base.forward.as_dvec3();
+    let (a, b) = ahead.any_orthonormal_pair();
+    let angle = dice.real() * std::f64::consts::TAU;
+    let out = a * angle.cos() + b * angle.sin();
+    // The border is between straight ahead and this, by halves.
+    let (mut inner, mut outer) = (0.0, f64::from(fov).tan().abs().max(4.0));
+    let far = f64::from(stage.unit) * 10f64.powf(0.5 + dice.real());
+    for _ in 0..50 {
+        let middle = 0.5 * (inner + outer);
+        let inside = seen(at + (ahead + out * middle) * far);
+        (inner, outer) = if inside { (middle, outer) } else { (inner, middle) };
+    }
+    let gap = 10f64.powf(-7.0 + 5.0 * dice.real());
+    let point = rounded_in(at + (ahead + out * (inner * (1.0 - gap))) * far, out);
+    if seen(point) {
+        let point = stage.target_at(point, -out, ahead);
+        if seen(point) {
+            stage.witness(Start::Eye(at), place, point, SHAPES.len() - 1);
+        } else {
+            stage.targets.pop();
+        }
+    }
+}
+
+/// A point in single precision, rounded inwards.
+fn rounded_in(point: DVec3, out: DVec3) -> DVec3 {
+    super::stage::rounded(point, -out)
+}
+
+/// Asks for points: those of the objects, and others.
+pub fn ask(
+    stage: &mut Stage,
+    query: &Query,
+    base: &Camera,
+    mask: u32,
+    way: &'static str,
+    places: impl Fn(Place) -> bool,
+) {
+    let mut asked = Vec::new();
+    if matches!(way, "balanced" | "other options") {
+        for _ in 0..ASKED {
+            let start = Start::Eye(base.eye);
+            let Some((near, out, shape)) = stage.graze(&start) else { continue };
+            let point = stage.behind(&start, near, out);
+            if base.truth.sight(point).is_some() {
+                asked.push((point, shape));
+            }
+        }
+    }
+    let way = if way == REACH_SIGHT { way } else { "sight" };
+    let Some(sight) = query.sight(&stage.scene) else { return };
+    let single = |p: DVec3| p.as_vec3().as_dvec3() == p;
+    // The point itself, where it is in single precision; else its object.
+    let answer = |w: &Witness| match single(w.point) && w.target % 2 == 0 {
+        true => sight.may_see_point(w.point.as_vec3()),
+        false => sight.may_see_bounds(&stage.targets[w.target].bounds),
+    };
+    let of_witnesses: Vec<bool> = stage.witnesses.iter().map(answer).collect();
+    let of_others: Vec<bool> = asked.iter().map(|(p, _)| sight.may_see_point(p.as_vec3())).collect();
+    stage.check(way, mask, |w| places(w.place), |_, i| of_witnesses[i]);
+    for ((point, shape), held) in asked.into_iter().zip(of_others) {
+        let answer = stage.free(base.eye, point, mask);
+        let text = || format!("sight of {point} from {}", base.eye);
+        stage.count(way, shape, answer, held, text);
+    }
+}
