@@ -136,6 +136,11 @@ impl Shelf {
         };
         Ok(Self { meshes: (0..BASES).map(prepare).collect::<Result<_, _>>()? })
     }
+
+    /// One of them.
+    pub fn mesh(&self, which: u8) -> Arc<TriMesh> {
+        self.meshes[usize::from(which % BASES)].clone()
+    }
 }
 
 impl Form {

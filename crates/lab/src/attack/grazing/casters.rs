@@ -43,10 +43,13 @@ pub fn play(mut stage: Stage) -> Stage {
             (Light::Spot(view), Start::Eye(at.as_dvec3()))
         }
     };
-    let rays: Vec<Ray> = (0..300)
+    // A light lights nothing out of its range.
+    let range = if let Light::Point { range, .. } = &light { f64::from(*range) } else { f64::INFINITY };
+    let lit = |p: DVec3| start.toward(p).length() < range * (1.0 - 1e-9) || range.is_infinite();
+    let rays: Vec<Ray> = (0..500)
         .filter_map(|number| {
             let from = if number % 3 == 0 { Start::Eye(camera.eye) } else { start };
-            ray(&mut stage, &from, &start, |p| camera.truth.sight(p).is_some())
+            ray(&mut stage, &from, &start, |p| lit(p) && camera.truth.sight(p).is_some())
         })
         .collect();
     stage.insert_targets();

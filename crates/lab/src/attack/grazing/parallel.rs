@@ -27,14 +27,14 @@ pub fn play(mut stage: Stage) -> Stage {
     for _ in 0..400 {
         stage.aim(start, Place::View(0), |p| truth.sight(p).is_some());
     }
+    for _ in 0..4000 {
+        stage.aim_point(start, Place::View(0), |p| truth.sight(p).is_some());
+    }
     stage.insert_targets();
     for (_, query) in &mut presets(&mut stage.dice) {
         let pvs = query.run(&stage.scene, &view).clone();
-        stage.check("parallel", mask, |_| true, |t, _| t.id.is_some_and(|id| pvs.contains(id)));
-        let Some(sight) = query.sight(&stage.scene) else { continue };
-        let seen: Vec<bool> =
-            stage.witnesses.iter().map(|w| sight.may_see_bounds(&stage.targets[w.target].bounds)).collect();
-        stage.check("parallel, sight", mask, |_| true, |_, i| seen[i]);
+        stage.check("parallel", mask, |_| true, &pvs);
+        stage.ask("parallel, sight", mask, |_| true, query);
     }
     stage
 }

@@ -183,6 +183,11 @@ impl Solid {
         Self { body: Body::Triangles(body), edges, middle, radius: (max - min).length() * 0.5 }
     }
 
+    /// Whether it has an outline.
+    pub fn has_rim(&self) -> bool {
+        matches!(self.body, Body::Ball) || !self.edges.is_empty()
+    }
+
     /// The corners of the box around it.
     pub fn extent(&self) -> (DVec3, DVec3) {
         match self.body {
@@ -233,6 +238,39 @@ impl Solid {
         }
     }
 
+    fn edge(&self, dice: &mut Dice) -> Option<&Edge> {
+        (!self.edges.is_empty()).then(|| &self.edges[dice.below(self.edges.len() as u32) as usize])
+    }
+
+    /// A point of it where a line touches it and a ball of eyes on the other side, and the direction from the middle of the
+    /// ball to the eye that looks along that line, of length 1: no eye of the ball sees more past that point.
+    pub fn rim_of_ball(&self, eye: DVec3, reach: f64, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
+        // The unit vector `n` across the line, with `n . (middle - eye) = reach - radius`.
+        let across = |ahead: DVec3, aside: DVec3, radius: f64| {
+            let sine = (reach - radius) / ahead.length();
+            let out = ahead.normalize() * sine + aside * (1.0 - sine * sine).sqrt();
+            (sine.abs() < 1.0).then_some(out)
+        };
+        let (point, aside) = self.rim(&Start::Eye(eye), dice)?;
+        if matches!(self.body, Body::Ball) {
+            let ahead = self.middle - eye;
+            let aside = (point - eye).reject_from(ahead).try_normalize()?;
+            let out = across(ahead, aside, self.radius)?;
+            return Some((self.middle + out * self.radius, out));
+        }
+        // Across the edge, which is at right angles to `aside` and to the part of the ray across it.
+        let near = self.edges.iter().min_by(|p, q| {
+            let far = |e: &Edge| {
+                let along = (e.ends[1] - e.ends[0]).normalize();
+                (point - e.ends[0]).reject_from_normalized(along).length()
+            };
+            far(p).total_cmp(&far(q))
+        })?;
+        let along = (near.ends[1] - near.ends[0]).try_normalize()?;
+        let out = across((point - eye).reject_from_normalized(along), aside, 0.0)?;
+        Some((point, out))
+    }
+
     /// A point of its outline, as seen from a start, and the direction away from it across the ray, of length 1.
     pub fn rim(&self, start: &Start, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
         if matches!(self.body, Body::Ball) {
@@ -251,7 +289,7 @@ impl Solid {
             return Some((self.middle + out * self.radius, out));
         }
         (0..12).find_map(|_| {
-            let edge = &self.edges[dice.below(self.edges.len() as u32) as usize];
+            let edge = self.edge(dice)?;
             let [a, b] = edge.ends;
             let ray = start.toward(a);
             if let [Some(m), Some(n)] = edge.normals
@@ -259,12 +297,7 @@ impl Solid {
             {
                 return None;
             }
-            let share = match dice.below(8) {
-                0 => 10f64.powf(-1.0 - 6.0 * dice.real()),
-                1 => 0.5,
-                _ => dice.real(),
-            };
-            let point = a + (b - a) * share;
+            let point = a + (b - a) * share(dice);
             let ray = start.toward(point).normalize();
             let out = ray.cross((b - a).normalize());
             if out.length() < ALONG {
@@ -274,6 +307,14 @@ impl Solid {
             let inwards = out.dot(edge.inner - point);
             Some((point, if inwards > 0.0 { -out } else { out }))
         })
+    }
+}
+
+fn share(dice: &mut Dice) -> f64 {
+    match dice.below(8) {
+        0 => 10f64.powf(-1.0 - 6.0 * dice.real()),
+        1 => 0.5,
+        _ => dice.real(),
     }
 }
 

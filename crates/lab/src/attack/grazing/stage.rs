@@ -1,12 +1,13 @@
 //! A scene with occluders, tiny objects that are seen closely past them, and what is known about each.
 
-use casca::{Aabb, Bounds, GridSpec, Instance, Obb, ObjectDesc, ObjectId, Scene, Sphere};
+use casca::{Aabb, Bounds, CameraQuery, GridSpec, Instance, Obb, ObjectDesc, ObjectId, Pvs, Scene, Sphere};
 use glam::{Affine3A, DVec3, UVec3, Vec3};
 
 use super::super::dice::Dice;
 use super::super::ops::{direction, turn};
-use super::solid::{Answer, Start};
-use super::tally::{Lost, Tally};
+use super::solid::{Answer, Solid, Start};
+use super::tally::{Count, Lost, Tally};
+use super::views::outermost;
 use super::walls::{Meshes, SHAPES, Wall, thick};
 
 /// Occluders of a scene, at most: each has a bit.
@@ -43,8 +44,8 @@ pub enum Place {
 
 /// A point of a target, and the occluders between it and its eye.
 pub struct Witness {
-    /// The target's index.
-    pub target: usize,
+    /// The target's index; `None` for a point that is asked for alone, and is in single precision.
+    pub target: Option<usize>,
     /// The point.
     pub point: DVec3,
     /// Where its ray starts.
@@ -204,7 +205,8 @@ impl<'a> Stage<'a> {
     }
 
     fn put(&mut self, wall: Wall) {
-        if self.walls.len() >= MOST_WALLS {
+        // Rounding to a lattice may leave nothing of a box.
+        if !wall.solid.has_rim() || self.walls.len() >= MOST_WALLS {
             return;
         }
         let (dynamic, layers) = (self.moving && self.dice.once_in(4), self.layers());
@@ -262,12 +264,31 @@ impl<'a> Stage<'a> {
 
     /// A place closely past the outline of a wall, as seen from a start, the direction away from it, and the wall's shape.
     pub fn graze(&mut self, start: &Start) -> Option<(DVec3, DVec3, usize)> {
+        let (point, out, shape) = self.rim(|solid, dice| solid.rim(start, dice))?;
+        Some((point + out * self.gap(start, point), out, shape))
+    }
+
+    /// An eye in a ball that looks as far past an edge as any eye in it does.
+    pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<DVec3> {
+        let (_, out, _) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
+        Some(outermost(eye, out, reach))
+    }
+
+    fn rim(
+        &mut self,
+        find: impl Fn(&Solid, &mut Dice) -> Option<(DVec3, DVec3)>,
+    ) -> Option<(DVec3, DVec3, usize)> {
         if self.walls.is_empty() {
             return None;
         }
+        let wall = &self.walls[self.dice.below(self.walls.len() as u32) as usize].wall;
+        let (point, out) = find(&wall.solid, &mut self.dice)?;
+        Some((point, out, wall.shape))
+    }
+
+    /// How far past an edge a ray goes.
+    fn gap(&mut self, start: &Start, point: DVec3) -> f64 {
         let dice = &mut self.dice;
-        let wall = &self.walls[dice.below(self.walls.len() as u32) as usize].wall;
-        let (point, out) = wall.solid.rim(start, dice)?;
         let unit = match dice.below(3) {
             0 => 1.0,
             1 => start.toward(point).length().min(f64::from(self.unit) * 100.0),
@@ -275,14 +296,15 @@ impl<'a> Stage<'a> {
         };
         // Where coordinates are small, far smaller gaps are told apart.
         let least = if self.step > 0.0 { -11.0 } else { -7.0 };
-        let gap = unit * 10f64.powf(least + (-2.0 - least) * dice.real());
-        Some((point + out * gap, out, wall.shape))
+        unit * 10f64.powf(least + (-2.0 - least) * dice.real())
     }
 
     /// A point behind a place, as seen from a start, rounded away from what it passes.
     pub fn behind(&mut self, start: &Start, place: DVec3, out: DVec3) -> DVec3 {
         let dice = &mut self.dice;
-        let beyond = 10f64.powf(-6.0 + 7.3 * dice.real());
+        // Views with a reach hide least of what is farthest.
+        let most = if dice.once_in(6) { 5.0 } else { 1.3 };
+        let beyond = 10f64.powf(-6.0 + (most + 6.0) * dice.real());
         let point = match *start {
             Start::Eye(eye) => place + (place - eye) * beyond,
             Start::Before(along, _) => place + along * (beyond * f64::from(self.unit)),
@@ -352,15 +374,34 @@ impl<'a> Stage<'a> {
                 self.targets.pop();
                 continue;
             }
-            self.witness(start, place, point, shape);
+            self.witness(Some(self.targets.len() - 1), start, place, point, shape);
             return true;
         }
         false
     }
 
-    /// Takes a point of the last target for one to look at.
-    pub fn witness(&mut self, start: Start, place: Place, point: DVec3, shape: usize) {
-        let target = self.targets.len() - 1;
+    /// Aims at a point of no object. Whether one was found.
+    pub fn aim_point(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) -> bool {
+        for _ in 0..TRIES {
+            let Some((near, out, shape)) = self.graze(&start) else { continue };
+            let point = self.behind(&start, near, out);
+            if inside(point) {
+                self.witness(None, start, place, point, shape);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Takes a point for one to look at.
+    pub fn witness(
+        &mut self,
+        target: Option<usize>,
+        start: Start,
+        place: Place,
+        point: DVec3,
+        shape: usize,
+    ) {
         let mut witness = Witness { target, point, start, place, shape, cut: 0, doubt: 0 };
         for (i, standing) in self.walls.iter().enumerate() {
             witness.look(&standing.wall, 1 << i);
@@ -394,20 +435,52 @@ impl<'a> Stage<'a> {
         worst
     }
 
-    /// Compares a set with the truth: it must hold each target that one of the places sees a point of. `holds` is told the
-    /// target, and the number of the witness.
+    /// Compares a set with the truth: it must hold each target that one of the places sees a point of.
     pub fn check(
         &mut self,
         way: &'static str,
         mask: u32,
         places: impl Fn(&Witness) -> bool,
-        holds: impl Fn(&Target, usize) -> bool,
+        pvs: &Pvs,
+    ) {
+        let holds = |w: &Witness, targets: &[Target]| {
+            let target = &targets[w.target?];
+            target.id.filter(|_| target.layers & mask != 0).map(|id| pvs.contains(id))
+        };
+        let answers = self.witnesses.iter().map(|w| holds(w, &self.targets)).collect::<Vec<_>>();
+        self.compare(way, mask, places, &answers);
+    }
+
+    /// Asks for all points, and compares the answers with the truth.
+    pub fn ask(
+        &mut self,
+        way: &'static str,
+        mask: u32,
+        places: impl Fn(&Witness) -> bool,
+        query: &impl CameraQuery,
+    ) {
+        let Some(sight) = query.sight(&self.scene) else { return };
+        let answer = |w: &Witness| match w.target {
+            None => sight.may_see_point(w.point.as_vec3()),
+            Some(target) => sight.may_see_bounds(&self.targets[target].bounds),
+        };
+        let answers: Vec<_> = self.witnesses.iter().map(|w| places(w).then(|| answer(w))).collect();
+        self.compare(way, mask, places, &answers);
+    }
+
+    /// Compares the answers about witnesses with the truth.
+    fn compare(
+        &mut self,
+        way: &'static str,
+        mask: u32,
+        places: impl Fn(&Witness) -> bool,
+        answers: &[Option<bool>],
     ) {
         let hiding = self.hiding(mask);
-        for i in 0..self.witnesses.len() {
-            let witness = &self.witnesses[i];
-            let target = &self.targets[witness.target];
-            if !places(witness) || target.id.is_none() || target.layers & mask == 0 {
+        let mut counts = [Count::default(); SHAPES.len()];
+        for (i, held) in answers.iter().enumerate() {
+            let (witness, Some(held)) = (&self.witnesses[i], *held) else { continue };
+            if !places(witness) {
                 continue;
             }
             let answer = match (witness.cut & hiding, witness.doubt & hiding) {
@@ -415,17 +488,19 @@ impl<'a> Stage<'a> {
                 (0, _) => Answer::Doubt,
                 _ => Answer::Cut,
             };
-            let held = holds(target, i);
-            let (witness, target) = (&self.witnesses[i], &self.targets[witness.target]);
-            let text = || {
-                format!(
-                    "{:?} ({:?}), of which {} is seen from {:?} ({:?}), mask {mask:#x}",
-                    target.bounds, target.id, witness.point, witness.start, witness.place
-                )
-            };
-            // The text borrows what counting does not change.
-            let text = (answer == Answer::Free && !held).then(text);
-            self.count(way, witness.shape, answer, held, || text.unwrap_or_default());
+            counts[witness.shape].note(answer, held);
+            if answer == Answer::Free && !held {
+                let shape = witness.shape;
+                let bounds = witness.target.map(|t| (&self.targets[t].bounds, self.targets[t].id));
+                let text = format!(
+                    "{bounds:?}, of which {} is seen from {:?} ({:?}), mask {mask:#x}",
+                    witness.point, witness.start, witness.place
+                );
+                self.tell(way, shape, &text);
+            }
+        }
+        for (shape, count) in counts.iter().enumerate().filter(|(_, count)| count.tried > 0) {
+            self.tally.of(way, SHAPES[shape]).add(count);
         }
     }
 
@@ -438,23 +513,20 @@ impl<'a> Stage<'a> {
         held: bool,
         text: impl FnOnce() -> String,
     ) {
-        let count = self.tally.of(way, SHAPES[shape]);
-        count.tried += 1;
-        match answer {
-            Answer::Cut => count.culled += u64::from(!held),
-            Answer::Doubt => count.open += 1,
-            Answer::Free => count.seen += 1,
+        self.tally.of(way, SHAPES[shape]).note(answer, held);
+        if answer == Answer::Free && !held {
+            self.tell(way, shape, &text());
         }
-        if answer != Answer::Free || held {
-            return;
-        }
-        count.lost += 1;
+    }
+
+    /// Tells of a loss.
+    fn tell(&mut self, way: &'static str, shape: usize, text: &str) {
         if self.lost.len() < MOST_LOST {
             let walls = self.walls.iter().filter(|w| w.id.is_some());
             let walls: Vec<String> =
                 walls.map(|w| format!("{} (layers {:#x})", w.wall.text, w.layers)).collect();
             let walls = walls.join("\n  ");
-            let text = format!("{way} of scene {} lacks {}; past\n  {walls}", self.seed, text());
+            let text = format!("{way} of scene {} lacks {text}; past\n  {walls}", self.seed);
             self.lost.push(Lost { seed: self.seed, way, shape: SHAPES[shape], text });
         }
     }

@@ -10,6 +10,8 @@ use super::views::{Camera, camera, limits, turned, way};
 
 /// Frames of a scene.
 const FRAMES: u32 = 12;
+/// Points that are asked for beside the objects.
+const POINTS: usize = 6000;
 
 /// The places of a camera: one, then outermost ones that its kept sets hold for, then others close by and far off.
 fn places(stage: &mut Stage, around: bool, mask: u32, reach: f32, angle: f32) -> Vec<Camera> {
@@ -56,6 +58,11 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
         let Camera { eye, truth, .. } = &cameras[place];
         stage.aim(Start::Eye(*eye), Place::View(place as u8), |p| truth.sight(p).is_some());
     }
+    for number in 0..POINTS {
+        let place = number % cameras.len();
+        let Camera { eye, truth, .. } = &cameras[place];
+        stage.aim_point(Start::Eye(*eye), Place::View(place as u8), |p| truth.sight(p).is_some());
+    }
     stage.insert_targets();
     let options = PointOptions::fast().coherent(true).pixel_degrees(0.5);
     let queries = [options, PointOptions::balanced().coherent(true)];
@@ -75,7 +82,8 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
         let here = |w: &super::stage::Witness| w.place == Place::View(place as u8);
         for query in &mut queries {
             let pvs = query.run(&stage.scene, view).clone();
-            stage.check("coherent", mask, here, |t, _| t.id.is_some_and(|id| pvs.contains(id)));
+            stage.check("coherent", mask, here, &pvs);
+            stage.ask("coherent, sight", mask, here, query);
         }
         if let Some(result) = job.take() {
             kept[1].install(result, &stage.scene);
@@ -88,11 +96,9 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
                 (true, 0) => "kept, held",
                 (true, _) => "kept, prepared",
             };
-            stage.check(way, mask, here, |t, _| t.id.is_some_and(|id| pvs.contains(id)));
-            let Some(sight) = kept.sight(&stage.scene) else { continue };
-            let seen: Vec<bool> =
-                stage.witnesses.iter().map(|w| sight.may_see_bounds(&stage.targets[w.target].bounds)).collect();
-            stage.check("kept, sight", mask, here, |_, i| seen[i]);
+            stage.check(way, mask, here, &pvs);
+            // Dynamic occluders are not in the answers.
+            stage.ask("kept, sight", mask, here, kept);
         }
         job = Some(kept[1].prepare(&stage.scene, view).run());
         let all = queries.iter().map(CameraQuery::pvs).chain(kept.iter().map(CameraQuery::pvs));

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::solid::Answer;
+
 /// Answers about points, of one way to ask and one shape.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
@@ -41,7 +43,21 @@ pub struct Lost {
 }
 
 impl Count {
-    fn add(&mut self, other: &Self) {
+    /// Notes an answer of the library beside the truth.
+    pub(super) fn note(&mut self, truth: Answer, held: bool) {
+        self.tried += 1;
+        match truth {
+            Answer::Cut => self.culled += u64::from(!held),
+            Answer::Doubt => self.open += 1,
+            Answer::Free => {
+                self.seen += 1;
+                self.lost += u64::from(!held);
+            }
+        }
+    }
+
+    /// Adds other counts.
+    pub(super) fn add(&mut self, other: &Self) {
         self.tried += other.tried;
         self.seen += other.seen;
         self.open += other.open;

@@ -7,13 +7,13 @@ use super::super::dice::Dice;
 use super::super::ops::direction;
 use super::super::views::{Depth, Limits, TrueView, look_upright};
 use super::solid::Start;
-use super::stage::{Place, Stage, Target, Witness};
+use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
 
-/// Questions to views with a reach or a turn, as tallies have them.
-const REACH_SIGHT: &str = "reach, sight";
+/// Objects of a scene.
+const OBJECTS: u32 = 400;
 /// Points that are asked for beside the objects.
-const ASKED: u32 = 400;
+const POINTS: u32 = 4000;
 
 /// A camera, as the library takes it and as it is.
 pub struct Camera {
@@ -108,7 +108,7 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     stage.build(walls, |d| around || d.dot(forward) > 0.2);
     let reach = f64::from((stage.unit * 10f32.powf(stage.dice.between(-4.0, -0.4))).next_up());
     let angle = 10f64.powf(-3.0 + 2.6 * stage.dice.real());
-    for number in 0..500 {
+    for number in 0..OBJECTS + POINTS {
         aim(&mut stage, &base, base.eye, number, reach, angle, around);
     }
     stage.insert_targets();
@@ -116,9 +116,10 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     let first = |w: &Witness| w.place == Place::View(0);
     for (name, query) in &mut presets {
         let pvs = query.run(&stage.scene, &base.view).clone();
-        stage.check(name, mask, first, |t, _| t.id.is_some_and(|id| pvs.contains(id)));
-        ask(&mut stage, query, &base, mask, name, |place| place == Place::View(0));
+        stage.check(name, mask, first, &pvs);
+        stage.ask("sight", mask, first, query);
     }
+    // An eye that went and turned is one of a view that allows for both.
     let near = |w: &Witness| matches!(w.place, Place::View(0) | Place::Reach);
     let here = |w: &Witness| matches!(w.place, Place::View(0) | Place::Turn);
     let opened = [
@@ -133,17 +134,13 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
         }
         for (_, query) in &mut presets {
             let pvs = query.run(&stage.scene, &view).clone();
-            let holds = |t: &Target, _| t.id.is_some_and(|id| pvs.contains(id));
-            match kind {
-                0 => stage.check("reach", mask, near, holds),
-                1 => stage.check("turn", mask, here, holds),
-                _ => stage.check("reach and turn", mask, |_| true, holds),
-            }
-            ask(&mut stage, query, &base, mask, REACH_SIGHT, |place| match kind {
-                0 => matches!(place, Place::View(0) | Place::Reach),
-                1 => matches!(place, Place::View(0) | Place::Turn),
+            let places = |w: &Witness| match kind {
+                0 => near(w),
+                1 => here(w),
                 _ => true,
-            });
+            };
+            stage.check(["reach", "turn", "reach and turn"][kind], mask, places, &pvs);
+            stage.ask("reach, sight", mask, places, query);
         }
     }
     stage
@@ -160,10 +157,9 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     };
     let mut at = eye;
     if matches!(place, Place::Reach | Place::Both) {
-        // Mostly to where the eye sees most past an edge.
-        let past = if stage.dice.once_in(3) { None } else { stage.graze(&Start::Eye(eye)) };
-        let way = past.map_or_else(|| way(&mut stage.dice), |(_, out, _)| out);
-        at = outermost(eye, way, reach);
+        // Mostly to where an eye sees most past an edge.
+        let past = if stage.dice.once_in(3) { None } else { stage.outermost(eye, reach) };
+        at = past.unwrap_or_else(|| outermost(eye, way(&mut stage.dice), reach));
     }
     let turn = if matches!(place, Place::Turn | Place::Both) {
         turned(&mut stage.dice, f64::from(angle as f32) * (1.0 - 1e-9))
@@ -171,15 +167,24 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
         DQuat::IDENTITY
     };
     if around {
-        stage.aim(Start::Eye(at), place, |_| true);
+        aim_any(stage, number, Start::Eye(at), place, |_| true);
         return;
     }
     let truth = base.truth.at(at, turn);
     let seen = |p: DVec3| truth.sight(p).is_some();
-    if number % 7 == 0 {
+    if number % 7 == 0 && number < OBJECTS {
         aside(stage, base, at, turn, place, seen);
     } else {
-        stage.aim(Start::Eye(at), place, seen);
+        aim_any(stage, number, Start::Eye(at), place, seen);
+    }
+}
+
+/// Aims at an object first, and at points later.
+fn aim_any(stage: &mut Stage, number: u32, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
+    if number < OBJECTS {
+        stage.aim(start, place, inside);
+    } else {
+        stage.aim_point(start, place, inside);
     }
 }
 
@@ -211,7 +216,8 @@ fn aside(
     if seen(point) {
         let point = stage.target_at(point, -out, ahead);
         if seen(point) {
-            stage.witness(Start::Eye(at), place, point, SHAPES.len() - 1);
+            let target = Some(stage.targets.len() - 1);
+            stage.witness(target, Start::Eye(at), place, point, SHAPES.len() - 1);
         } else {
             stage.targets.pop();
         }
@@ -221,42 +227,4 @@ fn aside(
 /// A point in single precision, rounded inwards.
 fn rounded_in(point: DVec3, out: DVec3) -> DVec3 {
     super::stage::rounded(point, -out)
-}
-
-/// Asks for points: those of the objects, and others.
-pub fn ask(
-    stage: &mut Stage,
-    query: &Query,
-    base: &Camera,
-    mask: u32,
-    way: &'static str,
-    places: impl Fn(Place) -> bool,
-) {
-    let mut asked = Vec::new();
-    if matches!(way, "balanced" | "other options") {
-        for _ in 0..ASKED {
-            let start = Start::Eye(base.eye);
-            let Some((near, out, shape)) = stage.graze(&start) else { continue };
-            let point = stage.behind(&start, near, out);
-            if base.truth.sight(point).is_some() {
-                asked.push((point, shape));
-            }
-        }
-    }
-    let way = if way == REACH_SIGHT { way } else { "sight" };
-    let Some(sight) = query.sight(&stage.scene) else { return };
-    let single = |p: DVec3| p.as_vec3().as_dvec3() == p;
-    // The point itself, where it is in single precision; else its object.
-    let answer = |w: &Witness| match single(w.point) && w.target % 2 == 0 {
-        true => sight.may_see_point(w.point.as_vec3()),
-        false => sight.may_see_bounds(&stage.targets[w.target].bounds),
-    };
-    let of_witnesses: Vec<bool> = stage.witnesses.iter().map(answer).collect();
-    let of_others: Vec<bool> = asked.iter().map(|(p, _)| sight.may_see_point(p.as_vec3())).collect();
-    stage.check(way, mask, |w| places(w.place), |_, i| of_witnesses[i]);
-    for ((point, shape), held) in asked.into_iter().zip(of_others) {
-        let answer = stage.free(base.eye, point, mask);
-        let text = || format!("sight of {point} from {}", base.eye);
-        stage.count(way, shape, answer, held, text);
-    }
 }

@@ -6,9 +6,9 @@ use casca::{Aabb, Bounds, Error, Instance, ObjectDesc, Occluder, TriMesh};
 use glam::{Affine3A, DAffine3, DVec3, Quat, Vec3};
 
 use super::super::dice::Dice;
-use super::super::forms::{Form, Shelf, skew};
+use super::super::forms::{BASES, Form, Shelf, base, skew};
 use super::super::ops::{direction, turn};
-use super::solid::{Solid, exact};
+use super::solid::Solid;
 
 /// Names of shapes, as tallies have them.
 pub const SHAPES: [&str; 12] = [
@@ -189,7 +189,13 @@ impl Wall {
                         &meshes.large[dice.below(meshes.large.len() as u32) as usize];
                     return Self::placed(positions, triangles, mesh, transform, shape);
                 }
-                one(Form::Placed { base: dice.below(7) as u8, transform }, shape)
+                if dice.once_in(2) {
+                    let which = dice.below(u32::from(BASES)) as u8;
+                    let (positions, triangles) = base(which);
+                    let mesh = &meshes.shelf.mesh(which);
+                    return Self::placed(&positions, &triangles, mesh, transform, shape);
+                }
+                one(Form::Placed { base: dice.below(u32::from(BASES)) as u8, transform }, shape)
             }
             19..=21 => Self::slit(dice, meshes, center, half, snap),
             22 => Self::junction(dice, center, half),
@@ -204,7 +210,9 @@ impl Wall {
         transform: Affine3A,
         shape: usize,
     ) -> Vec<Self> {
-        let solid = Solid::mesh(positions, triangles, exact(transform));
+        // As renderers transform them: in single precision.
+        let moved: Vec<Vec3> = positions.iter().map(|p| transform.transform_point3(*p)).collect();
+        let solid = Solid::mesh(&moved, triangles, DAffine3::IDENTITY);
         let instance = Instance::new(mesh.clone(), transform).ok();
         let made = instance.map(|instance| Self {
             shape,
