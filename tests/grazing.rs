@@ -11,7 +11,7 @@ fn number(name: &str) -> Option<u64> {
 
 #[test]
 fn what_is_seen_past_an_edge_is_found() {
-    let run = Run { seed: number("CASCA_SEED").unwrap_or(1), points: 100_000, threads: 1, failures: 1 };
+    let run = Run { seed: number("CASCA_SEED").unwrap_or(1), points: 1_000_000, threads: 1, failures: 1 };
     let (tally, lost) = long_run(run, |_, _| ());
     assert!(lost.is_empty(), "{}", lost[0].text);
     // The test means something: most points are decided, each shape is passed, and sets leave out what is hidden.
@@ -45,7 +45,11 @@ fn long() {
         }
     });
     let seconds = start.elapsed().as_secs_f64();
-    eprintln!("{tally}{} scenes in {seconds:.0} s, {:.0} points a second", tally.scenes, tally.total().tried as f64 / seconds);
+    eprintln!(
+        "{tally}{} scenes in {seconds:.0} s, {:.0} points a second",
+        tally.scenes,
+        tally.total().tried as f64 / seconds
+    );
     lost.iter().for_each(|lost| eprintln!("{}", lost.text));
     assert!(lost.is_empty(), "{} losses", lost.len());
 }

@@ -77,6 +77,8 @@ pub enum Limits {
 pub struct TrueView {
     /// The eye, if there is one.
     pub eye: Option<DVec3>,
+    /// The layers that it shows.
+    pub layers: u32,
     /// The direction of parallel rays.
     direction: DVec3,
     /// Unit normals inwards, offsets, and whether the plane may cut off what is close to the eye.
@@ -127,13 +129,13 @@ pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView
 ///
 /// # Errors
 /// As the library's constructors.
-pub fn look_upright(
-    eye: Vec3,
-    forward: Vec3,
-    up: Vec3,
-    limits: &Limits,
-) -> Result<(View, TrueView), Error> {
-    let around = TrueView { eye: Some(eye.as_dvec3()), direction: forward.as_dvec3(), planes: Vec::new() };
+pub fn look_upright(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
+    let around = TrueView {
+        eye: Some(eye.as_dvec3()),
+        layers: u32::MAX,
+        direction: forward.as_dvec3(),
+        planes: Vec::new(),
+    };
     let mirror = |mirrored: bool| Mat4::from_scale(Vec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
     match limits {
         Limits::Around => Ok((View::omnidirectional(eye)?, around)),
@@ -176,7 +178,7 @@ pub fn look_upright(
                 (_, true) => View::orthographic(forward, matrix),
                 (_, false) => View::from_view_projection(matrix),
             };
-            Ok((view?, TrueView { eye: None, direction, planes }))
+            Ok((view?, TrueView { eye: None, layers: u32::MAX, direction, planes }))
         }
     }
 }
@@ -214,6 +216,11 @@ impl TrueView {
             (normal, n.dot(old) + h - normal.dot(eye), cuts)
         };
         Self { eye: Some(eye), planes: self.planes.iter().map(moved).collect(), ..*self }
+    }
+
+    /// The inward normals of the four sides of a camera's picture; fewer of other views.
+    pub fn sides(&self) -> impl Iterator<Item = DVec3> {
+        self.planes.iter().take(4).map(|p| p.0)
     }
 
     /// The direction of parallel rays.

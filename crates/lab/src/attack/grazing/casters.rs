@@ -43,9 +43,13 @@ pub fn play(mut stage: Stage) -> Stage {
             (Light::Spot(view), Start::Eye(at.as_dvec3()))
         }
     };
-    // A light lights nothing out of its range.
-    let range = if let Light::Point { range, .. } = &light { f64::from(*range) } else { f64::INFINITY };
-    let lit = |p: DVec3| start.toward(p).length() < range * (1.0 - 1e-9) || range.is_infinite();
+    // A light lights nothing out of its range. Parallel rays start before all occluders only to places that are not far.
+    let most = f64::from(unit) * 200.0;
+    let lit = |p: DVec3| match &light {
+        Light::Point { range, .. } => start.toward(p).length() < f64::from(*range) * (1.0 - 1e-9),
+        Light::Directional(_) => (p - middle.as_dvec3()).length() < most,
+        _ => true,
+    };
     let rays: Vec<Ray> = (0..500)
         .filter_map(|number| {
             let from = if number % 3 == 0 { Start::Eye(camera.eye) } else { start };

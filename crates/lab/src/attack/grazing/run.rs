@@ -9,7 +9,7 @@ use super::walls::Meshes;
 use super::{casters, cells, parallel, stream, views};
 
 /// Scenes that are counted at once, so that a run does not depend on the number of threads.
-const BATCH: u64 = 64;
+const BATCH: u64 = 16;
 
 /// How long a run is.
 #[derive(Debug, Clone, Copy)]

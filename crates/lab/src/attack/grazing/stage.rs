@@ -17,6 +17,9 @@ const CELLS: u32 = 64;
 /// Aims that no point in single precision is found for are given up after so many tries.
 const TRIES: u32 = 6;
 
+/// A place closely past an outline, the direction away from it, and the index of the shape.
+pub type Graze = (DVec3, DVec3, usize);
+
 /// A tiny object.
 pub struct Target {
     /// What the library is told.
@@ -263,15 +266,17 @@ impl<'a> Stage<'a> {
     }
 
     /// A place closely past the outline of a wall, as seen from a start, the direction away from it, and the wall's shape.
-    pub fn graze(&mut self, start: &Start) -> Option<(DVec3, DVec3, usize)> {
+    pub fn graze(&mut self, start: &Start) -> Option<Graze> {
         let (point, out, shape) = self.rim(|solid, dice| solid.rim(start, dice))?;
         Some((point + out * self.gap(start, point), out, shape))
     }
 
-    /// An eye in a ball that looks as far past an edge as any eye in it does.
-    pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<DVec3> {
-        let (_, out, _) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
-        Some(outermost(eye, out, reach))
+    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely past that edge as
+    /// [`Stage::graze`] tells it.
+    pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<(DVec3, Graze)> {
+        let (point, out, shape) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
+        let at = outermost(eye, out, reach);
+        Some((at, (point + out * self.gap(&Start::Eye(at), point), out, shape)))
     }
 
     fn rim(
@@ -357,51 +362,65 @@ impl<'a> Stage<'a> {
         seen
     }
 
-    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are aimed at. Whether one
-    /// was found.
-    pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) -> bool {
+    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are aimed at.
+    pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
         for _ in 0..TRIES {
-            let Some((near, out, shape)) = self.graze(&start) else { continue };
-            if !inside(near) {
-                continue;
+            if let Some(past) = self.graze(&start)
+                && self.aim_past(start, place, past, true, &inside)
+            {
+                return;
             }
-            let point = self.behind(&start, near, out);
-            if !inside(point) {
-                continue;
-            }
-            let point = self.target_at(point, out, start.toward(point));
-            if !inside(point) {
-                self.targets.pop();
-                continue;
-            }
-            self.witness(Some(self.targets.len() - 1), start, place, point, shape);
-            return true;
         }
-        false
     }
 
-    /// Aims at a point of no object. Whether one was found.
-    pub fn aim_point(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) -> bool {
+    /// Aims at a point of no object.
+    pub fn aim_point(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
         for _ in 0..TRIES {
-            let Some((near, out, shape)) = self.graze(&start) else { continue };
-            let point = self.behind(&start, near, out);
-            if inside(point) {
-                self.witness(None, start, place, point, shape);
-                return true;
+            if let Some(past) = self.graze(&start)
+                && self.aim_past(start, place, past, false, &inside)
+            {
+                return;
             }
         }
-        false
+    }
+
+    /// Aims past a known place at an object, or at a point of none. Whether `inside` holds for it.
+    pub fn aim_past(
+        &mut self,
+        start: Start,
+        place: Place,
+        (near, out, shape): Graze,
+        object: bool,
+        inside: &impl Fn(DVec3) -> bool,
+    ) -> bool {
+        let point = self.behind(&start, near, out);
+        inside(point) && self.aim_at(start, place, (point, out, shape), object, inside)
+    }
+
+    /// Aims at an object that has a point, or at the point. Whether `inside` holds for it.
+    pub fn aim_at(
+        &mut self,
+        start: Start,
+        place: Place,
+        (point, out, shape): Graze,
+        object: bool,
+        inside: &impl Fn(DVec3) -> bool,
+    ) -> bool {
+        if !object {
+            self.witness(None, start, place, point, shape);
+            return true;
+        }
+        let point = self.target_at(point, out, start.toward(point));
+        if !inside(point) {
+            self.targets.pop();
+            return false;
+        }
+        self.witness(Some(self.targets.len() - 1), start, place, point, shape);
+        true
     }
 
     /// Takes a point for one to look at.
-    pub fn witness(
-        &mut self,
-        target: Option<usize>,
-        start: Start,
-        place: Place,
-        point: DVec3,
-        shape: usize,
-    ) {
+    pub fn witness(&mut self, target: Option<usize>, start: Start, place: Place, point: DVec3, shape: usize) {
         let mut witness = Witness { target, point, start, place, shape, cut: 0, doubt: 0 };
         for (i, standing) in self.walls.iter().enumerate() {
             witness.look(&standing.wall, 1 << i);
@@ -436,13 +455,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Compares a set with the truth: it must hold each target that one of the places sees a point of.
-    pub fn check(
-        &mut self,
-        way: &'static str,
-        mask: u32,
-        places: impl Fn(&Witness) -> bool,
-        pvs: &Pvs,
-    ) {
+    pub fn check(&mut self, way: &'static str, mask: u32, places: impl Fn(&Witness) -> bool, pvs: &Pvs) {
         let holds = |w: &Witness, targets: &[Target]| {
             let target = &targets[w.target?];
             target.id.filter(|_| target.layers & mask != 0).map(|id| pvs.contains(id))

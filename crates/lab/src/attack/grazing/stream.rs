@@ -76,8 +76,7 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
             change(&mut stage, forward, around);
         }
         // Twice at the first place, then anywhere.
-        let place =
-            if frame < 2 { 0 } else { stage.dice.below(cameras.len() as u32) as usize };
+        let place = if frame < 2 { 0 } else { stage.dice.below(cameras.len() as u32) as usize };
         let view = &cameras[place].view;
         let here = |w: &super::stage::Witness| w.place == Place::View(place as u8);
         for query in &mut queries {

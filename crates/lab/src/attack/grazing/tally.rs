@@ -104,11 +104,7 @@ impl Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        writeln!(
-            f,
-            "{:<28}{:>14}{:>14}{:>12}{:>14}{:>8}",
-            "", "points", "seen", "open", "culled", "lost"
-        )?;
+        writeln!(f, "{:<28}{:>14}{:>14}{:>12}{:>14}{:>8}", "", "points", "seen", "open", "culled", "lost")?;
         let mut row = |name: &str, c: Count| {
             writeln!(f, "{name:<28}{:>14}{:>14}{:>12}{:>14}{:>8}", c.tried, c.seen, c.open, c.culled, c.lost)
         };

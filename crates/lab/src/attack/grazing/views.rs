@@ -25,8 +25,6 @@ pub struct Camera {
     pub eye: DVec3,
     /// Where it looks.
     pub forward: Vec3,
-    /// What bounds it.
-    pub limits: Limits,
 }
 
 /// What bounds a camera: nothing, or the sides of a picture.
@@ -51,7 +49,7 @@ pub fn limits(stage: &mut Stage, around: bool) -> Limits {
 pub fn camera(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits, mask: u32) -> Option<Camera> {
     let (view, truth) = look_upright(eye, forward, up, limits).ok()?;
     let eye = truth.eye?;
-    Some(Camera { view: view.with_layers(mask), truth, eye, forward, limits: limits.clone() })
+    Some(Camera { view: view.with_layers(mask), truth, eye, forward })
 }
 
 /// Point queries of all kinds, and their names.
@@ -62,7 +60,8 @@ pub fn presets(dice: &mut Dice) -> Vec<(&'static str, Query)> {
         .refine_depth(dice.pick(&[6, 0, 12, 16]))
         .refine_squares(dice.pick(&[256, 16, 2048]))
         .min_pixels(dice.pick(&[128, 0, 300]));
-    let all = [("fast", PointOptions::fast()), ("balanced", PointOptions::balanced()), ("other options", odd)];
+    let all =
+        [("fast", PointOptions::fast()), ("balanced", PointOptions::balanced()), ("other options", odd)];
     let tight = dice.once_in(4).then_some(("tight", PointOptions::tight()));
     all.into_iter()
         .chain(tight)
@@ -86,14 +85,10 @@ pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
 
 /// The eye that is as far as may be from another, in a direction.
 pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
-    let mut share = 1.0;
-    loop {
-        let at = eye + way * (reach * share);
-        if (at - eye).length() <= reach {
-            return at;
-        }
-        share -= 1e-15 * (1.0 + eye.abs().max_element() / reach.max(f64::MIN_POSITIVE)).min(1e12);
-    }
+    // Rounding may take it out by a little: some units in the last place are taken off, then more and more.
+    let shares = std::iter::once(1.0).chain((0..50).map(|i| 1.0 - 1e-16 * f64::from(1 << (i / 2)).powi(2)));
+    let places = shares.map(|share| eye + way * (reach * share));
+    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
 }
 
 /// Plays a scene with views of one place.
@@ -119,7 +114,6 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
         stage.check(name, mask, first, &pvs);
         stage.ask("sight", mask, first, query);
     }
-    // An eye that went and turned is one of a view that allows for both.
     let near = |w: &Witness| matches!(w.place, Place::View(0) | Place::Reach);
     let here = |w: &Witness| matches!(w.place, Place::View(0) | Place::Turn);
     let opened = [
@@ -146,8 +140,9 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     stage
 }
 
-/// Aims at one object, from one of the eyes and by one of the cameras that views stand for.
+/// Aims at one object, or later at one point, from one of the eyes and by one of the cameras that views stand for.
 fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, angle: f64, around: bool) {
+    let object = number < OBJECTS;
     let place = match number % 5 {
         0 | 1 => Place::View(0),
         2 => Place::Reach,
@@ -155,76 +150,63 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
         3 => Place::Turn,
         _ => Place::Both,
     };
-    let mut at = eye;
-    if matches!(place, Place::Reach | Place::Both) {
-        // Mostly to where an eye sees most past an edge.
-        let past = if stage.dice.once_in(3) { None } else { stage.outermost(eye, reach) };
-        at = past.unwrap_or_else(|| outermost(eye, way(&mut stage.dice), reach));
-    }
-    let turn = if matches!(place, Place::Turn | Place::Both) {
-        turned(&mut stage.dice, f64::from(angle as f32) * (1.0 - 1e-9))
-    } else {
-        DQuat::IDENTITY
-    };
-    if around {
-        aim_any(stage, number, Start::Eye(at), place, |_| true);
+    let goes = matches!(place, Place::Reach | Place::Both);
+    let turns = matches!(place, Place::Turn | Place::Both);
+    let angle = f64::from(angle as f32) * (1.0 - 1e-9);
+    if !around && number % 7 == 0 {
+        aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
         return;
     }
+    let mut at = eye;
+    let mut past = None;
+    if goes {
+        // Mostly to where an eye sees most past an edge.
+        let found = if stage.dice.once_in(4) { None } else { stage.outermost(eye, reach) };
+        (at, past) = match found {
+            Some((at, past)) => (at, Some(past)),
+            None => (outermost(eye, way(&mut stage.dice), reach), None),
+        };
+    }
+    let turn = if turns { turned(&mut stage.dice, angle) } else { DQuat::IDENTITY };
+    let truth = base.truth.at(at, turn);
+    let seen = |p: DVec3| around || truth.sight(p).is_some();
+    let start = Start::Eye(at);
+    if let Some(past) = past
+        && stage.aim_past(start, place, past, object, &seen)
+    {
+        return;
+    }
+    if object { stage.aim(start, place, seen) } else { stage.aim_point(start, place, seen) }
+}
+
+/// Aims at an object closely inside a side or a corner of a camera's picture, which went and turned as far out as it may.
+fn aside(stage: &mut Stage, base: &Camera, place: Place, (reach, angle): (f64, f64), object: bool) {
+    let dice = &mut stage.dice;
+    let sides: Vec<DVec3> = base.truth.sides().collect();
+    let side = sides[dice.below(sides.len() as u32) as usize];
+    let next = sides[dice.below(sides.len() as u32) as usize];
+    let ahead = base.forward.as_dvec3().normalize();
+    let along = side.cross(next).normalize_or_zero();
+    let along = along * along.dot(ahead).signum();
+    // A corner, or the middle of the side.
+    let inwards = (ahead - side * side.dot(ahead)).normalize();
+    let border = if along.length() > 0.5 { along } else { inwards };
+    // The view is opened by tilting the side until it keeps off its corners; the normal of that:
+    let sine = angle.sin() / inwards.dot(border);
+    let normal = side * (1.0 - sine * sine).max(0.0).sqrt() + inwards * sine.min(1.0);
+    let out = (border - normal * normal.dot(border)).normalize_or(border);
+    let turn = DQuat::from_rotation_arc(border, out);
+    let turn = if angle > 0.0 { turn } else { DQuat::IDENTITY };
+    let gap = 10f64.powf(-7.0 + 5.0 * dice.real());
+    let inner = (turn * (border + (ahead - border) * gap)).normalize();
+    let at = outermost(base.eye, -normal, reach);
     let truth = base.truth.at(at, turn);
     let seen = |p: DVec3| truth.sight(p).is_some();
-    if number % 7 == 0 && number < OBJECTS {
-        aside(stage, base, at, turn, place, seen);
-    } else {
-        aim_any(stage, number, Start::Eye(at), place, seen);
+    let far = f64::from(stage.unit) * 10f64.powf(0.5 + stage.dice.real());
+    let point = super::stage::rounded(at + inner * far, normal);
+    // A corner where the side cannot be tilted so far is farther away.
+    let turned = 2.0 * turn.xyz().length().atan2(turn.w.abs());
+    if turned <= angle * (1.0 + 5e-10) && seen(point) {
+        stage.aim_at(Start::Eye(at), place, (point, normal, SHAPES.len() - 1), object, &seen);
     }
-}
-
-/// Aims at an object first, and at points later.
-fn aim_any(stage: &mut Stage, number: u32, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
-    if number < OBJECTS {
-        stage.aim(start, place, inside);
-    } else {
-        stage.aim_point(start, place, inside);
-    }
-}
-
-/// Aims at an object closely inside a side of the view.
-fn aside(
-    stage: &mut Stage,
-    base: &Camera,
-    at: DVec3,
-    turn: DQuat,
-    place: Place,
-    seen: impl Fn(DVec3) -> bool,
-) {
-    let Limits::Camera { fov, .. } = base.limits else { return };
-    let dice = &mut stage.dice;
-    let ahead = turn * base.forward.as_dvec3();
-    let (a, b) = ahead.any_orthonormal_pair();
-    let angle = dice.real() * std::f64::consts::TAU;
-    let out = a * angle.cos() + b * angle.sin();
-    // The border is between straight ahead and this, by halves.
-    let (mut inner, mut outer) = (0.0, f64::from(fov).tan().abs().max(4.0));
-    let far = f64::from(stage.unit) * 10f64.powf(0.5 + dice.real());
-    for _ in 0..50 {
-        let middle = 0.5 * (inner + outer);
-        let inside = seen(at + (ahead + out * middle) * far);
-        (inner, outer) = if inside { (middle, outer) } else { (inner, middle) };
-    }
-    let gap = 10f64.powf(-7.0 + 5.0 * dice.real());
-    let point = rounded_in(at + (ahead + out * (inner * (1.0 - gap))) * far, out);
-    if seen(point) {
-        let point = stage.target_at(point, -out, ahead);
-        if seen(point) {
-            let target = Some(stage.targets.len() - 1);
-            stage.witness(target, Start::Eye(at), place, point, SHAPES.len() - 1);
-        } else {
-            stage.targets.pop();
-        }
-    }
-}
-
-/// A point in single precision, rounded inwards.
-fn rounded_in(point: DVec3, out: DVec3) -> DVec3 {
-    super::stage::rounded(point, -out)
 }
