@@ -27,7 +27,9 @@ pub fn play(mut stage: Stage) -> Stage {
             1 => at = (min + max) * 0.5 + way(dice) * (max - min).min_element() * 0.499,
             _ => {}
         }
-        if stage.scene.grid().cell_of(at) == stage.scene.grid().cell_of(eye.as_dvec3()) {
+        // A set is that of the eyes in no occluder.
+        let outside = stage.walls.iter().all(|w| !w.wall.solid.may_hold(at));
+        if outside && stage.scene.grid().cell_of(at) == stage.scene.grid().cell_of(eye.as_dvec3()) {
             stage.aim(Start::Eye(at), Place::View(u8::from(at != eye.as_dvec3())), |_| true);
         }
     }

@@ -196,13 +196,23 @@ impl Solid {
         }
     }
 
+    /// Whether a point may lie in it; of a mesh, in the box around it.
+    pub fn may_hold(&self, point: DVec3) -> bool {
+        if matches!(self.body, Body::Triangles(_)) {
+            let (min, max) = self.extent();
+            let room = ROOM * self.radius + ROOM_COORDINATES * point.abs().max_element();
+            return (min - room).cmple(point).all() && point.cmple(max + room).all();
+        }
+        self.answer(point, point) != Answer::Free
+    }
+
     /// What it does to the segment between two points.
     pub fn answer(&self, from: DVec3, to: DVec3) -> Answer {
         let (o, d) = (from - self.middle, to - from);
         let length = d.length();
         let room = ROOM * (o.length() + length + self.radius)
             + ROOM_COORDINATES * (from.abs().max_element() + self.middle.abs().max_element());
-        let nearest = (-o.dot(d) / (length * length)).clamp(0.0, 1.0);
+        let nearest = if length > 0.0 { (-o.dot(d) / (length * length)).clamp(0.0, 1.0) } else { 0.0 };
         // Without cancellation: the distance of the line.
         let apart = if nearest > 0.0 && nearest < 1.0 {
             o.cross(d).length() / length
