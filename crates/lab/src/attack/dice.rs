@@ -50,6 +50,11 @@ impl Dice<'_> {
         self.next(2) as f32 / 65535.0
     }
 
+    /// A number from 0 to less than 1, in steps of 2^-32.
+    pub fn real(&mut self) -> f64 {
+        f64::from(self.next(4)) / 4_294_967_296.0
+    }
+
     /// A number between two others.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()

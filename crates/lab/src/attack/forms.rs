@@ -136,6 +136,11 @@ impl Shelf {
         };
         Ok(Self { meshes: (0..BASES).map(prepare).collect::<Result<_, _>>()? })
     }
+
+    /// One of them.
+    pub fn mesh(&self, which: u8) -> Arc<TriMesh> {
+        self.meshes[usize::from(which % BASES)].clone()
+    }
 }
 
 impl Form {
@@ -177,7 +182,7 @@ impl Form {
     }
 
     /// The half-spaces of a cut box before it was moved.
-    pub(super) fn planes(min: Vec3, max: Vec3, cuts: &[(Vec3, f32)]) -> Vec<Plane> {
+    pub fn planes(min: Vec3, max: Vec3, cuts: &[(Vec3, f32)]) -> Vec<Plane> {
         let mut planes: Vec<Plane> = Vec::new();
         for axis in Vec3::AXES {
             planes.push(Plane { normal: axis, offset: -axis.dot(min) });
@@ -190,7 +195,7 @@ impl Form {
     }
 
     /// Positions of a mesh in world space.
-    pub(super) fn positions(base: &[Vec3], center: Vec3, scale: Vec3) -> Vec<Vec3> {
+    pub fn positions(base: &[Vec3], center: Vec3, scale: Vec3) -> Vec<Vec3> {
         base.iter().map(|&p| center + p * scale).collect()
     }
 

@@ -24,11 +24,21 @@ pub struct Habits {
     pub late: bool,
     /// Grids lie far from the origin.
     pub far: bool,
+    /// Objects are put on layers, and views show some.
+    pub layers: bool,
 }
 
 impl Default for Habits {
     fn default() -> Self {
-        Self { clones: true, skipped_ends: true, kept: true, expiry: true, late: true, far: true }
+        Self {
+            clones: true,
+            skipped_ends: true,
+            kept: true,
+            expiry: true,
+            late: true,
+            far: true,
+            layers: true,
+        }
     }
 }
 
@@ -43,6 +53,7 @@ impl Habits {
             expiry: is("expiry"),
             late: is("late"),
             far: is("far"),
+            layers: is("layers"),
         }
     }
 }
@@ -164,7 +175,8 @@ impl<'a> Maker<'a> {
                 self.ops.push(op);
             }
             let (toward, limits, seed) = (Toward::Along(Vec3::X), Limits::Around, self.dice.seed());
-            self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: false, seed });
+            let mask = u64::MAX;
+            self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: false, mask, seed });
             self.ops.push(Op::End { queries: 1, kept: 0 });
         }
     }
@@ -209,6 +221,10 @@ impl<'a> Maker<'a> {
             16 | 17 => self.insert(),
             18 | 19 if self.habits.expiry => Op::Leave { who },
             20 => self.nearer(who),
+            21 if self.habits.layers && self.dice.once_in(2) => {
+                let mask = self.dice.pick(&[u64::MAX, u64::MAX, u64::MAX, 1, 2, 3, 0]);
+                Op::Layers { who, mask }
+            }
             _ => {
                 let share = self.dice.pick(&[1.0, 1.0, 0.5]);
                 Op::Drift { who, along: direction(&mut self.dice), share }
@@ -281,7 +297,17 @@ impl<'a> Maker<'a> {
         };
         let (from, toward, limits) = (self.from(), self.toward(), self.limits());
         let keep = self.habits.kept && self.dice.once_in(3);
-        self.ops.push(Op::Look { query, method, from, toward, limits, keep, seed: self.dice.seed() });
+        let mask = self.mask();
+        self.ops.push(Op::Look { query, method, from, toward, limits, keep, mask, seed: self.dice.seed() });
+    }
+
+    /// The layers of a view: mostly all.
+    fn mask(&mut self) -> u64 {
+        if self.habits.layers && self.dice.once_in(4) {
+            self.dice.pick(&[1, 2, 3, 4, u64::MAX - 1, 0])
+        } else {
+            u64::MAX
+        }
     }
 
     /// Keeps a set, moves an object step by step, and asks for the set each time.
@@ -289,7 +315,8 @@ impl<'a> Maker<'a> {
         let from = From::Camera(0);
         let method = self.dice.pick(&[Method::point(), Method::cell(), Method::cell(), Method::Frustum]);
         let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
-        self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, seed });
+        let mask = self.mask();
+        self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, mask, seed });
         *ran |= 1;
         let (who, along) = (self.who(), direction(&mut self.dice));
         for _ in 0..1 + self.dice.below(3) {

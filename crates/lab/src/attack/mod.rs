@@ -8,10 +8,12 @@
 //! - [`play_seed`] plays one scene by a seed, and reduces what fails to few operations.
 //! - [`play_bytes`] does so for the bytes of a fuzzer.
 //! - [`long_run`] plays scene after scene.
+//! - [`grazing`] aims at tiny objects closely past the outlines of occluders.
 
 mod api;
 mod dice;
 mod forms;
+pub mod grazing;
 mod make;
 mod ops;
 mod player;

@@ -156,6 +156,11 @@ pub enum Op {
     Remove {
         who: u16,
     },
+    /// Puts an object on other layers.
+    Layers {
+        who: u16,
+        mask: u64,
+    },
     /// Moves an unreported object by a share of the way that its promise allows.
     Drift {
         who: u16,
@@ -184,6 +189,8 @@ pub enum Op {
         toward: Toward,
         limits: Limits,
         keep: bool,
+        /// The layers that the view shows.
+        mask: u64,
         seed: u32,
     },
     /// Asks kept sets whether they hold: for their own views, and for others from close by.

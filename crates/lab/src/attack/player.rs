@@ -4,8 +4,8 @@ mod frame;
 mod look;
 
 use casca::{
-    CellOptions, DrawOptions, Error, GridSpec, KeptOptions, KeptQuery, ObjectDesc, PointOptions, Pvs, Query,
-    Scene, View,
+    CellOptions, DrawOptions, Error, GridSpec, KeptOptions, KeptQuery, KeptResult, ObjectDesc, PointOptions,
+    Pvs, Query, Scene, View,
 };
 use glam::{DVec3, Vec3};
 
@@ -95,6 +95,8 @@ pub struct Player {
     options: [(PointOptions, CellOptions); 3],
     /// Kept queries that look along with the others.
     lasting: [KeptQuery; 3],
+    /// What was made ready for one of them.
+    ready: Option<(usize, KeptResult)>,
     kept: Vec<Kept>,
     effort: Effort,
     parting: u32,
@@ -147,6 +149,7 @@ impl Player {
             queries: std::array::from_fn(|_| (Query::new(), None)),
             options: [options(1.0, 64), options(8.0, 64), (late.coherent(true), cells)],
             lasting,
+            ready: None,
             kept: Vec::new(),
             effort: if thorough { Effort { points: 24, places: 8 } } else { Effort { points: 5, places: 6 } },
             parting: 0,
@@ -212,9 +215,12 @@ impl Player {
                 Ok(())
             }
             Op::Begin { dt, due, seed } => self.begin(*dt, *due, *seed),
-            Op::Look { query, method, from, toward, limits, keep, seed } => {
+            Op::Layers { who, mask } => self.relayer(*who, *mask),
+            Op::Look { query, method, from, toward, limits, keep, mask, seed } => {
                 let eye = self.eye(*from);
-                let Some((view, truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
+                let Some((view, mut truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
+                let view = view.with_layers(*mask);
+                truth.layers = *mask;
                 self.look(usize::from(*query % 3), *method, view, truth, *keep, *seed)
             }
             Op::Ask { nudge, toward, limits, seed } => self.ask(*nudge, *toward, limits, *seed),
@@ -282,6 +288,7 @@ impl Player {
             id,
             bounds: form.clone(),
             occluder,
+            layers: u64::MAX,
             moves,
             body,
             cover: own_cover,
@@ -358,6 +365,16 @@ impl Player {
             Err(_) if refusable => Ok(()),
             Err(error) => Err(refused("a translation")(error)),
         }
+    }
+
+    fn relayer(&mut self, who: u16, mask: u64) -> Played {
+        let Some(i) = self.who(who) else { return Ok(()) };
+        let world = self.world();
+        let thing = &mut world.things[i];
+        world.scene.set_layers(thing.id, mask).map_err(refused("a change of layers"))?;
+        world.changed |= thing.layers != mask;
+        thing.layers = mask;
+        Ok(())
     }
 
     fn remove(&mut self, who: u16) -> Played {

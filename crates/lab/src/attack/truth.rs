@@ -23,6 +23,8 @@ pub struct Thing {
     pub bounds: Form,
     /// What was told last.
     pub occluder: Option<Form>,
+    /// Its layers.
+    pub layers: u64,
     /// The promise.
     pub moves: Moves,
     /// Its points, where it was told to be.
@@ -90,11 +92,13 @@ impl Thing {
     }
 }
 
-/// Whether another thing hides the end of a sight; tries the one that did last first.
-fn hidden(things: &[Thing], target: usize, sight: &Sight, last: &mut usize) -> bool {
+/// Whether another thing on some layers hides the end of a sight; tries the one that did last first.
+fn hidden(things: &[Thing], target: usize, layers: u64, sight: &Sight, last: &mut usize) -> bool {
     let hides = |i: usize| {
         // A solid that hides points of itself is met at a point of itself before.
-        i != target && things[i].cover.as_ref().is_some_and(|c| c.hides(things[i].drift, sight))
+        i != target
+            && things[i].layers & layers != 0
+            && things[i].cover.as_ref().is_some_and(|c| c.hides(things[i].drift, sight))
     };
     if *last < things.len() && hides(*last) {
         return true;
@@ -135,7 +139,7 @@ pub fn find_lost(
     let mut last = usize::MAX;
     let seed = u64::from(dice.seed()) << 32;
     for (i, thing) in things.iter().enumerate() {
-        if held(thing) {
+        if held(thing) || thing.layers & view.layers == 0 {
             continue;
         }
         // Each thing has dice of its own, so that a play without some others finds the same.
@@ -147,7 +151,7 @@ pub fn find_lost(
             for _ in 0..effort.points {
                 let p = thing.body.point(towards, distance, &mut dice) + drift;
                 let Some(sight) = view.sight(p) else { continue };
-                if !hidden(things, i, &sight, &mut last) {
+                if !hidden(things, i, view.layers, &sight, &mut last) {
                     return Some(Sighting { thing: i, sight, drift });
                 }
             }

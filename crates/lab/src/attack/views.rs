@@ -2,7 +2,7 @@
 
 use casca::{Error, Plane, View};
 use glam::camera::rh::view::look_to_mat4;
-use glam::{DMat3, DVec3, DVec4, Mat4, Vec3, Vec4};
+use glam::{DMat3, DQuat, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use super::api;
 use super::rays::Sight;
@@ -77,6 +77,8 @@ pub enum Limits {
 pub struct TrueView {
     /// The eye, if there is one.
     pub eye: Option<DVec3>,
+    /// The layers that it shows.
+    pub layers: u64,
     /// The direction of parallel rays.
     direction: DVec3,
     /// Unit normals inwards, offsets, and whether the plane may cut off what is close to the eye.
@@ -120,7 +122,20 @@ fn orthographic(half: f32, aspect: f32, near: f32, far: f32, depth: Depth) -> Ma
 pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
     let forward = forward.normalize_or(Vec3::X);
     let up = if forward.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
-    let around = TrueView { eye: Some(eye.as_dvec3()), direction: forward.as_dvec3(), planes: Vec::new() };
+    look_upright(eye, forward, up, limits)
+}
+
+/// As [`look`], for a direction of length 1, and with the direction that is up in the picture.
+///
+/// # Errors
+/// As the library's constructors.
+pub fn look_upright(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
+    let around = TrueView {
+        eye: Some(eye.as_dvec3()),
+        layers: u64::MAX,
+        direction: forward.as_dvec3(),
+        planes: Vec::new(),
+    };
     let mirror = |mirrored: bool| Mat4::from_scale(Vec3::new(if mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
     match limits {
         Limits::Around => Ok((View::omnidirectional(eye)?, around)),
@@ -163,7 +178,7 @@ pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView
                 (_, true) => View::orthographic(forward, matrix),
                 (_, false) => View::from_view_projection(matrix),
             };
-            Ok((view?, TrueView { eye: None, direction, planes }))
+            Ok((view?, TrueView { eye: None, layers: u64::MAX, direction, planes }))
         }
     }
 }
@@ -193,6 +208,26 @@ fn eye_of(matrix: Mat4) -> Option<DVec3> {
 }
 
 impl TrueView {
+    /// The view of the same camera at another eye, turned about that.
+    pub fn at(&self, eye: DVec3, turn: DQuat) -> Self {
+        let old = self.eye.unwrap_or(eye);
+        let moved = |&(n, h, cuts): &(DVec3, f64, bool)| {
+            let normal = turn * n;
+            (normal, n.dot(old) + h - normal.dot(eye), cuts)
+        };
+        Self { eye: Some(eye), planes: self.planes.iter().map(moved).collect(), ..*self }
+    }
+
+    /// The inward normals of the four sides of a camera's picture; fewer of other views.
+    pub fn sides(&self) -> impl Iterator<Item = DVec3> {
+        self.planes.iter().take(4).map(|p| p.0)
+    }
+
+    /// The direction of parallel rays.
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
     /// From a point towards the viewer (of length 1), and how far that is.
     pub fn towards(&self, p: DVec3) -> (DVec3, f64) {
         match self.eye {

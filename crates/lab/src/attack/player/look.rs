@@ -74,7 +74,7 @@ impl Player {
         let origin = self.origin();
         let world = &mut self.worlds[self.active];
         let (point, cell) = self.options[query];
-        let lasting = &mut self.lasting[query];
+        let (number, lasting) = (query, &mut self.lasting[query]);
         let (query, from) = &mut self.queries[query];
         let method = match method {
             Method::Point(_) => Method::Point(point),
@@ -102,7 +102,16 @@ impl Player {
         self.checks += 1;
         // Half of the looks are answered by a kept query, too.
         let lost_later = (seed & 1 == 0 && matches!(method, Method::Point(_)))
-            .then(|| lasting.run(&world.scene, &view))
+            .then(|| {
+                // Some answer from results that were made ready at an earlier look, for whatever scene that was.
+                if let Some((_, result)) = self.ready.take_if(|(of, _)| *of == number) {
+                    let _ = lasting.install(result, &world.scene);
+                }
+                if seed & 6 == 0 {
+                    self.ready = Some((number, lasting.prepare(&world.scene, &view).run()));
+                }
+                lasting.run(&world.scene, &view)
+            })
             .and_then(|pvs| {
                 self.checks += 1;
                 let mut dice = Dice::new(seed.into());
@@ -151,8 +160,12 @@ impl Player {
         for k in 0..self.kept.len() {
             self.ask_one(k, None, seed)?;
             let Some(eye) = self.kept[k].truth.eye else { continue };
-            let Ok(Some(other)) = self.view(eye.as_vec3() + nudge, toward, limits) else { continue };
-            self.ask_one(k, Some(other), seed)?;
+            let layers = self.kept[k].truth.layers;
+            let Ok(Some((view, mut truth))) = self.view(eye.as_vec3() + nudge, toward, limits) else {
+                continue;
+            };
+            truth.layers = layers;
+            self.ask_one(k, Some((view.with_layers(layers), truth)), seed)?;
         }
         Ok(())
     }

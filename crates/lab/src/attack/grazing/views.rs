@@ -1,0 +1,212 @@
+//! Views of one place, and views that stand for many: with a reach, a turn, both.
+
+use casca::{Method, PointOptions, Query, View};
+use glam::{DQuat, DVec3, Vec3};
+
+use super::super::dice::Dice;
+use super::super::ops::direction;
+use super::super::views::{Depth, Limits, TrueView, look_upright};
+use super::solid::Start;
+use super::stage::{Place, Stage, Witness};
+use super::walls::SHAPES;
+
+/// Objects of a scene.
+const OBJECTS: u32 = 400;
+/// Points that are asked for beside the objects.
+const POINTS: u32 = 4000;
+
+/// A camera, as the library takes it and as it is.
+pub struct Camera {
+    /// For the library.
+    pub view: View,
+    /// As it is.
+    pub truth: TrueView,
+    /// Its eye.
+    pub eye: DVec3,
+    /// Where it looks.
+    pub forward: Vec3,
+}
+
+/// What bounds a camera: nothing, or the sides of a picture.
+pub fn limits(stage: &mut Stage, around: bool) -> Limits {
+    let unit = stage.unit;
+    let dice = &mut stage.dice;
+    if around {
+        return Limits::Around;
+    }
+    Limits::Camera {
+        fov: dice.pick(&[1.0, 1.0, 1.5, 0.4, 2.2]),
+        aspect: dice.between(0.7, 1.8),
+        near: unit * dice.pick(&[0.01, 0.1]),
+        far: unit * 1000.0,
+        mirrored: dice.once_in(4),
+        depth: dice.pick(&[Depth::Usual, Depth::Reversed, Depth::Infinite, Depth::Gl]),
+        exact: !dice.once_in(5),
+    }
+}
+
+/// A camera; `None` if its matrix is too coarse for where it is.
+pub fn camera(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits, mask: u64) -> Option<Camera> {
+    let (view, truth) = look_upright(eye, forward, up, limits).ok()?;
+    let eye = truth.eye?;
+    Some(Camera { view: view.with_layers(mask), truth, eye, forward })
+}
+
+/// Point queries of all kinds, and their names.
+pub fn presets(dice: &mut Dice) -> Vec<(&'static str, Query)> {
+    let degrees = dice.pick(&[0.25, 0.5, 1.0, 90.0 / 128.0, 90.0 / 256.0, 3.0]);
+    let odd = PointOptions::new()
+        .pixel_degrees(degrees)
+        .refine_depth(dice.pick(&[6, 0, 12, 16]))
+        .refine_squares(dice.pick(&[256, 16, 2048]))
+        .min_pixels(dice.pick(&[128, 0, 300]));
+    let all =
+        [("fast", PointOptions::fast()), ("balanced", PointOptions::balanced()), ("other options", odd)];
+    let tight = dice.once_in(4).then_some(("tight", PointOptions::tight()));
+    all.into_iter()
+        .chain(tight)
+        .filter_map(|(name, options)| Some((name, Query::with_method(Method::Point(options)).ok()?)))
+        .collect()
+}
+
+/// A direction to which an eye goes: along an axis, a diagonal, or any.
+pub fn way(dice: &mut Dice) -> DVec3 {
+    match dice.below(4) {
+        0 => DVec3::AXES[dice.below(3) as usize] * dice.pick(&[1.0, -1.0]),
+        1 => DVec3::from_array(std::array::from_fn(|_| dice.pick(&[1.0, -1.0]))).normalize(),
+        _ => direction(dice).as_dvec3().normalize(),
+    }
+}
+
+/// A turn by an angle about any axis, or about one of the world.
+pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
+    DQuat::from_axis_angle(way(dice), angle)
+}
+
+/// The eye that is as far as may be from another, in a direction.
+pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
+    // Rounding may take it out by a little: some units in the last place are taken off, then more and more.
+    let shares = std::iter::once(1.0).chain((0..50).map(|i| 1.0 - 1e-16 * f64::from(1 << (i / 2)).powi(2)));
+    let places = shares.map(|share| eye + way * (reach * share));
+    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
+}
+
+/// Plays a scene with views of one place.
+pub fn play(mut stage: Stage, around: bool) -> Stage {
+    let eye = stage.eye();
+    let forward = direction(&mut stage.dice);
+    let limits = limits(&mut stage, around);
+    let mask = stage.mask();
+    let up = forward.any_orthonormal_vector();
+    let Some(base) = camera(eye, forward, up, &limits, mask) else { return stage };
+    let walls = 8 + stage.dice.below(24);
+    stage.build(walls, |d| around || d.dot(forward) > 0.2);
+    let reach = f64::from((stage.unit * 10f32.powf(stage.dice.between(-4.0, -0.4))).next_up());
+    let angle = 10f64.powf(-3.0 + 2.6 * stage.dice.real());
+    for number in 0..OBJECTS + POINTS {
+        aim(&mut stage, &base, base.eye, number, reach, angle, around);
+    }
+    stage.insert_targets();
+    let mut presets = presets(&mut stage.dice);
+    let first = |w: &Witness| w.place == Place::View(0);
+    for (name, query) in &mut presets {
+        let pvs = query.run(&stage.scene, &base.view).clone();
+        stage.check(name, mask, first, &pvs);
+        stage.ask("sight", mask, first, query);
+    }
+    let near = |w: &Witness| matches!(w.place, Place::View(0) | Place::Reach);
+    let here = |w: &Witness| matches!(w.place, Place::View(0) | Place::Turn);
+    let opened = [
+        (base.view.clone().with_reach(reach as f32), 0),
+        (base.view.clone().with_turn(angle as f32), 1),
+        (base.view.clone().with_reach(reach as f32).and_then(|v| v.with_turn(angle as f32)), 2),
+    ];
+    for (view, kind) in opened {
+        let Ok(view) = view else { continue };
+        if around && kind == 1 {
+            continue;
+        }
+        for (_, query) in &mut presets {
+            let pvs = query.run(&stage.scene, &view).clone();
+            let places = |w: &Witness| match kind {
+                0 => near(w),
+                1 => here(w),
+                _ => true,
+            };
+            stage.check(["reach", "turn", "reach and turn"][kind], mask, places, &pvs);
+            stage.ask("reach, sight", mask, places, query);
+        }
+    }
+    stage
+}
+
+/// Aims at one object, or later at one point, from one of the eyes and by one of the cameras that views stand for.
+fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, angle: f64, around: bool) {
+    let object = number < OBJECTS;
+    let place = match number % 5 {
+        0 | 1 => Place::View(0),
+        2 => Place::Reach,
+        _ if around => Place::Reach,
+        3 => Place::Turn,
+        _ => Place::Both,
+    };
+    let goes = matches!(place, Place::Reach | Place::Both);
+    let turns = matches!(place, Place::Turn | Place::Both);
+    let angle = f64::from(angle as f32) * (1.0 - 1e-9);
+    if !around && number % 7 == 0 {
+        aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
+        return;
+    }
+    let mut at = eye;
+    let mut past = None;
+    if goes {
+        // Mostly to where an eye sees most past an edge.
+        let found = if stage.dice.once_in(4) { None } else { stage.outermost(eye, reach) };
+        (at, past) = match found {
+            Some((at, past)) => (at, Some(past)),
+            None => (outermost(eye, way(&mut stage.dice), reach), None),
+        };
+    }
+    let turn = if turns { turned(&mut stage.dice, angle) } else { DQuat::IDENTITY };
+    let truth = base.truth.at(at, turn);
+    let seen = |p: DVec3| around || truth.sight(p).is_some();
+    let start = Start::Eye(at);
+    if let Some(past) = past
+        && stage.aim_past(start, place, past, object, &seen)
+    {
+        return;
+    }
+    if object { stage.aim(start, place, seen) } else { stage.aim_point(start, place, seen) }
+}
+
+/// Aims at an object closely inside a side or a corner of a camera's picture, which went and turned as far out as it may.
+fn aside(stage: &mut Stage, base: &Camera, place: Place, (reach, angle): (f64, f64), object: bool) {
+    let dice = &mut stage.dice;
+    let sides: Vec<DVec3> = base.truth.sides().collect();
+    let side = sides[dice.below(sides.len() as u32) as usize];
+    let next = sides[dice.below(sides.len() as u32) as usize];
+    let ahead = base.forward.as_dvec3().normalize();
+    let along = side.cross(next).normalize_or_zero();
+    let along = along * along.dot(ahead).signum();
+    // A corner, or the middle of the side.
+    let inwards = (ahead - side * side.dot(ahead)).normalize();
+    let border = if along.length() > 0.5 { along } else { inwards };
+    // The view is opened by tilting the side until it keeps off its corners; the normal of that:
+    let sine = angle.sin() / inwards.dot(border);
+    let normal = side * (1.0 - sine * sine).max(0.0).sqrt() + inwards * sine.min(1.0);
+    let out = (border - normal * normal.dot(border)).normalize_or(border);
+    let turn = DQuat::from_rotation_arc(border, out);
+    let turn = if angle > 0.0 { turn } else { DQuat::IDENTITY };
+    let gap = 10f64.powf(-7.0 + 5.0 * dice.real());
+    let inner = (turn * (border + (ahead - border) * gap)).normalize();
+    let at = outermost(base.eye, -normal, reach);
+    let truth = base.truth.at(at, turn);
+    let seen = |p: DVec3| truth.sight(p).is_some();
+    let far = f64::from(stage.unit) * 10f64.powf(0.5 + stage.dice.real());
+    let point = super::stage::rounded(at + inner * far, normal);
+    // A corner where the side cannot be tilted so far is farther away.
+    let turned = 2.0 * turn.xyz().length().atan2(turn.w.abs());
+    if turned <= angle * (1.0 + 5e-10) && seen(point) {
+        stage.aim_at(Start::Eye(at), place, (point, normal, SHAPES.len() - 1), object, &seen);
+    }
+}
