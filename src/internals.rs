@@ -64,9 +64,8 @@ pub trait SceneInternals {
 /// The opaque cells of all masks of layers.
 fn of_all_layers(scene: &Scene, cells: impl Fn(&LayerOpacity) -> &OpacityMatrix) -> Cow<'_, OpacityMatrix> {
     let mut parts = scene.opacity(u64::MAX).map(cells);
-    let mut all = parts
-        .next()
-        .map_or_else(|| Cow::Owned(OpacityMatrix::new(scene.grid().dims())), |first| Cow::Borrowed(first));
+    let mut all =
+        parts.next().map_or_else(|| Cow::Owned(OpacityMatrix::new(scene.grid().dims())), Cow::Borrowed);
     for part in parts {
         part.iter().for_each(|cell| all.to_mut().set(cell));
     }

@@ -10,19 +10,13 @@ use crate::scene::Scene;
 use crate::view::View;
 
 /// Buffers of a view with more occluders than its query drew.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Overlay {
     scratch: PointScratch,
     marks: Marks,
     /// Stays empty.
     pvs: Pvs,
     drawn: u32,
-}
-
-impl Default for Overlay {
-    fn default() -> Self {
-        Self { scratch: PointScratch::default(), marks: Marks::default(), pvs: Pvs::empty(), drawn: 0 }
-    }
 }
 
 impl Overlay {

@@ -62,6 +62,6 @@ pub fn mend(file: &mut Vec<u8>) {
     let end =
         file.windows(4).position(|w| w == b"BIN\0").filter(|&end| file.starts_with(b"glTF") && end >= 24);
     if let Some(end) = end {
-        *file = glb(&file[20..end - 4].to_vec(), &file[end + 4..].to_vec());
+        *file = glb(&file[20..end - 4], &file[end + 4..]);
     }
 }

@@ -29,8 +29,8 @@ pub fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<Lost>) {
     let stage = |layered, moving| Stage::new(seed, meshes, layered, moving);
     let layered = seed / 16 % 4 == 3;
     let mut stage = match seed % 16 {
-        0..=5 => views::play(stage(layered, false), seed % 2 == 0),
-        6..=10 => stream::play(stage(layered, seed % 2 == 0), seed % 3 == 0),
+        0..=5 => views::play(stage(layered, false), seed.is_multiple_of(2)),
+        6..=10 => stream::play(stage(layered, seed.is_multiple_of(2)), seed.is_multiple_of(3)),
         11 | 12 => parallel::play(stage(layered, false)),
         13 => cells::play(stage(layered, false)),
         _ => casters::play(stage(layered, false)),

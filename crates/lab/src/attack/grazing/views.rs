@@ -153,7 +153,7 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     let goes = matches!(place, Place::Reach | Place::Both);
     let turns = matches!(place, Place::Turn | Place::Both);
     let angle = f64::from(angle as f32) * (1.0 - 1e-9);
-    if !around && number % 7 == 0 {
+    if !around && number.is_multiple_of(7) {
         aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
         return;
     }

@@ -40,11 +40,14 @@ pub struct Wall {
     pub text: String,
 }
 
+/// The corners and triangles of a mesh, and the mesh itself.
+type Large = (Vec<Vec3>, Vec<[u32; 3]>, Arc<TriMesh>);
+
 /// Meshes that are prepared once.
 pub struct Meshes {
     shelf: Shelf,
     /// Larger ones: a ball, and a curved sheet.
-    large: Vec<(Vec<Vec3>, Vec<[u32; 3]>, Arc<TriMesh>)>,
+    large: Vec<Large>,
     /// A triangle, for targets.
     pub speck: Arc<TriMesh>,
 }
