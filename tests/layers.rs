@@ -244,7 +244,7 @@ fn many_masks_lose_nothing_and_hide_by_buffers() {
 fn one_layer_for_all_changes_no_set() {
     let options = SceneOptions { seed: 5, frames: 12, ..Default::default() };
     for (kind, scale) in [(SceneKind::City, 0.5), (SceneKind::Rooms, 1.0), (SceneKind::Rocks, 0.5)] {
-        let mut world = build(kind, &SceneOptions { scale, ..options.clone() });
+        let mut world = build(kind, &SceneOptions { scale, ..options });
         let grid = grid_for(&world.grid, None).unwrap();
         let [mut plain, mut layered] = std::array::from_fn(|_| Driver::new(&world, &grid, |_| ()).unwrap());
         for object in 0..world.objects.len() {
