@@ -171,6 +171,11 @@ fn some_scene(random: &mut Random, size: u32) -> Scene {
         };
         scene.insert(if i % 11 == 7 { desc.layers(2) } else { desc }).unwrap();
     }
+    // A thin sheet far beyond the grid, and something beyond it.
+    let height = random.next() * size as f32;
+    let (min, max) = (Vec3::new(-1e30, height, -1e6), Vec3::new(1e30, height + 0.2, 1e6));
+    scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
+    scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(size as f32 + 3.0), 1.0))).unwrap();
     scene
 }
 

@@ -1,6 +1,7 @@
 //! The cell method: the objects that can be seen from anywhere in the viewer's cell.
 
 mod bands;
+mod ending;
 mod everything;
 pub(crate) mod masks;
 mod objects;
