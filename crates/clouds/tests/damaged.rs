@@ -179,5 +179,5 @@ fn the_length_of_xml_is_checked_against_the_file() {
     let mut file = files::e57(40, true);
     file[32..40].copy_from_slice(&(50_u64 << 20).to_le_bytes());
     files::mend(&mut file);
-    refused(&file, "52428800 bytes of XML");
+    refused(&file, "promises 52428800 bytes of XML");
 }
