@@ -3,7 +3,8 @@
 // Each test and the fuzz target use a part of it.
 #![allow(dead_code)]
 
-/// A triangle that moves with its node, a strip of sparse positions, instances, a camera and a light.
+/// A triangle that moves with its node, a strip of sparse positions, instances, a camera and a
+/// light.
 const JSON: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
     "extensionsUsed":["EXT_mesh_gpu_instancing","KHR_lights_punctual"],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}},
@@ -62,6 +63,6 @@ pub fn mend(file: &mut Vec<u8>) {
     let end =
         file.windows(4).position(|w| w == b"BIN\0").filter(|&end| file.starts_with(b"glTF") && end >= 24);
     if let Some(end) = end {
-        *file = glb(&file[20..end - 4].to_vec(), &file[end + 4..].to_vec());
+        *file = glb(&file[20..end - 4], &file[end + 4..]);
     }
 }

@@ -113,7 +113,8 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
     let opaque: Vec<_> = (0..4)
         .map(|i| {
             let text = format!(
-                "<tileset><tile id=\"{i}\"><properties><property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile></tileset>"
+                "<tileset><tile id=\"{i}\"><properties>\
+                 <property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile></tileset>"
             );
             let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
             xml.root("tileset").unwrap();
