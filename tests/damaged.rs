@@ -1,4 +1,5 @@
-//! Damaged files of prepared meshes give errors, and cost memory and time in proportion to their bytes.
+//! Damaged files of prepared meshes give errors, and cost memory and time in proportion to their
+//! bytes.
 
 use casca::TriMesh;
 use peak_alloc::PeakAlloc;
@@ -20,7 +21,7 @@ fn damaged_meshes_are_read_or_refused() {
         assert_eq!(&mended, file);
     }
     let mut taken = 0;
-    damage::survive(&HEAP, "meshes", &files, 6000, &meshes::mend, &mut |bytes| {
+    damage::survive(&HEAP, "meshes", &files, 6000, &|file| meshes::mend(file), &mut |bytes| {
         let mut rest = bytes;
         taken += usize::from(TriMesh::read(&mut rest).is_ok());
     });

@@ -1,8 +1,10 @@
-//! Gives damaged files to every reader of files that others write: they are read or refused, without a panic and without more memory
-//! than the readers may have. The allocator counts what is asked for, touched or not.
+//! Gives damaged files to every reader of files that others write: they are read or refused,
+//! without a panic and without more memory than the readers may have. The allocator counts what is
+//! asked for, touched or not.
 //!
-//! The first byte chooses the reader; its upper bit says that the rest are damages to a valid file, and not a file. With `CASCA_SEEDS` the
-//! valid files are written to the folder of that name, for a corpus.
+//! The first byte chooses the reader; its upper bit says that the rest are damages to a valid file,
+//! and not a file. With `CASCA_SEEDS` the valid files are written to the folder of that name, for a
+//! corpus.
 #![no_main]
 
 use std::io::Cursor;
@@ -34,7 +36,8 @@ mod scenes;
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// What the last panic said. The fuzzer ends at any panic, but those of libraries that a reader catches are errors.
+/// What the last panic said. The fuzzer ends at any panic, but those of libraries that a reader
+/// catches are errors.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
 /// A format: valid files, what sets their checksums right, and the reader.
@@ -56,7 +59,7 @@ static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         kind("maps", maps::all(), |_| (), Box::new(|bytes| map(bytes, maps::TILESET.as_bytes()))),
         kind("tilesets", vec![maps::TILESET.into()], |_| (), Box::new(|bytes| map(&maps::all()[0], bytes))),
         kind("scenes", scenes::all(), scenes::mend, Box::new(scene)),
-        kind("meshes", meshes::all(), meshes::mend, Box::new(mesh)),
+        kind("meshes", meshes::all(), |file| meshes::mend(file), Box::new(mesh)),
     ];
     for format in lines::FORMATS {
         let files = lines::all().into_iter().filter(|(other, _)| *other == format).map(|(_, file)| file);

@@ -36,8 +36,7 @@ pub fn all() -> Vec<Vec<u8>> {
 }
 
 /// Sets length and checksum right.
-#[allow(clippy::ptr_arg, reason = "all formats are mended by functions of one type")]
-pub fn mend(file: &mut Vec<u8>) {
+pub fn mend(file: &mut [u8]) {
     if file.len() < HEADER + CHECKSUM {
         return;
     }

@@ -1,6 +1,7 @@
 //! Files that were damaged, made from valid ones; and the limits that readers must keep on them.
 //!
-//! The crates that read files include this in a test of their own, for an allocator counts all of a process.
+//! The crates that read files include this in a test of their own, for an allocator counts all of a
+//! process.
 
 // Each test and the fuzz target use a part of it.
 #![allow(dead_code)]
@@ -67,7 +68,8 @@ fn below(end: usize, next: &mut dyn FnMut() -> u64) -> usize {
     (next() % end.max(1) as u64) as usize
 }
 
-/// A file with one to four damages. `next` decides which; `others` are files that parts are taken from.
+/// A file with one to four damages. `next` decides which; `others` are files that parts are taken
+/// from.
 pub fn damaged(whole: &[u8], others: &[Vec<u8>], next: &mut dyn FnMut() -> u64) -> Vec<u8> {
     let mut file = whole.to_vec();
     for _ in 0..=below(4, next) {
@@ -137,7 +139,8 @@ impl Drop for Case<'_> {
     }
 }
 
-/// Reads one file, and fails if that takes too much memory or time. Memory that was in use before does not count.
+/// Reads one file, and fails if that takes too much memory or time. Memory that was in use before
+/// does not count.
 pub fn check(heap: &PeakAlloc, name: &str, file: &[u8], read: &mut dyn FnMut(&[u8])) {
     heap.reset_peak_usage();
     let (before, start) = (heap.current_usage(), Instant::now());
@@ -147,8 +150,8 @@ pub fn check(heap: &PeakAlloc, name: &str, file: &[u8], read: &mut dyn FnMut(&[u
     assert!(time <= MOST_TIME, "{name}: {time:?} for a file of {} bytes", file.len());
 }
 
-/// Reads files as they are and damaged ones. `mend` sets checksums and lengths right in half of the damaged ones.
-/// `CASCA_CASES` multiplies their number, `CASCA_SEED` gives others.
+/// Reads files as they are and damaged ones. `mend` sets checksums and lengths right in half of the
+/// damaged ones. `CASCA_CASES` multiplies their number, `CASCA_SEED` gives others.
 pub fn survive(
     heap: &PeakAlloc,
     name: &str,

@@ -77,7 +77,8 @@ fn sizes_of_layers_are_checked_against_the_file() {
     assert_eq!(parse(&whole), Ok(40));
     let chunk = number(&whole, 96) + 8;
     let record = usize::from(u16::from_le_bytes([whole[105], whole[106]]));
-    // Behind the first point and the number of points come the sizes of nine layers, one of colours and three of bytes.
+    // Behind the first point and the number of points come the sizes of nine layers, one of colours
+    // and three of bytes.
     for layer in 0..13 {
         for size in [0xffff_ffff_u32, 0x7fff_ffff, whole.len() as u32] {
             let mut file = whole.clone();
@@ -179,5 +180,5 @@ fn the_length_of_xml_is_checked_against_the_file() {
     let mut file = files::e57(40, true);
     file[32..40].copy_from_slice(&(50_u64 << 20).to_le_bytes());
     files::mend(&mut file);
-    refused(&file, "52428800 bytes of XML");
+    refused(&file, "promises 52428800 bytes of XML");
 }

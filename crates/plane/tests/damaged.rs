@@ -1,4 +1,5 @@
-//! Damaged and hostile maps of Tiled give errors, and cost memory and time in proportion to their bytes.
+//! Damaged and hostile maps of Tiled give errors, and cost memory and time in proportion to their
+//! bytes.
 #![cfg(feature = "tiled")]
 
 use std::io::Write;

@@ -1,4 +1,5 @@
-//! The layers of compressed points (LAS 1.4, formats 6 to 10), whose lengths are checked before `laz` reserves memory for them.
+//! The layers of compressed points (LAS 1.4, formats 6 to 10), whose lengths are checked before
+//! `laz` reserves memory for them.
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
@@ -12,7 +13,8 @@ enum Part {
     Lengths(Vec<u8>),
 }
 
-/// The source of a decoder. Each chunk is a point, the number of points, the length of each layer (u32), and the layers.
+/// The source of a decoder. Each chunk is a point, the number of points, the length of each layer
+/// (u32), and the layers.
 pub(super) struct Layers<S> {
     source: S,
     /// Bytes of a point; layers of a chunk, none where points are not in layers.

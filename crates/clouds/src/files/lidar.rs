@@ -1,4 +1,5 @@
-//! LAS and LAZ, by the crates `las` and `laz`. Sizes in a file are checked before these reserve memory for them.
+//! LAS and LAZ, by the crates `las` and `laz`. Sizes in a file are checked before these reserve
+//! memory for them.
 
 use std::io::{BufRead, Seek, SeekFrom};
 
@@ -52,7 +53,8 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
 
 /// The header and the records before the points; the source is then at the points.
 ///
-/// Not by [`Header::new`]: that reads the records behind the points too, and believes their lengths.
+/// Not by [`Header::new`]: that reads the records behind the points too, and believes their
+/// lengths.
 fn header(source: &mut impl Source) -> Result<Header, String> {
     let raw = raw::Header::read_from(&mut *source).map_err(|e| e.to_string())?;
     let points = u64::from(raw.offset_to_point_data);
@@ -113,7 +115,8 @@ impl<S: Source> Points<S> {
     }
 }
 
-/// Checks that the parts of compressed points make up a record: the decoder takes memory for each part.
+/// Checks that the parts of compressed points make up a record: the decoder takes memory for each
+/// part.
 fn check_items(vlr: &LazVlr, record: u64) -> Result<(), String> {
     let items = vlr.items();
     let size: u64 = items.iter().map(|item| u64::from(item.size())).sum();
@@ -141,7 +144,8 @@ fn check_items(vlr: &LazVlr, record: u64) -> Result<(), String> {
     }
 }
 
-/// Checks the number of compressed chunks, which `laz` reserves memory for: each has at least a point. Gives the length of the file.
+/// Checks the number of compressed chunks, which `laz` reserves memory for: each has at least a
+/// point. Gives the length of the file.
 ///
 /// Compressed points begin with the offset of the table of chunks, or -1 and the file ends with it.
 fn check_chunks(source: &mut (impl BufRead + Seek)) -> std::io::Result<u64> {

@@ -84,7 +84,8 @@ pub fn read_source<E: From<FileError>>(
     Ok(sink.skipped)
 }
 
-/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error: nothing of the library is used after it.
+/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error:
+/// nothing of the library is used after it.
 fn guarded<T, E: ToString>(call: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
     match panic::catch_unwind(AssertUnwindSafe(call)) {
         Ok(result) => result.map_err(|e| e.to_string()),

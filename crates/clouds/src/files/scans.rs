@@ -10,9 +10,11 @@ use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 
 /// Attributes of a point, at most: the standard has 20, and extensions add some.
 const MOST_ATTRIBUTES: usize = 64;
-/// Bits of a point, at least: an attribute without bits costs 16 bytes of memory a point, a point 150.
+/// Bits of a point, at least: an attribute without bits costs 16 bytes of memory a point, a point
+/// 150.
 const LEAST_BITS: u64 = 8;
-/// Declarations of namespaces, and attributes of an element, at most: the parser of XML compares each with all others.
+/// Declarations of namespaces, and attributes of an element, at most: the parser of XML compares
+/// each with all others.
 const MOST_NAMES: usize = 256;
 
 /// Reads all scans of a file, each moved by its pose.
@@ -41,7 +43,8 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
     Ok(())
 }
 
-/// Checks the XML: its length, which stands at byte 32, and how many names there are to compare. Gives the length of the file.
+/// Checks the XML: its length, which stands at byte 32, and how many names there are to compare.
+/// Gives the length of the file.
 fn check_xml(source: &mut impl Source) -> Result<u64, String> {
     let length = source.seek(SeekFrom::End(0)).map_err(|e| e.to_string())?;
     let mut bytes = [0; 8];
@@ -53,7 +56,8 @@ fn check_xml(source: &mut impl Source) -> Result<u64, String> {
     }
     let xml = E57Reader::raw_xml(&mut *source).map_err(|e| e.to_string())?;
     let spaces = xml.windows(5).filter(|w| w == b"xmlns").count();
-    // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are not.
+    // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are
+    // not.
     let is_text = |part: &[u8]| part.starts_with(b"![CDATA[") || part.starts_with(b"!--");
     let parts = xml.split(|&b| b == b'<').filter(|part| !is_text(part));
     let attributes = parts.map(|part| part.iter().filter(|&&b| b == b'=').count()).max().unwrap_or(0);

@@ -55,7 +55,8 @@ fn ply_with_lists(little: bool) -> Vec<u8> {
     bytes
 }
 
-/// The helix in a format of points, written by the crate `las`. From format 6 on, compressed points lie in layers.
+/// The helix in a format of points, written by the crate `las`. From format 6 on, compressed points
+/// lie in layers.
 pub fn las(count: usize, format: u8, extra_bytes: u16, compressed: bool) -> Vec<u8> {
     let cloud = helix(count);
     let mut builder = las::Builder::from((1, 4));
@@ -86,7 +87,8 @@ pub fn las(count: usize, format: u8, extra_bytes: u16, compressed: bool) -> Vec<
     writer.into_inner().expect("a closed writer").into_inner()
 }
 
-/// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute of no bits.
+/// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute
+/// of no bits.
 pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
     use e57::{Record, RecordDataType, RecordName, RecordValue};
     let mut bytes = Cursor::new(Vec::new());

@@ -53,7 +53,8 @@ fn decoded(rest: &str) -> Result<Vec<u8>, String> {
     STANDARD.decode(data).map_err(|e| format!("its data URI is not sound base64: {e}"))
 }
 
-/// The bytes of the file at a relative URI; no more than the `most` that a buffer needs, for it may have no end.
+/// The bytes of the file at a relative URI; no more than the `most` that a buffer needs, for it may
+/// have no end.
 fn beside(folder: Option<&Path>, uri: &str, most: usize, known: &mut Known) -> Result<Rc<Vec<u8>>, String> {
     let fail = |why: &str| format!("{uri}: {why}");
     let start = uri.split(['/', '?', '#']).next().unwrap_or("");

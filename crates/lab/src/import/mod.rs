@@ -23,8 +23,9 @@
 //! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs.
 //!   Accessors may be sparse.
 //!
-//! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may have none, but a file that unfolds to
-//! more than four elements a byte and a million more is refused. Nodes may be nested in any depth.
+//! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may
+//! have none, but a file that unfolds to more than four elements a byte of its buffers and a million
+//! more is refused. Nodes may be nested in any depth.
 
 mod accessors;
 mod buffers;

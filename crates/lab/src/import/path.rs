@@ -83,7 +83,8 @@ pub(super) struct Moving {
 #[derive(Debug)]
 pub(super) struct FilePath {
     nodes: Nodes,
-    /// The nodes that something moves with, and those that they hang from: before a node its parent, whose place in this list it has.
+    /// The nodes that something moves with, and those that they hang from: before a node its parent,
+    /// whose place in this list it has.
     links: Vec<(usize, Option<usize>)>,
     /// By moving object: the place of its node in that list.
     link_of: Vec<usize>,

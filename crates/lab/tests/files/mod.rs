@@ -3,7 +3,8 @@
 // Each test and the fuzz target use a part of it.
 #![allow(dead_code)]
 
-/// A triangle that moves with its node, a strip of sparse positions, instances, a camera and a light.
+/// A triangle that moves with its node, a strip of sparse positions, instances, a camera and a
+/// light.
 const JSON: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
     "extensionsUsed":["EXT_mesh_gpu_instancing","KHR_lights_punctual"],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}},

@@ -84,7 +84,8 @@ fn csv(text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
     if read < count { Err(too_few(read, count)) } else { Ok(()) }
 }
 
-/// Ids in 32 bits, little-endian. Bytes are decompressed a buffer at a time, and none behind the last tile.
+/// Ids in 32 bits, little-endian. Bytes are decompressed a buffer at a time, and none behind the
+/// last tile.
 fn binary(mut bytes: impl Read, count: u64, take: Take<'_>) -> Result<(), String> {
     let mut buffer = [0; 4096];
     let mut read = 0;

@@ -37,8 +37,8 @@ pub enum TmxError {
         /// The rows of the map.
         height: u32,
     },
-    /// A file is no XML, lacks something, or its contents do not fit together; a layer has fewer tiles than its dimensions say, for
-    /// example.
+    /// A file is no XML, lacks something, or its contents do not fit together; a layer has fewer
+    /// tiles than its dimensions say, for example.
     #[error("{file}, line {line}: {why}")]
     Damaged {
         /// "the map", or the path of a tileset as the map has it.

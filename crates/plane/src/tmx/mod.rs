@@ -1,7 +1,9 @@
-//! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block sight.
+//! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block
+//! sight.
 //!
-//! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers of tiles, also those in groups.
-//! Memory is reserved in proportion to the bytes of the files and the bits of the result, whatever the files promise.
+//! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
+//! of tiles, also those in groups. Memory is reserved in proportion to the bytes of the files and
+//! the bits of the result, whatever the files promise.
 
 mod data;
 mod error;
@@ -39,7 +41,8 @@ const LONGEST_SIDE: u32 = 1 << 20;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TmxImport {
-    /// Tiles whose tileset gives them a property of this name block, if it is `true`; at first `opaque`.
+    /// Tiles whose tileset gives them a property of this name block, if it is `true`; at first
+    /// `opaque`.
     pub property: String,
     /// All tiles in layers of this name block; at first `walls`.
     pub layer: String,
@@ -52,14 +55,15 @@ impl Default for TmxImport {
 }
 
 impl TmxImport {
-    /// The tiles of a file that block sight, column and row as in the editor. Tilesets in files of their own are looked for from the
-    /// folder of the map.
+    /// The tiles of a file that block sight, column and row as in the editor. Tilesets in files of
+    /// their own are looked for from the folder of the map.
     ///
-    /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The cost is linear in the bytes of the
-    /// files and the number of tiles.
+    /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The
+    /// cost is linear in the bytes of the files and the number of tiles.
     ///
     /// # Errors
-    /// A file that is missing or damaged, an infinite map, one of hexagons, one whose tiles are stored in another way.
+    /// A file that is missing or damaged, an infinite map, one of hexagons, one whose tiles are
+    /// stored in another way.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<BitGrid, TmxError> {
         let path = path.as_ref();
         let map = file(path).map_err(|why| TmxError::File { file: path.display().to_string(), why })?;
@@ -67,8 +71,8 @@ impl TmxImport {
         self.parse(&map, |source| file(&folder.join(source)))
     }
 
-    /// As [`Self::read`], from the bytes of a map. `tileset` gives the bytes of a tileset in a file of its own, by the path that the map
-    /// has for it; it is called once for each path.
+    /// As [`Self::read`], from the bytes of a map. `tileset` gives the bytes of a tileset in a file
+    /// of its own, by the path that the map has for it; it is called once for each path.
     ///
     /// # Errors
     /// As [`Self::read`]; those of `tileset` become [`TmxError::File`].

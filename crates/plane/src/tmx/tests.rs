@@ -107,6 +107,33 @@ fn errors_name_the_file_the_line_and_the_cause() {
     assert!(why.contains("t.tsx, line 2: the element tile has no attribute id"), "{why}");
 }
 
+#[test]
+fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
+    // Tiles of a tileset that block: the one with the number of the tileset.
+    let opaque: Vec<_> = (0..4)
+        .map(|i| {
+            let text = format!(
+                "<tileset><tile id=\"{i}\"><properties>\
+                 <property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile></tileset>"
+            );
+            let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
+            xml.root("tileset").unwrap();
+            Rc::new(Opaque::read(&mut xml, "opaque").unwrap())
+        })
+        .collect();
+    for order in 0..256_u32 {
+        let firsts = [0, 2, 4, 6].map(|shift| 1 + 2 * (order >> shift & 3));
+        let mut tilesets = Tilesets::default();
+        firsts.into_iter().zip(&opaque).for_each(|(first, tiles)| tilesets.push(first, tiles.clone()));
+        for id in 0..12 {
+            let last = (0_u32..).zip(firsts).filter(|&(_, first)| first <= id && id > 0).last();
+            assert_eq!(tilesets.blocks(id, true), last.is_some(), "{firsts:?} {id}");
+            let says_so = last.is_some_and(|(number, first)| id - first == number);
+            assert_eq!(tilesets.blocks(id | 0x6000_0000, false), says_so, "{firsts:?} {id}");
+        }
+    }
+}
+
 /// The files of the tests for the crate `tiled`.
 struct Files(Vec<u8>);
 

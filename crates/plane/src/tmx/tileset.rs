@@ -11,8 +11,8 @@ use super::xml::{Element, Xml};
 pub(super) struct Opaque(BTreeSet<u32>);
 
 impl Opaque {
-    /// Reads a tileset, from behind its start. The number of tiles that it promises does not matter: those without properties are not
-    /// listed in a file.
+    /// Reads a tileset, from behind its start. The number of tiles that it promises does not
+    /// matter: those without properties are not listed in a file.
     pub fn read(xml: &mut Xml<'_>, property: &str) -> Result<Self, TmxError> {
         let mut tiles = BTreeSet::new();
         while let Some(child) = xml.child()? {
@@ -76,7 +76,8 @@ impl Tilesets {
         self.all.push((first, tiles));
     }
 
-    /// Whether a tile blocks, of a layer of which `all` do or those that say so. The upper three bits of an id turn the tile.
+    /// Whether a tile blocks, of a layer of which `all` do or those that say so. The upper three
+    /// bits of an id turn the tile.
     pub fn blocks(&self, id: u32, all: bool) -> bool {
         let id = id & 0x1fff_ffff;
         let after = self.all.partition_point(|(first, _)| *first <= id);

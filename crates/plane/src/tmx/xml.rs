@@ -1,4 +1,5 @@
-//! The elements of a file, one after the other. Nothing recurses: elements may be nested in any depth.
+//! The elements of a file, one after the other. Nothing recurses: elements may be nested in any
+//! depth.
 
 use std::borrow::Cow;
 
@@ -53,7 +54,8 @@ impl<'a> Xml<'a> {
         }
     }
 
-    /// The next element in the one whose start was read last; `None` at its end, which is then read.
+    /// The next element in the one whose start was read last; `None` at its end, which is then
+    /// read.
     pub fn child(&mut self) -> Result<Option<Element<'a>>, TmxError> {
         loop {
             match self.next()? {

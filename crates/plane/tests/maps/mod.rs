@@ -15,7 +15,8 @@ pub const TILESET: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<tileset 
     tilecount=\"4\" columns=\"2\">\n <image source=\"t.png\" width=\"32\" height=\"32\"/>\n <tile id=\"1\"><properties>\
     <property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile>\n</tileset>\n";
 
-/// The tiles of each layer: 4 by 3. Those from 5 on are of the tileset in a file of its own; the last is turned.
+/// The tiles of each layer: 4 by 3. Those from 5 on are of the tileset in a file of its own; the
+/// last is turned.
 pub const TILES: [u32; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 2, 6, 0x8000_0006];
 
 /// A map of two layers, of which one is in a group, with the attributes of their data and the data.
