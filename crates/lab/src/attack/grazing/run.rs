@@ -31,8 +31,8 @@ pub fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<Lost>) {
     let mut stage = match seed % 16 {
         0..=5 => views::play(stage(layered, false), seed % 2 == 0),
         6..=10 => stream::play(stage(layered, seed % 2 == 0), seed % 3 == 0),
-        11 | 12 => parallel::play(stage(layered, false)),
-        13 => cells::play(stage(layered, false)),
+        11 => parallel::play(stage(layered, false)),
+        12 | 13 => cells::play(stage(layered, false)),
         _ => casters::play(stage(layered, false)),
     };
     (std::mem::take(&mut stage.tally), std::mem::take(&mut stage.lost))
