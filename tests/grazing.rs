@@ -20,7 +20,8 @@ fn what_is_seen_past_an_edge_is_found() {
     for shape in SHAPES {
         assert!(tally.shape(shape).seen > 100, "{shape}: {tally}");
     }
-    for way in ["fast", "balanced", "reach", "turn", "coherent", "parallel", "cell", "casters"] {
+    for way in ["fast", "balanced", "reach", "turn", "coherent", "kept, held", "parallel", "cell", "casters"]
+    {
         let count = tally.way(way);
         // So few points make one scene of view cells, in which nothing may be hidden.
         let culls = count.culled > 10 || ["turn", "cell"].contains(&way);

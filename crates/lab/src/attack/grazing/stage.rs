@@ -1,21 +1,23 @@
 //! A scene with occluders, tiny objects that are seen closely past them, and what is known about each.
 
-use casca::{Aabb, Bounds, CameraQuery, GridSpec, Instance, Obb, ObjectDesc, ObjectId, Pvs, Scene, Sphere};
-use glam::{Affine3A, DVec3, UVec3, Vec3};
+mod aim;
+mod judge;
+
+use casca::{Bounds, GridSpec, ObjectDesc, ObjectId, Scene};
+use glam::{DVec3, UVec3, Vec3};
 
 use super::super::dice::Dice;
-use super::super::ops::{direction, turn};
-use super::solid::{Answer, Solid, Start};
-use super::tally::{Count, Lost, Tally};
-use super::views::outermost;
-use super::walls::{Meshes, SHAPES, Wall, thick};
+use super::super::ops::direction;
+use super::solid::{Answer, Start};
+use super::tally::{Lost, Tally};
+use super::walls::{Meshes, Wall, thick};
+
+pub use aim::rounded;
 
 /// Occluders of a scene, at most: each has a bit.
 const MOST_WALLS: usize = 60;
 /// Cells along each side of the grid.
 const CELLS: u32 = 64;
-/// Aims that no point in single precision is found for are given up after so many tries.
-const TRIES: u32 = 6;
 
 /// A place closely past an outline, the direction away from it, and the index of the shape.
 pub type Graze = (DVec3, DVec3, usize);
@@ -55,7 +57,7 @@ pub struct Witness {
     pub start: Start,
     /// What that place is.
     pub place: Place,
-    /// Index in [`SHAPES`] of the shape that it grazes.
+    /// Index in [`SHAPES`](super::walls::SHAPES) of the shape that it grazes.
     pub shape: usize,
     /// A bit for each wall that cuts the ray.
     cut: u64,
@@ -106,9 +108,6 @@ pub struct Stage<'a> {
     /// What was lost.
     pub lost: Vec<Lost>,
 }
-
-/// Losses of one scene that are told.
-const MOST_LOST: usize = 4;
 
 impl<'a> Stage<'a> {
     /// A scene without objects.
@@ -198,7 +197,11 @@ impl<'a> Stage<'a> {
             center = Self::snap(step, center);
         }
         let walls = if on_cells {
-            thick(dice, self.meshes, center, size.max(self.cell * 2.0), self.cell)
+            // Beside the cell of the eye, and some cells thick, so that cells hide.
+            let (far, size) = (dice.between(5.5, 16.0), dice.between(1.0, 2.5));
+            let center = self.middle + ahead * far * self.cell;
+            let min = self.scene.grid().min().as_vec3();
+            thick(dice, self.meshes, center, size * self.cell, self.cell, min)
         } else {
             Wall::some(dice, self.meshes, center, size, |p| Self::snap(step, p))
         };
@@ -265,282 +268,10 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// A place closely past the outline of a wall, as seen from a start, the direction away from it, and the wall's shape.
-    pub fn graze(&mut self, start: &Start) -> Option<Graze> {
-        let (point, out, shape) = self.rim(|solid, dice| solid.rim(start, dice))?;
-        Some((point + out * self.gap(start, point), out, shape))
-    }
-
-    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely past that edge as
-    /// [`Stage::graze`] tells it.
-    pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<(DVec3, Graze)> {
-        let (point, out, shape) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
-        let at = outermost(eye, out, reach);
-        Some((at, (point + out * self.gap(&Start::Eye(at), point), out, shape)))
-    }
-
-    fn rim(
-        &mut self,
-        find: impl Fn(&Solid, &mut Dice) -> Option<(DVec3, DVec3)>,
-    ) -> Option<(DVec3, DVec3, usize)> {
-        if self.walls.is_empty() {
-            return None;
-        }
-        let wall = &self.walls[self.dice.below(self.walls.len() as u32) as usize].wall;
-        let (point, out) = find(&wall.solid, &mut self.dice)?;
-        Some((point, out, wall.shape))
-    }
-
-    /// How far past an edge a ray goes.
-    fn gap(&mut self, start: &Start, point: DVec3) -> f64 {
-        let dice = &mut self.dice;
-        let unit = match dice.below(3) {
-            0 => 1.0,
-            1 => start.toward(point).length().min(f64::from(self.unit) * 100.0),
-            _ => f64::from(self.unit),
-        };
-        // Where coordinates are small, far smaller gaps are told apart.
-        let least = if self.step > 0.0 { -11.0 } else { -7.0 };
-        unit * 10f64.powf(least + (-2.0 - least) * dice.real())
-    }
-
-    /// A point behind a place, as seen from a start, rounded away from what it passes.
-    pub fn behind(&mut self, start: &Start, place: DVec3, out: DVec3) -> DVec3 {
-        let dice = &mut self.dice;
-        // Views with a reach hide least of what is farthest.
-        let most = if dice.once_in(6) { 5.0 } else { 1.3 };
-        let beyond = 10f64.powf(-6.0 + (most + 6.0) * dice.real());
-        let point = match *start {
-            Start::Eye(eye) => place + (place - eye) * beyond,
-            Start::Before(along, _) => place + along * (beyond * f64::from(self.unit)),
-        };
-        rounded(point, out)
-    }
-
-    /// Puts an object into the list of targets that has the point, or one next to it; says which.
-    pub fn target_at(&mut self, point: DVec3, out: DVec3, toward: DVec3) -> DVec3 {
-        let (layers, dynamic) = (self.layers(), self.moving && self.dice.once_in(4));
-        let dice = &mut self.dice;
-        let size = f64::from(self.unit) * 10f64.powf(-7.0 + 6.0 * dice.real());
-        let at = point.as_vec3();
-        let (bounds, seen): (Bounds, DVec3) = match dice.below(16) {
-            0..=6 => (Aabb::new(at, at).into(), point),
-            7..=10 => {
-                // A corner shows; the rest is behind the occluder, or behind the corner.
-                let inwards = toward.normalize() - out * dice.pick(&[1.0, 1.0, 0.1, 4.0]);
-                let other = (point + inwards * size).as_vec3();
-                (Aabb::new(at.min(other), at.max(other)).into(), point)
-            }
-            11..=13 => {
-                let ball = Sphere::new((point - out * size).as_vec3(), size as f32);
-                let center = ball.center.as_dvec3();
-                (ball.into(), center + out * f64::from(ball.radius) * (1.0 - 1e-15))
-            }
-            14 => {
-                let half = Vec3::splat(size as f32);
-                let rotation = turn(dice);
-                let axes = glam::DMat3::from_quat(rotation.as_dquat().normalize());
-                let corner = DVec3::from_array(std::array::from_fn(|i| axes.col(i).dot(out).signum()));
-                let corner = axes * (corner * half.as_dvec3());
-                let center = (point - corner).as_vec3();
-                (Obb::new(center, half, rotation).into(), center.as_dvec3() + corner * (1.0 - 1e-12))
-            }
-            _ => {
-                let scale = Vec3::splat((size as f32).max(1e-6 * self.unit));
-                let rotation = turn(dice);
-                let transform = Affine3A::from_scale_rotation_translation(scale, rotation, at);
-                let exact = super::solid::exact(transform);
-                let corners = DVec3::AXES.map(|c| exact.transform_point3(c));
-                let most = corners.into_iter().max_by(|a, b| a.dot(out).total_cmp(&b.dot(out)));
-                match Instance::new(self.meshes.speck.clone(), transform) {
-                    Ok(instance) => (instance.into(), most.unwrap_or(point)),
-                    Err(_) => (Aabb::new(at, at).into(), point),
-                }
-            }
-        };
-        self.targets.push(Target { bounds, layers, dynamic, id: None });
-        seen
-    }
-
-    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are aimed at.
-    pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
-        for _ in 0..TRIES {
-            if let Some(past) = self.graze(&start)
-                && self.aim_past(start, place, past, true, &inside)
-            {
-                return;
-            }
-        }
-    }
-
-    /// Aims at a point of no object.
-    pub fn aim_point(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
-        for _ in 0..TRIES {
-            if let Some(past) = self.graze(&start)
-                && self.aim_past(start, place, past, false, &inside)
-            {
-                return;
-            }
-        }
-    }
-
-    /// Aims past a known place at an object, or at a point of none. Whether `inside` holds for it.
-    pub fn aim_past(
-        &mut self,
-        start: Start,
-        place: Place,
-        (near, out, shape): Graze,
-        object: bool,
-        inside: &impl Fn(DVec3) -> bool,
-    ) -> bool {
-        let point = self.behind(&start, near, out);
-        inside(point) && self.aim_at(start, place, (point, out, shape), object, inside)
-    }
-
-    /// Aims at an object that has a point, or at the point. Whether `inside` holds for it.
-    pub fn aim_at(
-        &mut self,
-        start: Start,
-        place: Place,
-        (point, out, shape): Graze,
-        object: bool,
-        inside: &impl Fn(DVec3) -> bool,
-    ) -> bool {
-        if !object {
-            self.witness(None, start, place, point, shape);
-            return true;
-        }
-        let point = self.target_at(point, out, start.toward(point));
-        if !inside(point) {
-            self.targets.pop();
-            return false;
-        }
-        self.witness(Some(self.targets.len() - 1), start, place, point, shape);
-        true
-    }
-
-    /// Takes a point for one to look at.
-    pub fn witness(&mut self, target: Option<usize>, start: Start, place: Place, point: DVec3, shape: usize) {
-        let mut witness = Witness { target, point, start, place, shape, cut: 0, doubt: 0 };
-        for (i, standing) in self.walls.iter().enumerate() {
-            witness.look(&standing.wall, 1 << i);
-        }
-        self.witnesses.push(witness);
-    }
-
     /// Puts all targets into the scene.
     pub fn insert_targets(&mut self) {
         for target in self.targets.iter_mut().filter(|t| t.id.is_none()) {
             target.id = self.scene.insert(target.describe()).ok();
-        }
-    }
-
-    /// The walls that hide in a view of these layers, a bit for each.
-    pub fn hiding(&self, mask: u64) -> u64 {
-        let walls = self.walls.iter().enumerate();
-        walls.filter(|(_, w)| w.id.is_some() && w.layers & mask != 0).map(|(i, _)| 1 << i).sum()
-    }
-
-    /// Whether nothing is between two points but what is seen through for certain.
-    pub fn free(&self, from: DVec3, to: DVec3, mask: u64) -> Answer {
-        let mut worst = Answer::Free;
-        for standing in self.walls.iter().filter(|w| w.id.is_some() && w.layers & mask != 0) {
-            match standing.wall.solid.answer(from, to) {
-                Answer::Cut => return Answer::Cut,
-                Answer::Doubt => worst = Answer::Doubt,
-                Answer::Free => {}
-            }
-        }
-        worst
-    }
-
-    /// Compares a set with the truth: it must hold each target that one of the places sees a point of.
-    pub fn check(&mut self, way: &'static str, mask: u64, places: impl Fn(&Witness) -> bool, pvs: &Pvs) {
-        let holds = |w: &Witness, targets: &[Target]| {
-            let target = &targets[w.target?];
-            target.id.filter(|_| target.layers & mask != 0).map(|id| pvs.contains(id))
-        };
-        let answers = self.witnesses.iter().map(|w| holds(w, &self.targets)).collect::<Vec<_>>();
-        self.compare(way, mask, places, &answers);
-    }
-
-    /// Asks for all points, and compares the answers with the truth.
-    pub fn ask(
-        &mut self,
-        way: &'static str,
-        mask: u64,
-        places: impl Fn(&Witness) -> bool,
-        query: &impl CameraQuery,
-    ) {
-        let Some(sight) = query.sight(&self.scene) else { return };
-        let answer = |w: &Witness| match w.target {
-            None => sight.may_see_point(w.point.as_vec3()),
-            Some(target) => sight.may_see_bounds(&self.targets[target].bounds),
-        };
-        let answers: Vec<_> = self.witnesses.iter().map(|w| places(w).then(|| answer(w))).collect();
-        self.compare(way, mask, places, &answers);
-    }
-
-    /// Compares the answers about witnesses with the truth.
-    fn compare(
-        &mut self,
-        way: &'static str,
-        mask: u64,
-        places: impl Fn(&Witness) -> bool,
-        answers: &[Option<bool>],
-    ) {
-        let hiding = self.hiding(mask);
-        let mut counts = [Count::default(); SHAPES.len()];
-        for (i, held) in answers.iter().enumerate() {
-            let (witness, Some(held)) = (&self.witnesses[i], *held) else { continue };
-            if !places(witness) {
-                continue;
-            }
-            let answer = match (witness.cut & hiding, witness.doubt & hiding) {
-                (0, 0) => Answer::Free,
-                (0, _) => Answer::Doubt,
-                _ => Answer::Cut,
-            };
-            counts[witness.shape].note(answer, held);
-            if answer == Answer::Free && !held {
-                let shape = witness.shape;
-                let bounds = witness.target.map(|t| (&self.targets[t].bounds, self.targets[t].id));
-                let text = format!(
-                    "{bounds:?}, of which {} is seen from {:?} ({:?}), mask {mask:#x}",
-                    witness.point, witness.start, witness.place
-                );
-                self.tell(way, shape, &text);
-            }
-        }
-        for (shape, count) in counts.iter().enumerate().filter(|(_, count)| count.tried > 0) {
-            self.tally.of(way, SHAPES[shape]).add(count);
-        }
-    }
-
-    /// Counts one answer of the library about a point, beside the truth.
-    pub fn count(
-        &mut self,
-        way: &'static str,
-        shape: usize,
-        answer: Answer,
-        held: bool,
-        text: impl FnOnce() -> String,
-    ) {
-        self.tally.of(way, SHAPES[shape]).note(answer, held);
-        if answer == Answer::Free && !held {
-            self.tell(way, shape, &text());
-        }
-    }
-
-    /// Tells of a loss.
-    fn tell(&mut self, way: &'static str, shape: usize, text: &str) {
-        if self.lost.len() < MOST_LOST {
-            let walls = self.walls.iter().filter(|w| w.id.is_some());
-            let walls: Vec<String> =
-                walls.map(|w| format!("{} (layers {:#x})", w.wall.text, w.layers)).collect();
-            let walls = walls.join("\n  ");
-            let text = format!("{way} of scene {} lacks {text}; past\n  {walls}", self.seed);
-            self.lost.push(Lost { seed: self.seed, way, shape: SHAPES[shape], text });
         }
     }
 }
@@ -564,17 +295,4 @@ impl Witness {
             Answer::Cut => self.cut |= bit,
         }
     }
-}
-
-/// A point in single precision, rounded along each axis to the side that `out` points to.
-pub fn rounded(point: DVec3, out: DVec3) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|i| {
-        let near = point[i] as f32;
-        let short = (f64::from(near) - point[i]) * out[i] < 0.0;
-        f64::from(match (short, out[i] > 0.0) {
-            (false, _) => near,
-            (true, true) => near.next_up(),
-            (true, false) => near.next_down(),
-        })
-    }))
 }

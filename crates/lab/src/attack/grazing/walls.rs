@@ -295,9 +295,9 @@ impl Wall {
     }
 }
 
-/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a grid through the origin.
-pub fn thick(dice: &mut Dice, meshes: &Meshes, center: Vec3, size: f32, cell: f32) -> Vec<Wall> {
-    let to_cells = |p: Vec3| (p / cell).round() * cell;
+/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a grid that begins at `min`.
+pub fn thick(dice: &mut Dice, meshes: &Meshes, center: Vec3, size: f32, cell: f32, begin: Vec3) -> Vec<Wall> {
+    let to_cells = |p: Vec3| begin + ((p - begin) / cell).round() * cell;
     let mut side = || (size * dice.between(0.5, 1.5)).max(cell);
     let half = Vec3::new(side(), side(), side());
     let (mut min, mut max) = (to_cells(center - half), to_cells(center + half));
