@@ -38,10 +38,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut camera, mut light) = (Query::new(), Query::new());
     camera.run(&scene, &View::perspective(eye, matrix)?);
     let (mut sunlit, mut lamplit) = (Vec::new(), Vec::new());
-    let sun = Light::Directional(Vec3::new(0.0, -1.0, -1.0));
+    let sun = Light::directional(Vec3::new(0.0, -1.0, -1.0));
     light.shadow_casters(&scene, &camera, &sun, &mut sunlit)?;
     // Between the camera and the wall: the wall casts a shadow, but not into sight.
-    let lamp = Light::Point { position: Vec3::new(78.0, 8.0, 60.0), range: 30.0 };
+    let lamp = Light::point(Vec3::new(78.0, 8.0, 60.0), 30.0);
     light.shadow_casters(&scene, &camera, &lamp, &mut lamplit)?;
 
     let objects = [

@@ -9,3 +9,4 @@ pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
 pub use key_set::KeySet;
 pub use shadows::Light;
+pub(crate) use shadows::LightKind;

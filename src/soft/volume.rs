@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::derived::Light;
+use crate::derived::{Light, LightKind};
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks, Pages};
@@ -54,17 +54,17 @@ impl Source {
                 .map(Self::Along)
                 .ok_or(Error::NoDirection { what: "the direction of the light" })
         };
-        match light {
-            Light::Directional(direction) => {
+        match &light.kind {
+            LightKind::Directional(direction) => {
                 finite3("the direction of the light", *direction)?;
                 along(direction.as_dvec3())
             }
-            Light::Point { position, range } => {
+            LightKind::Point { position, range } => {
                 finite3("the position of the light", *position)?;
                 between("the range of the light", *range, 0.0, f32::INFINITY)?;
                 Ok(Self::At { place: position.as_dvec3(), range: f64::from(*range) })
             }
-            Light::Spot(view) => match view.origin {
+            LightKind::Spot(view) => match view.origin {
                 Origin::Eye { at, .. } => Ok(Self::At { place: at, range: f64::INFINITY }),
                 Origin::Direction(direction) => along(direction),
             },
@@ -115,7 +115,7 @@ impl VisibilityVolume {
     /// soft.insert(Sphere::new(Vec3::new(32.0, 32.0, 8.0), 4.0), Layer::Fixed)?;
     /// let cloud = soft.insert(Sphere::new(Vec3::new(32.0, 32.0, 40.0), 6.0), Layer::Moving)?;
     /// soft.rebuild();
-    /// let mut sun = VisibilityVolume::new(&soft, &Light::Directional(Vec3::NEG_Z), 1)?;
+    /// let mut sun = VisibilityVolume::new(&soft, &Light::directional(Vec3::NEG_Z), 1)?;
     /// assert_eq!(sun.get(IVec3::new(32, 32, 12)), Some(0.0));
     /// soft.update(cloud, Sphere::new(Vec3::new(8.0, 8.0, 40.0), 6.0))?;
     /// soft.rebuild();
@@ -374,7 +374,7 @@ mod tests {
     #[test]
     fn large_changes_start_anew_with_the_same_result_to_the_bit() {
         let (before, after) = (cubes(3.5), cubes(4.5));
-        let sun = Light::Directional(Vec3::NEG_Z);
+        let sun = Light::directional(Vec3::NEG_Z);
         let [old, new] = [&before, &after].map(|grid| VisibilityVolume::new(grid, &sun, 1).unwrap());
         let (mut compared, mut anew) = (old.clone(), old);
         // The change does not shade the plate.

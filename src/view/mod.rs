@@ -213,8 +213,8 @@ impl View {
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// const WORLD: u32 = 1;
-    /// const FIRST_PERSON: u32 = 2;
+    /// const WORLD: u64 = 1;
+    /// const FIRST_PERSON: u64 = 2;
     /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
     /// let ball = Sphere::new(Vec3::splat(9.5), 1.0);
     /// let head = scene.insert(ObjectDesc::dynamic(ball).layers(WORLD))?;

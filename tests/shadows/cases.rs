@@ -111,7 +111,7 @@ fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
     assert!(out.contains(&silent) && !out.contains(&reported), "{out:?}");
     // Beside the rays, neither is a caster.
     camera.run(&scene, &ahead());
-    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::new(-1.0, -0.1, 0.0)), &mut out).unwrap();
+    sun.shadow_casters(&scene, &camera, &Light::directional(Vec3::new(-1.0, -0.1, 0.0)), &mut out).unwrap();
     assert!(!out.contains(&reported) && !out.contains(&silent), "{out:?}");
 }
 
@@ -144,11 +144,11 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
     let unrun = sun.shadow_casters(&scene, &camera, &ABOVE, &mut out);
     assert_eq!(unrun, Err(Error::ForeignPvs));
     camera.run(&scene, &ahead());
-    sun.shadow_casters(&scene, &camera, &Light::Directional(Vec3::NEG_Y * 1e-40), &mut out).unwrap();
+    sun.shadow_casters(&scene, &camera, &Light::directional(Vec3::NEG_Y * 1e-40), &mut out).unwrap();
     assert_eq!(out, [ground]);
     for light in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)] {
         let message = sun
-            .shadow_casters(&scene, &camera, &Light::Directional(light), &mut out)
+            .shadow_casters(&scene, &camera, &Light::directional(light), &mut out)
             .unwrap_err()
             .to_string();
         assert!(message.contains("direction of the light"), "{message}");

@@ -25,7 +25,7 @@ fn casters(scene: &Scene, light: &Light) -> Vec<ObjectId> {
 }
 
 fn bulb(range: f32) -> Light {
-    Light::Point { position: LAMP, range }
+    Light::point(LAMP, range)
 }
 
 /// The camera of a shadow map that looks straight down from the lamp.
@@ -79,7 +79,7 @@ fn a_spot_light_has_the_casters_inside_its_view() {
     let beside = ball(&mut scene, [36.0, 6.0, 36.0], 0.4);
     for (near, lit) in [(0.1, true), (6.0, false)] {
         for view in [View::perspective(LAMP, downwards(near)), View::from_view_projection(downwards(near))] {
-            let found = casters(&scene, &Light::Spot(view.unwrap()));
+            let found = casters(&scene, &Light::spot(view.unwrap()));
             assert!(found.contains(&ground) && !found.contains(&beside), "{found:?}");
             assert_eq!(found.contains(&below), lit, "before the near plane of the shadow map: {near}");
         }
@@ -90,10 +90,10 @@ fn a_spot_light_has_the_casters_inside_its_view() {
     };
     // Of the last it is not known at which end its rays start.
     for view in [View::orthographic(Vec3::NEG_Y, flat(20.0)), View::from_view_projection(flat(20.0))] {
-        let found = casters(&scene, &Light::Spot(view.unwrap()));
+        let found = casters(&scene, &Light::spot(view.unwrap()));
         assert!(found.contains(&ground) && found.contains(&below) && !found.contains(&beside), "{found:?}");
     }
-    let found = casters(&scene, &Light::Spot(View::orthographic(Vec3::NEG_Y, flat(3.0)).unwrap()));
+    let found = casters(&scene, &Light::spot(View::orthographic(Vec3::NEG_Y, flat(3.0)).unwrap()));
     assert!(found.is_empty(), "it ends above all that is seen: {found:?}");
 }
 
@@ -119,13 +119,13 @@ fn lights_that_make_no_sense_are_refused() {
         assert!(refused.to_string().contains("range of the light"), "{refused}");
     }
     for position in [Vec3::NAN, Vec3::X * f32::INFINITY] {
-        let light = Light::Point { position, range: 1.0 };
+        let light = Light::point(position, 1.0);
         let refused = lamp.shadow_casters(&scene, &camera, &light, &mut out).unwrap_err();
         assert!(refused.to_string().contains("position of the light"), "{refused}");
     }
     // Far away, it is taken.
     for far in [1e6, 1e20, f32::MAX] {
-        let light = Light::Point { position: Vec3::Y * far, range: f32::MAX };
+        let light = Light::point(Vec3::Y * far, f32::MAX);
         lamp.shadow_casters(&scene, &camera, &light, &mut out).unwrap();
         assert_eq!(out, camera.pvs().visible(), "{far}");
     }

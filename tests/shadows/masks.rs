@@ -49,11 +49,11 @@ fn a_large_ground_does_not_make_everything_a_caster() {
         assert!(!found.contains(&walled.tower), "{sun:?}: so does the tower's at noon");
     }
     // In the evening its shadow falls over the wall.
-    let evening = Light::Directional(Vec3::new(0.0, -2.0, 1.0));
+    let evening = Light::directional(Vec3::new(0.0, -2.0, 1.0));
     let found = walled.casters(&camera, Method::point(), &evening);
     assert!(found.contains(&walled.tower) && walled.crates_in(&found) == 0, "{found:?}");
     // A lamp behind the wall shines through nothing but the wall and the tower; one above it shines past the tower too.
-    let bulb = |y| Light::Point { position: Vec3::new(32.0, y, 22.0), range: 60.0 };
+    let bulb = |y| Light::point(Vec3::new(32.0, y, 22.0), 60.0);
     for y in [5.0, 31.5] {
         let found = walled.casters(&camera, Method::point(), &bulb(y));
         assert!(found.contains(&walled.wall) && walled.crates_in(&found) == 0, "{y}: {found:?}");
@@ -89,7 +89,7 @@ fn the_query_of_a_light_stands_for_no_view() {
     let walled = walled();
     let (mut camera, mut sun, mut out) = (Query::new(), Query::new(), Vec::new());
     camera.run(&walled.scene, &ahead());
-    let spot = Light::Spot(ahead());
+    let spot = Light::spot(ahead());
     sun.shadow_casters(&walled.scene, &camera, &spot, &mut out).unwrap();
     // For a light at the camera, only objects that it sees come before objects that it sees.
     assert_eq!(out, camera.pvs().visible());

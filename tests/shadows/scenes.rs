@@ -63,7 +63,7 @@ pub fn object() -> impl Strategy<Value = Object> {
 }
 
 /// The sun at noon.
-pub const ABOVE: Light = Light::Directional(Vec3::NEG_Y);
+pub const ABOVE: Light = Light::directional(Vec3::NEG_Y);
 
 /// An empty scene of 64x32x64 cells.
 pub fn street() -> Scene {
@@ -85,6 +85,6 @@ pub fn ahead() -> View {
 pub fn casters(scene: &Scene, view: &View, light: Vec3) -> Vec<ObjectId> {
     let (mut camera, mut out) = (Query::new(), Vec::new());
     camera.run(scene, view);
-    Query::new().shadow_casters(scene, &camera, &Light::Directional(light), &mut out).unwrap();
+    Query::new().shadow_casters(scene, &camera, &Light::directional(light), &mut out).unwrap();
     out
 }

@@ -34,7 +34,7 @@ fn refuses_what_makes_no_sense() {
         assert!(grid.visible_fraction(v, ball, 8).is_err());
         assert!(grid.ambient_occlusion(v, Vec3::X, 1.0, &March::Slabs).is_err());
         assert!(grid.ambient_occlusion(Vec3::X, v, 1.0, &March::Slabs).is_err());
-        assert!(VisibilityVolume::new(&grid, &Light::Directional(v), 1).is_err());
+        assert!(VisibilityVolume::new(&grid, &Light::directional(v), 1).is_err());
         for cone in [Cone { apex: v, ..cone }, Cone { direction: v, ..cone }, Cone { tan: bad, ..cone }] {
             assert!(grid.cone(&cone, &March::Slabs).is_err(), "{cone:?}");
         }
@@ -101,7 +101,7 @@ proptest! {
             prop_assert!(share(seen.unwrap()));
         }
         grid.first_hit(points[3], points[5]).unwrap();
-        let lamp = Light::Point { position: points[5], range: radius };
+        let lamp = Light::point(points[5], radius);
         let volume = VisibilityVolume::new(&grid, &lamp, 2).unwrap();
         prop_assert!(volume.smooth(points[3]).is_none_or(|v| (0.0..=1.0001).contains(&v)));
     }

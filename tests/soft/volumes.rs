@@ -15,15 +15,15 @@ fn bits(volume: &VisibilityVolume, dims: IVec3) -> Vec<Option<u32>> {
 fn lights() -> Vec<Light> {
     // Rays between middles of cells pass through many corners of cells, where rounding decides.
     let aligned = Vec3::new(20.5, 20.5, 30.5);
-    let point = |position, range| Light::Point { position, range };
+    let point = |position, range| Light::point(position, range);
     vec![
         point(aligned, f32::INFINITY),
         point(Vec3::new(61.3, 7.7, 20.1), 30.0),
         point(Vec3::new(-3e30, 1e28, 2e30), f32::INFINITY),
-        Light::Spot(View::omnidirectional(Vec3::new(9.0, 40.0, 5.0)).unwrap()),
-        Light::Directional(Vec3::NEG_Z),
-        Light::Directional(Vec3::ONE),
-        Light::Directional(Vec3::new(0.3, -0.2, 1.0)),
+        Light::spot(View::omnidirectional(Vec3::new(9.0, 40.0, 5.0)).unwrap()),
+        Light::directional(Vec3::NEG_Z),
+        Light::directional(Vec3::ONE),
+        Light::directional(Vec3::new(0.3, -0.2, 1.0)),
     ]
 }
 
@@ -81,7 +81,7 @@ fn floor(ball: Vec3) -> (SoftGrid, casca::soft::SoftId) {
 #[test]
 fn only_bricks_beside_and_behind_a_change_are_walked_again() {
     let (mut grid, ball) = floor(Vec3::new(20.0, 20.0, 60.0));
-    let sun = Light::Directional(Vec3::NEG_Z);
+    let sun = Light::directional(Vec3::NEG_Z);
     let mut volume = VisibilityVolume::new(&grid, &sun, 1).unwrap();
     grid.update(ball, Sphere::new(Vec3::new(68.0, 68.0, 60.0), 2.0)).unwrap();
     // Nothing changes before the rebuild.
@@ -111,7 +111,7 @@ fn open_floors_are_lit_and_those_in_shade_are_dark() {
         let mut grid = soft(UVec3::splat(48));
         grid.insert(Aabb::new(Vec3::ZERO, Vec3::new(48.0, 48.0, height)), Layer::Fixed).unwrap();
         grid.rebuild();
-        let sun = Light::Directional(-Vec3::new(degrees.to_radians().cos(), 0.1, degrees.to_radians().sin()));
+        let sun = Light::directional(-Vec3::new(degrees.to_radians().cos(), 0.1, degrees.to_radians().sin()));
         let open = VisibilityVolume::new(&grid, &sun, 4).unwrap();
         let roof = Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(48.0, 48.0, 20.5));
         grid.insert(roof, Layer::Fixed).unwrap();
@@ -137,7 +137,7 @@ fn shares_on_one_side_of_a_thin_wall_are_not_those_of_the_other() {
     let wall = Aabb::new(Vec3::new(16.2, 0.0, 0.0), Vec3::new(16.6, 32.0, 32.0));
     grid.insert(wall, Layer::Fixed).unwrap();
     grid.rebuild();
-    let sun = Light::Directional(Vec3::new(-1.0, -0.1, -0.2));
+    let sun = Light::directional(Vec3::new(-1.0, -0.1, -0.2));
     let volume = VisibilityVolume::new(&grid, &sun, 4).unwrap();
     for (x, share) in [(15.2, 0.0), (15.6, 0.0), (17.2, 1.0), (17.6, 1.0)] {
         let at = Vec3::new(x, 16.3, 16.8);
@@ -153,7 +153,7 @@ fn shares_on_one_side_of_a_thin_wall_are_not_those_of_the_other() {
 #[test]
 fn updates_count_the_bricks_that_they_walk_in_and_let_go() {
     let mut grid = soft(UVec3::splat(64));
-    let lamp = Light::Point { position: Vec3::new(2.0, 2.0, 60.0), range: f32::INFINITY };
+    let lamp = Light::point(Vec3::new(2.0, 2.0, 60.0), f32::INFINITY);
     let mut volume = VisibilityVolume::new(&grid, &lamp, 1).unwrap();
     let small = |x: f32| Aabb::from_center(Vec3::new(x, 28.5, 28.5), Vec3::splat(0.2));
     // All cells beside it are in its brick; then some are in the next one.
@@ -171,7 +171,7 @@ fn updates_count_the_bricks_that_they_walk_in_and_let_go() {
 
 #[test]
 fn a_volume_that_is_brought_to_another_grid_starts_anew() {
-    let sun = Light::Directional(Vec3::new(0.1, 0.2, -1.0));
+    let sun = Light::directional(Vec3::new(0.1, 0.2, -1.0));
     let (grid, _) = floor(Vec3::splat(30.0));
     let mut volume = VisibilityVolume::new(&grid, &sun, 1).unwrap();
     let mut other = soft(UVec3::new(40, 30, 20));
@@ -186,7 +186,7 @@ fn a_volume_that_is_brought_to_another_grid_starts_anew() {
 #[test]
 fn volumes_do_not_depend_on_the_number_of_threads() {
     let (grid, _) = floor(Vec3::new(20.0, 20.0, 30.0));
-    let lamp = Light::Point { position: Vec3::new(31.0, 40.0, 80.0), range: 100.0 };
+    let lamp = Light::point(Vec3::new(31.0, 40.0, 80.0), 100.0);
     let volume = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| bits(&VisibilityVolume::new(&grid, &lamp, 4).unwrap(), IVec3::splat(96)))

@@ -10,26 +10,59 @@ use crate::numeric::scene::LIGHT_EXTENT;
 use crate::view::View;
 
 /// A light that casts shadows, for [`crate::Query::shadow_casters`].
+///
+/// Its numbers are checked where it is used.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "an application makes a few lights, and keeps no lists of them"
-)]
-pub enum Light {
-    /// A light infinitely far away, such as the sun: the direction in which light travels, of any length.
+pub struct Light {
+    pub(crate) kind: LightKind,
+    /// The layers of the objects that cast its shadows. A spot light's are those of its view, too.
+    layers: u64,
+}
+
+/// Where light comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum LightKind {
     Directional(Vec3),
-    /// A light that shines from a point in all directions.
-    Point {
-        /// The point, in world units.
-        position: Vec3,
-        /// It lights nothing farther away than this, in world units. May be infinite.
-        range: f32,
-    },
+    Point { position: Vec3, range: f32 },
+    Spot(Box<View>),
+}
+
+impl Light {
+    /// A light infinitely far away, such as the sun. `direction` is the one in which light travels, of any length.
+    pub const fn directional(direction: Vec3) -> Self {
+        Self { kind: LightKind::Directional(direction), layers: u64::MAX }
+    }
+
+    /// A light that shines from a point in all directions, and lights nothing farther away than `range`. Both are in world
+    /// units; the range may be infinite.
+    pub const fn point(position: Vec3, range: f32) -> Self {
+        Self { kind: LightKind::Point { position, range }, layers: u64::MAX }
+    }
+
     /// A light that shines from the eye of a view on all that lies inside the view: the camera of a shadow map. Rays
     /// start at its near plane: objects before that cast no shadow. An orthographic view ([`View::orthographic`]) is a
-    /// directional light that lights a box.
-    Spot(View),
+    /// directional light that lights a box. Its layers are those of the view.
+    pub fn spot(view: View) -> Self {
+        Self { layers: view.layers(), kind: LightKind::Spot(Box::new(view)) }
+    }
+
+    /// The same light, whose shadows are cast by objects on some layers only, a bit for each. All others let it through:
+    /// they are no casters, and do not keep the light from those behind them.
+    ///
+    /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's matter.
+    #[must_use]
+    pub fn with_layers(mut self, mask: u64) -> Self {
+        self.layers = mask;
+        if let LightKind::Spot(view) = self.kind {
+            self.kind = LightKind::Spot(Box::new(view.with_layers(mask)));
+        }
+        self
+    }
+
+    /// The layers of the objects that cast its shadows: see [`Light::with_layers`].
+    pub const fn layers(&self) -> u64 {
+        self.layers
+    }
 }
 
 /// A light whose numbers were checked.
@@ -38,34 +71,37 @@ pub(super) enum Lamp {
     Sun {
         /// Axes at right angles, of which the last runs along the light.
         axes: [DVec3; 3],
+        layers: u64,
     },
     Bulb {
         at: DVec3,
         range: f64,
+        layers: u64,
     },
     Spot(Box<View>),
 }
 
 impl Lamp {
     pub(super) fn new(light: &Light) -> Result<Self, Error> {
-        match light {
-            Light::Directional(direction) => {
+        let layers = light.layers;
+        match &light.kind {
+            LightKind::Directional(direction) => {
                 const WHAT: &str = "the direction of the light";
                 finite3(WHAT, *direction)?;
                 let along = direction.as_dvec3().try_normalize().ok_or(Error::NoDirection { what: WHAT })?;
                 let (right, up) = along.any_orthonormal_pair();
-                Ok(Self::Sun { axes: [right, up, along] })
+                Ok(Self::Sun { axes: [right, up, along], layers })
             }
-            Light::Point { position, range } => {
+            LightKind::Point { position, range } => {
                 finite3("the position of the light", *position)?;
                 let range = f64::from(*range);
                 if range.is_nan() || range < 0.0 {
                     let what = "the range of the light";
                     return Err(Error::Setting { what, value: range, min: 0.0, max: f64::INFINITY });
                 }
-                Ok(Self::Bulb { at: position.as_dvec3(), range })
+                Ok(Self::Bulb { at: position.as_dvec3(), range, layers })
             }
-            Light::Spot(view) => Ok(Self::Spot(Box::new(view.clone()))),
+            LightKind::Spot(view) => Ok(Self::Spot(view.clone())),
         }
     }
 
@@ -73,7 +109,7 @@ impl Lamp {
     pub(super) fn lit(&self, block: &Block) -> Option<Block> {
         match self {
             Self::Sun { .. } => Some(*block),
-            Self::Bulb { at, range } => {
+            Self::Bulb { at, range, .. } => {
                 let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
                 if block.distance_from(*at) > reach {
                     return None;
@@ -89,14 +125,15 @@ impl Lamp {
     /// All that the light may reach.
     pub(super) fn whole_view(&self) -> View {
         match self {
-            Self::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
-            Self::Bulb { at, range } => {
+            Self::Sun { axes, layers } => View::parallel(axes[2], SmallVec::new()).with_layers(*layers),
+            Self::Bulb { at, range, layers } => {
                 let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if reach.is_finite() {
+                let view = if reach.is_finite() {
                     Self::between(*at, at - reach, at + reach)
                 } else {
                     View::around(*at, SmallVec::new())
-                }
+                };
+                view.with_layers(*layers)
             }
             Self::Spot(view) => (**view).clone(),
         }
@@ -105,7 +142,7 @@ impl Lamp {
     /// A view with all rays of the light to some boxes; `None` if there are no boxes.
     pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
         match self {
-            Self::Sun { axes } => {
+            Self::Sun { axes, layers } => {
                 let along = axes[2];
                 let reach = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
                 let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
@@ -116,11 +153,12 @@ impl Lamp {
                     planes.push(HalfSpace { normal: -axis, offset: max });
                 }
                 planes.push(HalfSpace { normal: -along, offset: reach.max.z });
-                Some(View::parallel(along, planes))
+                Some(View::parallel(along, planes).with_layers(*layers))
             }
-            Self::Bulb { at, .. } => {
+            Self::Bulb { at, layers, .. } => {
                 let around = pieces.iter().copied().reduce(join)?;
-                Some(Self::between(*at, around.min.min(*at), around.max.max(*at)))
+                let view = Self::between(*at, around.min.min(*at), around.max.max(*at));
+                Some(view.with_layers(*layers))
             }
             Self::Spot(view) => (!pieces.is_empty()).then(|| (**view).clone()),
         }

@@ -2,8 +2,9 @@
 //!
 //! A *ray* of the light ends at a point and starts infinitely far away (directional), at the light, or where it enters the
 //! half-spaces of the light's view (spot), whose near plane may lie before the light. Let `p` be a point that the camera
-//! sees, of an object of its set, inside the range or the view of the light, and let something block the ray to `p`. Let
-//! `q` be the first point of any object's geometry on that ray, and `A` its object: all of them are closed and bounded,
+//! sees, of an object of its set, inside the range or the view of the light, and let something on the light's layers block
+//! the ray to `p`. Let
+//! `q` be the first point of geometry of such objects on that ray, and `A` its object: all of them are closed and bounded,
 //! so there is a first. Then `A` is among the casters:
 //!
 //! 1. **`p` lies in a piece.** The box around a receiver contains `p`; a receiver whose motion goes unreported lies in
@@ -50,6 +51,7 @@ mod light;
 mod pieces;
 
 pub use light::Light;
+pub(crate) use light::LightKind;
 
 use crate::derived::shadows::light::Lamp;
 use crate::derived::shadows::pieces::find_pieces;
@@ -116,7 +118,7 @@ impl Query {
     /// let pvs = camera.run(&scene, &View::perspective(eye, matrix)?);
     /// assert!(pvs.contains(ground) && !pvs.contains(tower), "it stands behind the camera");
     /// let mut casters = Vec::new();
-    /// let light = Light::Directional(Vec3::new(0.0, -1.0, -1.0));
+    /// let light = Light::directional(Vec3::new(0.0, -1.0, -1.0));
     /// sun.shadow_casters(&scene, &camera, &light, &mut casters)?;
     /// assert!(casters.contains(&tower), "its shadow falls before the camera");
     /// # Ok(())
@@ -153,9 +155,9 @@ impl Query {
     /// in `out` at that index. If the slices differ in length, the rest of the longer one is ignored. `out` gets as many
     /// lists as there are pairs.
     ///
-    /// Give the view of each cascade, or of each face, as a [`Light::Spot`]: its rays then start at the near plane of that view.
+    /// Give the view of each cascade, or of each face, as a [`Light::spot`]: its rays then start at the near plane of that view.
     /// Casters before it are missing, so make the near planes of cascades start outside of the scene, or give
-    /// [`Light::Directional`] where one list for all cascades will do.
+    /// [`Light::directional`] where one list for all cascades will do.
     ///
     /// Costs a test of each receiver of each camera, of up to 4,096 parts of large ones for each camera, one comparison of
     /// each part with each light, and a query for each light.
@@ -178,7 +180,7 @@ impl Query {
     ///     let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::Z };
     ///     let right_angle = std::f32::consts::FRAC_PI_2;
     ///     let matrix = perspective(right_angle, 1.0, 0.05, 100.0) * look_to_mat4(lamp, forward, up);
-    ///     Ok(Light::Spot(View::perspective(lamp, matrix)?))
+    ///     Ok(Light::spot(View::perspective(lamp, matrix)?))
     /// });
     /// let faces = faces.into_iter().collect::<Result<Vec<Light>, casca::Error>>()?;
     /// let (mut queries, mut casters) = (vec![Query::new(); 6], Vec::new());

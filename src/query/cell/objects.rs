@@ -51,7 +51,8 @@ impl Walk<'_> {
     /// Reveals a volume. Returns whether its object remains to be decided.
     pub(super) fn uncover(&mut self, slot: u32) -> bool {
         let object = self.scene.object(slot);
-        if !self.marks.reveal(slot) || !object.is_shown(self.view) {
+        // An object of unknown place is always found, and is in its old volume no more for certain.
+        if object.is_unlocated() || !self.marks.reveal(slot) || !object.is_shown(self.view) {
             return false;
         }
         self.stats.tbvs_revealed += 1;

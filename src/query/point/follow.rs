@@ -17,6 +17,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::method::PointOptions;
 use crate::query::point::Walk;
+use crate::query::point::offered::Offered;
 
 /// What a run must be told of the changes since the one before.
 #[derive(Debug, Default)]
@@ -27,40 +28,6 @@ pub(crate) struct Changes {
     pub(crate) known: Vec<u32>,
     /// Around the occluders that are gone, those that changed among them.
     pub(crate) gone: SmallVec<[Block; 4]>,
-}
-
-/// The objects on whose occluders a kept result may rest: all that were not hidden when they were found, whether their
-/// occluders were drawn, waited or were too small. The occluders of others are hidden: no ray of the view reaches them.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Offered(Vec<u32>);
-
-impl Offered {
-    /// Forgets the last run.
-    pub(super) fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    /// Adds an object by its slot.
-    pub(super) fn push(&mut self, slot: u32) {
-        self.0.push(slot);
-    }
-
-    /// Takes over the objects of a run, and puts all in order.
-    pub(crate) fn append(&mut self, other: &Self) {
-        self.0.extend_from_slice(&other.0);
-        self.0.sort_unstable();
-        self.0.dedup();
-    }
-
-    /// Whether an object is among them, which are in order.
-    pub(crate) fn has(&self, slot: u32) -> bool {
-        self.0.binary_search(&slot).is_ok()
-    }
-
-    /// Forgets objects, whose slots are in order.
-    pub(crate) fn forget(&mut self, slots: &[u32]) {
-        self.0.retain(|slot| slots.binary_search(slot).is_err());
-    }
 }
 
 impl PointOptions {
@@ -80,7 +47,7 @@ impl Walk<'_> {
         let pixels = self.scratch.buffers.pixels().max(1) as f64;
         let holes = self.scratch.buffers.reopen(&changes.gone);
         if !holes.is_empty() {
-            for &slot in &offered.0 {
+            for slot in offered.slots() {
                 let block = self.scene.living_at(slot).and_then(|o| o.occluder()).map(|o| o.block());
                 if block.is_some_and(|block| self.scratch.buffers.reaches_into(&block, &holes)) {
                     self.draw(slot);

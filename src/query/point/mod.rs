@@ -13,6 +13,7 @@ mod drawables;
 pub(crate) mod follow;
 mod objects;
 mod occluders;
+pub(crate) mod offered;
 pub(crate) mod overlay;
 mod recall;
 pub(crate) mod scratch;

@@ -10,7 +10,7 @@ use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
-use crate::query::point::follow::Offered;
+use crate::query::point::offered::Offered;
 use crate::query::point::recall::Coherence;
 use crate::view::View;
 

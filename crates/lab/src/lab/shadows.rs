@@ -63,7 +63,7 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
             eye_ms.push(time.as_secs_f64() * 1e3);
             seen += found;
             let (found, time) =
-                timed(|| sun.shadow_casters(scene, &eye, &Light::Directional(SUN), &mut casters));
+                timed(|| sun.shadow_casters(scene, &eye, &Light::directional(SUN), &mut casters));
             found?;
             sun_ms.push(time.as_secs_f64() * 1e3);
             cast += casters.len();

@@ -29,27 +29,22 @@ pub fn play(mut stage: Stage) -> Stage {
     let (unit, middle) = (stage.unit, stage.middle);
     let along = direction(&mut stage.dice);
     let at = middle + direction(&mut stage.dice) * unit * stage.dice.between(2.0, 20.0);
-    let (light, start) = match stage.dice.below(3) {
+    // A light lights nothing out of its range. Parallel rays start before all occluders only to places that are not far.
+    let (light, start, middle, range) = match stage.dice.below(3) {
         0 => {
-            let d = along.as_dvec3().normalize();
-            (Light::Directional(along), Start::Before(d, f64::from(unit) * 500.0))
+            let start = Start::Before(along.as_dvec3().normalize(), f64::from(unit) * 500.0);
+            (Light::directional(along), start, middle, unit * 200.0)
         }
-        1 => (
-            Light::Point { position: at, range: unit * stage.dice.pick(&[f32::INFINITY, 200.0]) },
-            Start::Eye(at.as_dvec3()),
-        ),
+        1 => {
+            let range = unit * stage.dice.pick(&[f32::INFINITY, 200.0]);
+            (Light::point(at, range), Start::Eye(at.as_dvec3()), at, range)
+        }
         _ => {
             let Ok(view) = View::omnidirectional(at) else { return stage };
-            (Light::Spot(view), Start::Eye(at.as_dvec3()))
+            (Light::spot(view), Start::Eye(at.as_dvec3()), at, f32::INFINITY)
         }
     };
-    // A light lights nothing out of its range. Parallel rays start before all occluders only to places that are not far.
-    let most = f64::from(unit) * 200.0;
-    let lit = |p: DVec3| match &light {
-        Light::Point { range, .. } => start.toward(p).length() < f64::from(*range) * (1.0 - 1e-9),
-        Light::Directional(_) => (p - middle.as_dvec3()).length() < most,
-        _ => true,
-    };
+    let lit = |p: DVec3| p.distance(middle.as_dvec3()) < f64::from(range) * (1.0 - 1e-9);
     let rays: Vec<Ray> = (0..500)
         .filter_map(|number| {
             let from = if number % 3 == 0 { Start::Eye(camera.eye) } else { start };

@@ -202,8 +202,8 @@ impl Player {
         let camera = self.queries[receivers].0.clone();
         let (query, from) = &mut self.queries[query];
         // The second light is the one whose set may end the frame.
-        let lamp = Light::Point { position: light * LAMP_AWAY, range: LAMP_RANGE };
-        for light in [lamp, Light::Directional(light)] {
+        let lamp = Light::point(light * LAMP_AWAY, LAMP_RANGE);
+        for light in [lamp, Light::directional(light)] {
             query
                 .shadow_casters(&world.scene, &camera, &light, &mut Vec::new())
                 .map_err(refused("casters"))?;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::super::dice::Dice;
 use super::{Body, Edge, Solid, Start};
 
-/// Edges that make a smaller sine with the rays have no outside.
+/// Edges, and faces beside them, that make a smaller sine with the rays have no outside.
 const ALONG: f64 = 1e-6;
 
 impl Solid {
@@ -76,6 +76,10 @@ impl Solid {
             }
             let out = out.normalize();
             let inwards = out.dot(edge.inner - point);
+            // A face that is seen from its edge does not tell the sides apart.
+            if inwards.abs() < ALONG * edge.inner.distance(point) {
+                return None;
+            }
             Some((point, if inwards > 0.0 { -out } else { out }))
         })
     }
