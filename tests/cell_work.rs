@@ -139,6 +139,23 @@ fn empty_grids_are_answered_at_once() {
     assert!(query.pvs().len() == 1 && stats.shells < 12 && stats.cells_visited < 20_000, "{stats:?}");
 }
 
+#[test]
+fn walks_go_on_to_the_border_where_overhanging_objects_are_seen() {
+    let mut scene = grid(40);
+    // It hides what the antenna has in the grid, not what it has above.
+    let wall = Aabb::new(Vec3::new(0.0, 0.0, 15.0), Vec3::new(40.0, 40.0, 17.0));
+    scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    let mut antenna = |top| {
+        let b = Aabb::new(Vec3::new(20.0, 38.0, 20.0), Vec3::new(22.0, top, 22.0));
+        scene.insert(ObjectDesc::fixed(b)).unwrap()
+    };
+    let (short, tall) = (antenna(40.0), antenna(80.0));
+    let mut query = cell();
+    work(&mut query, &scene, Vec3::new(20.5, 2.5, 5.5));
+    assert!(!query.pvs().contains(short), "the wall hides it");
+    assert!(query.pvs().contains(tall), "it is seen above the wall");
+}
+
 struct Random(u64);
 
 impl Random {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use las::{Builder, Header, PointData, PointDataBuilder, Vlr, raw};
 use laz::{LasZipDecompressor, LazItemRecordBuilder, LazItemType, LazVlr};
 
-use super::guarded;
+use super::guarded::guarded;
 use super::layers::Layers;
 use super::sink::{Attributes, FileError, Sample, Sink, Source};
 use crate::numeric;

@@ -2,6 +2,7 @@
 //!
 //! The format is found by the first bytes, not by the name. Counts in headers are checked by reading, never believed by allocating.
 
+mod guarded;
 mod layers;
 mod lidar;
 mod ply;
@@ -13,7 +14,6 @@ mod tests;
 
 use std::fs::File;
 use std::io::BufReader;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 
 use crate::PointCloud;
@@ -82,13 +82,4 @@ pub fn read_source<E: From<FileError>>(
     }
     sink.flush()?;
     Ok(sink.skipped)
-}
-
-/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error:
-/// nothing of the library is used after it.
-fn guarded<T, E: ToString>(call: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
-    match panic::catch_unwind(AssertUnwindSafe(call)) {
-        Ok(result) => result.map_err(|e| e.to_string()),
-        Err(_) => Err("the decoder panicked".into()),
-    }
 }

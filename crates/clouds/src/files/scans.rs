@@ -5,7 +5,7 @@ use std::io::SeekFrom;
 use e57::{CartesianCoordinate, E57Reader, PointCloud, RecordDataType};
 use glam::DVec3;
 
-use super::guarded;
+use super::guarded::guarded;
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 
 /// Attributes of a point, at most: the standard has 20, and extensions add some.

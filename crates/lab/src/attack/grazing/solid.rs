@@ -401,8 +401,11 @@ mod tests {
                     found += 1;
                     if convex {
                         assert_eq!(answer(gap), Answer::Free, "{form:?} {gap} {start:?} {point}");
+                        // Next to a corner the point on the other side may be outside, too.
+                        let corners = solid.edges.iter().flat_map(|edge| edge.ends);
+                        let at_corner = corners.into_iter().any(|c| c.distance(point) < 50.0 * gap);
                         let inside = answer(-gap);
-                        assert!(inside != Answer::Free, "{form:?} {gap} {start:?} {point}");
+                        assert!(at_corner || inside != Answer::Free, "{form:?} {gap} {start:?} {point}");
                     }
                 }
                 assert!(found > 200 || number >= 9, "{form:?}: {found}");
