@@ -9,4 +9,3 @@ pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
 pub use key_set::KeySet;
 pub use shadows::Light;
-pub(crate) use shadows::LightKind;

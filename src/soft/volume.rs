@@ -2,7 +2,8 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::derived::{Light, LightKind};
+use crate::derived::Light;
+use crate::derived::shadows::light::LightKind;
 use crate::error::{Error, finite3};
 use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks, Pages};

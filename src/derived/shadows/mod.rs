@@ -47,11 +47,10 @@
 //! Rounding. The rectangle across a directional light and the range of a point light are widened by
 //! [`LIGHT_EXTENT`](crate::numeric::scene::LIGHT_EXTENT); all else is rounded as targets of occlusion buffers are.
 
-mod light;
+pub(crate) mod light;
 mod pieces;
 
 pub use light::Light;
-pub(crate) use light::LightKind;
 
 use crate::derived::shadows::light::Lamp;
 use crate::derived::shadows::pieces::find_pieces;
