@@ -11,7 +11,7 @@ fn number(name: &str) -> Option<u64> {
 
 #[test]
 fn what_is_seen_past_an_edge_is_found() {
-    let run = Run { seed: number("CASCA_SEED").unwrap_or(1), points: 1_000_000, threads: 1, failures: 1 };
+    let run = Run { seed: number("CASCA_SEED").unwrap_or(1), points: 4_000_000, threads: 1, failures: 1 };
     let (tally, lost) = long_run(run, |_, _| ());
     assert!(lost.is_empty(), "{}", lost[0].text);
     // The test means something: most points are decided, each shape is passed, and sets leave out what is hidden.
@@ -23,9 +23,7 @@ fn what_is_seen_past_an_edge_is_found() {
     for way in ["fast", "balanced", "reach", "turn", "coherent", "kept, held", "parallel", "cell", "casters"]
     {
         let count = tally.way(way);
-        // So few points make one scene of view cells, in which nothing may be hidden.
-        let culls = count.culled > 10 || ["turn", "cell"].contains(&way);
-        assert!(count.seen > 100 && culls, "{way}: {tally}");
+        assert!(count.seen > 100 && count.culled > 100, "{way}: {tally}");
     }
 }
 
