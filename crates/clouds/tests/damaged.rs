@@ -182,3 +182,15 @@ fn the_length_of_xml_is_checked_against_the_file() {
     files::mend(&mut file);
     refused(&file, "promises 52428800 bytes of XML");
 }
+
+#[test]
+fn points_that_are_all_the_same_are_read() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    // Nothing compresses better: the number of chunks and their bytes must not look like damage.
+    for (format, count) in [(2, 100_000), (7, 100_000), (2, 1_000_000), (7, 1_000_000)] {
+        let file = files::las_of_one(count, format);
+        let mut read = Ok(0);
+        damage::check(&HEAP, "equal points", &file, &mut |bytes| read = parse(bytes));
+        assert_eq!(read, Ok(count), "format {format}, {} bytes", file.len());
+    }
+}
