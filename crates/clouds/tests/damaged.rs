@@ -183,6 +183,38 @@ fn the_length_of_xml_is_checked_against_the_file() {
     refused(&file, "promises 52428800 bytes of XML");
 }
 
+/// A compressed file whose bytes from one place on, up to another, are so many of one value.
+fn filled(mut file: Vec<u8>, from: usize, to: usize, count: usize, value: u8) -> Vec<u8> {
+    // The table of chunks lies behind.
+    let start = number(&file, 96);
+    let table = number(&file, start) + count - (to - from);
+    file[start..start + 4].copy_from_slice(&(table as u32).to_le_bytes());
+    file.splice(from..to, std::iter::repeat_n(value, count));
+    file
+}
+
+#[test]
+fn times_that_refer_to_others_without_end_are_no_danger() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for value in [0xff, 0xfe, 0xf0, 0xc0, 0x80] {
+        // The times are the last of nine layers.
+        let mut file = files::las(40, 6, 0, true);
+        let lengths = number(&file, 96) + 8 + 30 + 4;
+        let layer = |i: usize| number(&file, lengths + 4 * i);
+        let begin = lengths + 36 + (0..8).map(layer).sum::<usize>();
+        let end = begin + layer(8);
+        file[lengths + 32..lengths + 36].copy_from_slice(&(1_u32 << 20).to_le_bytes());
+        let file = filled(file, begin, end, 1 << 20, value);
+        damage::check(&HEAP, "times", &file, &mut |bytes| assert_eq!(parse(bytes), Ok(40)));
+        // All bytes behind the first point, which is not compressed.
+        let file = files::las(40, 1, 0, true);
+        let begin = number(&file, 96) + 8 + 28;
+        let end = number(&file, number(&file, 96));
+        let file = filled(file, begin, end, 1 << 20, value);
+        damage::check(&HEAP, "times", &file, &mut |bytes| println!("{:?}", parse(bytes)));
+    }
+}
+
 #[test]
 fn points_that_are_all_the_same_are_read() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);

@@ -102,6 +102,11 @@ impl<S: BufRead + Seek> Read for Layers<S> {
 
 impl<S: BufRead + Seek> Seek for Layers<S> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        // Layers that the decoder passes over: their bytes count as read.
+        if let (Some(_), SeekFrom::Current(skipped @ 0..)) = (self.left, to) {
+            io::copy(&mut self.by_ref().take(skipped as u64), &mut io::sink())?;
+            return self.source.stream_position();
+        }
         self.source.seek(to)
     }
 }

@@ -5,7 +5,7 @@ use std::io::{BufRead, Seek, SeekFrom};
 
 use glam::DVec3;
 use las::{Builder, Header, PointData, PointDataBuilder, Vlr, raw};
-use laz::{LasZipDecompressor, LazItemRecordBuilder, LazItemType, LazVlr};
+use laz::{DecompressionSelection, LasZipDecompressor, LazItemRecordBuilder, LazItemType, LazVlr};
 
 use super::guarded;
 use super::layers::Layers;
@@ -96,7 +96,7 @@ impl<S: Source> Points<S> {
         check_items(&vlr, record)?;
         let length = check_chunks(&mut source).map_err(|e| e.to_string())?;
         let source = Layers::new(source, &vlr, length);
-        let mut decoder = LasZipDecompressor::new(source, vlr).map_err(|e| e.to_string())?;
+        let mut decoder = LasZipDecompressor::selective(source, vlr, wanted()).map_err(|e| e.to_string())?;
         decoder.get_mut().begin().map_err(|e| e.to_string())?;
         Ok(Self::Packed(Box::new(decoder)))
     }
@@ -113,6 +113,12 @@ impl<S: Source> Points<S> {
         .map_err(|e| e.to_string())?;
         PointDataBuilder::new().for_header(header).build_from_bytes(bytes).map_err(|e| e.to_string())
     }
+}
+
+/// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
+/// often as a file says, and overflow the stack.
+fn wanted() -> DecompressionSelection {
+    DecompressionSelection::base().decompress_z().decompress_rgb()
 }
 
 /// Checks that the parts of compressed points make up a record: the decoder takes memory for each
