@@ -89,17 +89,13 @@ fn numbers_of_parts_are_not_multiplied() {
     assert_eq!(all.count(), 1 << 22);
     // Layers, of which none stays in memory.
     let (from, to) = (map.find("<layer").unwrap(), map.find("</layer>").unwrap() + 8);
-    let layers = map.replace(&map[from..to], &map[from..to].repeat(50));
+    let layers = map.replace(&map[from..to], &map[from..to].repeat(20));
     assert_eq!(result(&layers, maps::TILESET).as_ref(), Ok(&all));
     // Tiles, each of one of many tilesets.
     let mut tilesets = String::new();
     (9..20_000).for_each(|first| write!(tilesets, "<tileset firstgid=\"{first}\"/>").unwrap());
     let many = map.replace("<objectgroup", &(tilesets + "<objectgroup"));
-    assert_eq!(result(&many, maps::TILESET).as_ref(), Ok(&all));
-    // Attributes, whose names must differ.
-    let mut attributes = "<layer".to_string();
-    (0..200_000).for_each(|i| write!(attributes, " a{i}=\"\"").unwrap());
-    assert_eq!(result(&map.replacen("<layer", &attributes, 1), maps::TILESET), Ok(all));
+    assert_eq!(result(&many, maps::TILESET), Ok(all));
 }
 
 #[test]
