@@ -12,9 +12,9 @@
 // - divide by zero: a `spacing` of 2^32 - 1 beside tiles of one pixel;
 // - index past the end: a layer of fewer tiles than its dimensions say;
 // - take 4 GB: 4,000 objects (100 kB) copy the properties of a template of 1 MB;
-// - take 1.5 GiB: 8,192 by 8,192 tiles in 350 kB of zlib, or 100 layers of 1,000 by 1,000 in 530 kB.
-//   It inflates without a limit and keeps 16 bytes for each tile of each layer. Here they take 8 MiB
-//   and 0.2 MiB;
+// - take 1.5 GiB: 8,192 by 8,192 tiles in 350 kB of zlib, or 100 layers of 1,000 by 1,000 in
+//   530 kB. It inflates without a limit and keeps 16 bytes for each tile of each layer. Here they
+//   take 8 MiB and 0.2 MiB;
 // - search each tile's tileset among all (2,000,000 tiles beside 5,000 tilesets, 400 kB: 5 s), and
 //   compare each attribute with all (100,000 of one element, 1 MB: 29 s).
 //
