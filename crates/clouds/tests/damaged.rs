@@ -182,3 +182,97 @@ fn the_length_of_xml_is_checked_against_the_file() {
     files::mend(&mut file);
     refused(&file, "promises 52428800 bytes of XML");
 }
+
+/// A compressed file with other points; the table of chunks lies behind them.
+fn replaced(mut file: Vec<u8>, from: usize, to: usize, bytes: &[u8]) -> Vec<u8> {
+    let start = number(&file, 96);
+    let table = number(&file, start) + bytes.len() - (to - from);
+    file[start..start + 4].copy_from_slice(&(table as u32).to_le_bytes());
+    file.splice(from..to, bytes.iter().copied());
+    file
+}
+
+#[test]
+fn times_that_refer_to_others_without_end_are_no_danger() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for value in [0xff, 0xfe, 0xf0, 0xc0, 0x80] {
+        // The times are the last of nine layers.
+        let mut file = files::las(40, 6, 0, true);
+        let lengths = number(&file, 96) + 8 + 30 + 4;
+        let layer = |i: usize| number(&file, lengths + 4 * i);
+        let begin = lengths + 36 + (0..8).map(layer).sum::<usize>();
+        let end = begin + layer(8);
+        file[lengths + 32..lengths + 36].copy_from_slice(&(1_u32 << 20).to_le_bytes());
+        let file = replaced(file, begin, end, &vec![value; 1 << 20]);
+        damage::check(&HEAP, "times", &file, &mut |bytes| assert_eq!(parse(bytes), Ok(40)));
+    }
+}
+
+/// Writes times that refer to other sequences of times, so many in each point and in the last.
+struct Times {
+    model: laz::models::ArithmeticModel,
+    references: Vec<usize>,
+}
+
+impl<W: std::io::Write> laz::record::FieldCompressor<W> for Times {
+    fn size_of_field(&self) -> usize {
+        8
+    }
+
+    fn compress_first(&mut self, into: &mut W, bytes: &[u8]) -> std::io::Result<()> {
+        into.write_all(bytes)
+    }
+
+    fn compress_with(
+        &mut self,
+        encoder: &mut laz::encoders::ArithmeticEncoder<W>,
+        _: &[u8],
+    ) -> std::io::Result<()> {
+        for _ in 0..self.references.pop().unwrap_or(0) {
+            encoder.encode_symbol(&mut self.model, 5)?;
+        }
+        // The time of the point before.
+        encoder.encode_symbol(&mut self.model, 0)
+    }
+}
+
+/// A file of points whose times make so many references, the last point's first in the list.
+fn references(references: Vec<usize>) -> Vec<u8> {
+    use laz::record::{RecordCompressor, SequentialPointRecordCompressor};
+    let count = references.len() + 1;
+    let file = files::las(count, 1, 0, true);
+    let model = laz::models::ArithmeticModelBuilder::new(6).build();
+    let mut points = SequentialPointRecordCompressor::new(Vec::new());
+    points.add_field_compressor(laz::las::v2::LasPoint0Compressor::default());
+    points.add_field_compressor(Times { model, references });
+    (0..count).for_each(|_| points.compress_next(&[0; 28]).unwrap());
+    points.done().unwrap();
+    let begin = number(&file, 96) + 8;
+    let end = number(&file, begin - 8);
+    replaced(file, begin, end, &points.into_inner())
+}
+
+#[test]
+fn references_of_times_do_not_overflow_the_stack() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    // Writers need one. After many, each takes less than a thousandth of a bit.
+    assert_eq!(parse(&references(vec![1; 1000])), Ok(1001));
+    assert_eq!(parse(&references(vec![500; 1000])), Ok(1001));
+    for before in [0, 1, 500] {
+        let mut all = vec![before; 1000];
+        all.insert(0, 10_000_000);
+        refused(&references(all), "refers to others without end");
+    }
+}
+
+#[test]
+fn points_that_are_all_the_same_are_read() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    // Nothing compresses better: the number of chunks and their bytes must not look like damage.
+    for (format, count) in [(2, 100_000), (7, 100_000), (2, 1_000_000), (7, 1_000_000)] {
+        let file = files::las_of_one(count, format);
+        let mut read = Ok(0);
+        damage::check(&HEAP, "equal points", &file, &mut |bytes| read = parse(bytes));
+        assert_eq!(read, Ok(count), "format {format}, {} bytes", file.len());
+    }
+}

@@ -2,7 +2,8 @@
 //! bytes.
 #![cfg(feature = "tiled")]
 
-use std::io::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::sync::{Mutex, PoisonError};
 
 use casca_plane::BitGrid;
@@ -59,13 +60,7 @@ fn promises_of_tilesets_cost_nothing() {
 #[test]
 fn layers_that_unfold_to_more_than_their_tiles_are_refused() {
     // A quarter of a gibibyte of zeros, in a quarter of a mebibyte.
-    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
-    let zeros = vec![0; 1 << 20];
-    (0..256).for_each(|_| zlib.write_all(&zeros).unwrap());
-    drop(zeros);
-    use base64::Engine;
-    let data = base64::engine::general_purpose::STANDARD.encode(zlib.finish().unwrap());
-    let map = maps::map("encoding=\"base64\" compression=\"zlib\"", &data);
+    let map = same_tiles(0, 1 << 26);
     assert!(result(&map, maps::TILESET).unwrap_err().contains("more than the 12 tiles"));
     // As many tiles as it says.
     let map = map.replace("width=\"4\" height=\"3\"", "width=\"8192\" height=\"8192\"");
@@ -75,6 +70,32 @@ fn layers_that_unfold_to_more_than_their_tiles_are_refused() {
     assert!(result(&map, maps::TILESET).unwrap_err().contains("too few tiles"));
     let map = map.replace("width=\"8192\" height=\"1048576\"", "width=\"1\" height=\"4294967295\"");
     assert!(result(&map, maps::TILESET).unwrap_err().contains("along a side"));
+}
+
+/// A map whose layers have so many tiles of one id, and promise 4 by 3.
+fn same_tiles(id: u32, count: usize) -> String {
+    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    let tiles = id.to_le_bytes().repeat(1 << 18);
+    (0..count >> 18).for_each(|_| zlib.write_all(&tiles).unwrap());
+    use base64::Engine;
+    let data = base64::engine::general_purpose::STANDARD.encode(zlib.finish().unwrap());
+    maps::map("encoding=\"base64\" compression=\"zlib\"", &data)
+}
+
+#[test]
+fn numbers_of_parts_are_not_multiplied() {
+    let map = same_tiles(2, 1 << 22).replace("width=\"4\" height=\"3\"", "width=\"2048\" height=\"2048\"");
+    let all = result(&map, maps::TILESET).unwrap();
+    assert_eq!(all.count(), 1 << 22);
+    // Layers, of which none stays in memory.
+    let (from, to) = (map.find("<layer").unwrap(), map.find("</layer>").unwrap() + 8);
+    let layers = map.replace(&map[from..to], &map[from..to].repeat(20));
+    assert_eq!(result(&layers, maps::TILESET).as_ref(), Ok(&all));
+    // Tiles, each of one of many tilesets.
+    let mut tilesets = String::new();
+    (9..20_000).for_each(|first| write!(tilesets, "<tileset firstgid=\"{first}\"/>").unwrap());
+    let many = map.replace("<objectgroup", &(tilesets + "<objectgroup"));
+    assert_eq!(result(&many, maps::TILESET), Ok(all));
 }
 
 #[test]

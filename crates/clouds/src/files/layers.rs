@@ -1,9 +1,19 @@
-//! The layers of compressed points (LAS 1.4, formats 6 to 10), whose lengths are checked before
-//! `laz` reserves memory for them.
+//! The source of compressed points: what their bytes make `laz` do is checked while it reads them.
+//!
+//! Lengths of layers (LAS 1.4, formats 6 to 10) are checked before it reserves memory for them, and
+//! the depth of the stack before it overflows.
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
 use laz::{LazItemType, LazVlr};
+
+/// Bytes of stack that the decoder may have in use when it reads: a time of a point (formats 1 and
+/// 3 to 5) may refer to another sequence of times, that to another, and it recurses on each.
+const MOST_STACK: usize = 1 << 20;
+/// The stack that decoding needs. Between two reads it grows further: each of the six symbols has
+/// at least 2^-15 of the probability, so 36,400 references may lie in a byte. They take 0.9 kB each
+/// in a build without optimisation.
+pub(super) const STACK: usize = 64 << 20;
 
 /// What the next bytes of a chunk are.
 enum Part {
@@ -26,6 +36,15 @@ pub(super) struct Layers<S> {
     part: Part,
     /// Whether the layers come next.
     after_lengths: bool,
+    /// Where the stack was when decoding began.
+    stack: Option<usize>,
+}
+
+/// About where the stack of the thread is.
+#[inline(never)]
+fn stack() -> usize {
+    let here = 0_u8;
+    std::ptr::from_ref(std::hint::black_box(&here)).addr()
 }
 
 impl<S: BufRead + Seek> Layers<S> {
@@ -40,7 +59,16 @@ impl<S: BufRead + Seek> Layers<S> {
         };
         let point = vlr.items().iter().map(|item| u64::from(item.size())).sum();
         let layers = vlr.items().iter().map(|item| layers(item.item_type())).sum();
-        Self { source, point, layers, left: None, length, part: Part::Bytes(point), after_lengths: false }
+        Self {
+            source,
+            point,
+            layers,
+            left: None,
+            length,
+            part: Part::Bytes(point),
+            after_lengths: false,
+            stack: None,
+        }
     }
 
     /// Says that the source is at the first chunk.
@@ -49,6 +77,11 @@ impl<S: BufRead + Seek> Layers<S> {
         self.part = Part::Bytes(self.point);
         self.after_lengths = false;
         Ok(())
+    }
+
+    /// Says that decoding begins, on a stack of [`STACK`].
+    pub fn watch(&mut self) {
+        self.stack = Some(stack());
     }
 
     /// The bytes of a read that lie in one part; the parts go on where one is full.
@@ -90,6 +123,9 @@ impl<S: BufRead + Seek> Layers<S> {
 
 impl<S: BufRead + Seek> Read for Layers<S> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.stack.is_some_and(|start| stack().abs_diff(start) > MOST_STACK) {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a time refers to others without end"));
+        }
         let Some(left) = self.left.filter(|_| self.layers > 0) else { return self.source.read(into) };
         let most = self.limit(into.len());
         let read = self.source.read(&mut into[..most])?;
@@ -102,6 +138,11 @@ impl<S: BufRead + Seek> Read for Layers<S> {
 
 impl<S: BufRead + Seek> Seek for Layers<S> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        // Layers that the decoder passes over: their bytes count as read.
+        if let (Some(_), SeekFrom::Current(skipped @ 0..)) = (self.left, to) {
+            io::copy(&mut self.by_ref().take(skipped as u64), &mut io::sink())?;
+            return self.source.stream_position();
+        }
         self.source.seek(to)
     }
 }

@@ -1,14 +1,16 @@
 //! LAS and LAZ, by the crates `las` and `laz`. Sizes in a file are checked before these reserve
 //! memory for them.
 
-use std::io::{BufRead, Seek, SeekFrom};
+use std::io::{self, BufRead, Seek, SeekFrom};
+use std::panic::resume_unwind;
+use std::thread;
 
 use glam::DVec3;
 use las::{Builder, Header, PointData, PointDataBuilder, Vlr, raw};
-use laz::{LasZipDecompressor, LazItemRecordBuilder, LazItemType, LazVlr};
+use laz::{DecompressionSelection, LasZipDecompressor, LazItemRecordBuilder, LazItemType, LazVlr};
 
 use super::guarded::guarded;
-use super::layers::Layers;
+use super::layers::{Layers, STACK};
 use super::sink::{Attributes, FileError, Sample, Sink, Source};
 use crate::numeric;
 
@@ -96,7 +98,7 @@ impl<S: Source> Points<S> {
         check_items(&vlr, record)?;
         let length = check_chunks(&mut source).map_err(|e| e.to_string())?;
         let source = Layers::new(source, &vlr, length);
-        let mut decoder = LasZipDecompressor::new(source, vlr).map_err(|e| e.to_string())?;
+        let mut decoder = LasZipDecompressor::selective(source, vlr, wanted()).map_err(|e| e.to_string())?;
         decoder.get_mut().begin().map_err(|e| e.to_string())?;
         Ok(Self::Packed(Box::new(decoder)))
     }
@@ -108,11 +110,32 @@ impl<S: Source> Points<S> {
         let mut bytes = vec![0; (count * record) as usize];
         match self {
             Self::Plain(source) => source.read_exact(&mut bytes),
-            Self::Packed(decoder) => decoder.decompress_many(&mut bytes),
+            Self::Packed(decoder) => unpack(decoder, &mut bytes),
         }
         .map_err(|e| e.to_string())?;
         PointDataBuilder::new().for_header(header).build_from_bytes(bytes).map_err(|e| e.to_string())
     }
+}
+
+/// Decodes points, on a stack that is deep enough.
+fn unpack<S: Source>(
+    decoder: &mut LasZipDecompressor<'static, Layers<S>>,
+    into: &mut [u8],
+) -> io::Result<()> {
+    let decode = || {
+        decoder.get_mut().watch();
+        decoder.decompress_many(into)
+    };
+    thread::scope(|scope| {
+        let decoding = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, decode)?;
+        decoding.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
+}
+
+/// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
+/// often as a file says, and overflow the stack.
+fn wanted() -> DecompressionSelection {
+    DecompressionSelection::base().decompress_z().decompress_rgb()
 }
 
 /// Checks that the parts of compressed points make up a record: the decoder takes memory for each
@@ -148,7 +171,7 @@ fn check_items(vlr: &LazVlr, record: u64) -> Result<(), String> {
 /// point. Gives the length of the file.
 ///
 /// Compressed points begin with the offset of the table of chunks, or -1 and the file ends with it.
-fn check_chunks(source: &mut (impl BufRead + Seek)) -> std::io::Result<u64> {
+fn check_chunks(source: &mut (impl BufRead + Seek)) -> io::Result<u64> {
     let points = source.stream_position()?;
     let length = source.seek(SeekFrom::End(0))?;
     let mut read = |from: SeekFrom| {
@@ -163,7 +186,7 @@ fn check_chunks(source: &mut (impl BufRead + Seek)) -> std::io::Result<u64> {
     // A table beyond the end is no table: the crate does without, or says so.
     let chunks = read(SeekFrom::Start(table)).map_or(0, |version_and_count| version_and_count >> 32);
     if chunks > length / LEAST_RECORD {
-        return Err(std::io::Error::other(format!("{chunks} chunks in {length} bytes")));
+        return Err(io::Error::other(format!("{chunks} chunks in {length} bytes")));
     }
     source.seek(SeekFrom::Start(points))?;
     Ok(length)

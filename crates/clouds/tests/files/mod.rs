@@ -16,6 +16,9 @@ const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\np
 
 const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
 
+/// Where the points of LAS files are counted from, in x.
+const FAR: f64 = 4_500_000.0;
+
 /// Points on a helix far from zero, with colours, normals and radii.
 pub fn helix(count: usize) -> PointCloud {
     let turn = |i: usize| Vec3::new((i as f32).cos(), (i as f32).sin(), 0.0);
@@ -58,31 +61,49 @@ fn ply_with_lists(little: bool) -> Vec<u8> {
 /// The helix in a format of points, written by the crate `las`. From format 6 on, compressed points
 /// lie in layers.
 pub fn las(count: usize, format: u8, extra_bytes: u16, compressed: bool) -> Vec<u8> {
+    let mut point_format = las::point::Format::new(format).expect("a known format");
+    point_format.is_compressed = compressed;
+    point_format.extra_bytes = extra_bytes;
     let cloud = helix(count);
-    let mut builder = las::Builder::from((1, 4));
-    builder.point_format = las::point::Format::new(format).expect("a known format");
-    builder.point_format.is_compressed = compressed;
-    builder.point_format.extra_bytes = extra_bytes;
-    let transform = |offset| las::Transform { scale: 1e-3, offset };
-    builder.transforms = las::Vector { x: transform(4_500_000.0), y: transform(0.0), z: transform(0.0) };
-    let header = builder.into_header().expect("a plain header");
-    let format = *header.point_format();
-    let mut writer = las::Writer::new(Cursor::new(Vec::new()), header).expect("a list takes all bytes");
-    for (i, (p, c)) in cloud.world_positions().zip(&cloud.colours).enumerate() {
+    let points = cloud.world_positions().zip(&cloud.colours).enumerate().map(|(i, (p, c))| {
         let [red, green, blue] = c.map(|c| u16::from(c) * 257);
-        let point = las::Point {
+        las::Point {
             x: p.x,
             y: p.y,
             z: p.z,
-            color: format.has_color.then_some(las::Color { red, green, blue }),
-            nir: format.has_nir.then_some(i as u16),
-            gps_time: format.has_gps_time.then_some(i as f64),
-            waveform: format.has_waveform.then(Default::default),
+            color: point_format.has_color.then_some(las::Color { red, green, blue }),
+            nir: point_format.has_nir.then_some(i as u16),
+            gps_time: point_format.has_gps_time.then_some(i as f64),
+            waveform: point_format.has_waveform.then(Default::default),
             extra_bytes: vec![i as u8; extra_bytes.into()],
             ..Default::default()
-        };
-        writer.write_point(point).expect("a list takes all bytes");
-    }
+        }
+    });
+    las_with(point_format, points)
+}
+
+/// Compressed points of a format that are all the same.
+pub fn las_of_one(count: usize, format: u8) -> Vec<u8> {
+    let mut point_format = las::point::Format::new(format).expect("a known format");
+    point_format.is_compressed = true;
+    let point = las::Point {
+        x: FAR,
+        color: point_format.has_color.then(Default::default),
+        gps_time: point_format.has_gps_time.then_some(0.0),
+        ..Default::default()
+    };
+    las_with(point_format, std::iter::repeat_n(point, count))
+}
+
+/// Points, written by the crate `las`.
+fn las_with(format: las::point::Format, points: impl Iterator<Item = las::Point>) -> Vec<u8> {
+    let mut builder = las::Builder::from((1, 4));
+    builder.point_format = format;
+    let transform = |offset| las::Transform { scale: 1e-3, offset };
+    builder.transforms = las::Vector { x: transform(FAR), y: transform(0.0), z: transform(0.0) };
+    let header = builder.into_header().expect("a plain header");
+    let mut writer = las::Writer::new(Cursor::new(Vec::new()), header).expect("a list takes all bytes");
+    points.for_each(|point| writer.write_point(point).expect("a list takes all bytes"));
     writer.close().expect("a list takes all bytes");
     writer.into_inner().expect("a closed writer").into_inner()
 }
