@@ -4,18 +4,15 @@
 //! ```
 //! use casca::glam::{Mat4, Vec3, Vec4};
 //! use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-//!
 //! # fn main() -> Result<(), casca::Error> {
 //! // A grid over the level, with cells of one metre.
 //! let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
 //! let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
-//!
 //! // Bounds are tested, occluders hide. Both may be spheres, boxes, convex solids or meshes.
 //! let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 33.0));
 //! scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //! let bird = Sphere::new(Vec3::new(32.0, 4.0, 10.0), 0.3);
 //! let bird_id = scene.insert(ObjectDesc::dynamic(bird).max_speed(12.0))?;
-//!
 //! let mut query = Query::new();
 //! let eye = Vec3::new(32.5, 2.5, 60.5);
 //! // The matrix of your renderer. This one looks along -z, 60 degrees high and 16:9, with reversed depth from 0.1 m on.
