@@ -74,20 +74,43 @@ pub fn write(
     }
     for s in sections {
         let _ = writeln!(out, "\n## {}", s.title);
-        let mut in_list = false;
-        for block in &s.blocks {
-            let item = matches!(block, Block::Item(..));
-            if item && !in_list {
-                out.push('\n');
-            }
-            in_list = item;
-            out.push_str(&markdown(block, &folder));
-            if let Block::Table(table) | Block::Rows(_, table) | Block::Item(_, table) = block {
-                save(&lab.folder.join(format!("{}.csv", table.name)), &table.csv())?;
-            }
+        if s.own_page && sections.len() > 1 {
+            let page = format!("{}.md", anchor(&s.title));
+            let _ = writeln!(out, "\n{}\n\n[All of it]({folder}/{page})", first_paragraph(s));
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let text = format!("# {}\n\nA page of [the report](../{name}).\n{}", s.title, body(s, "."));
+            save(&lab.folder.join(page), &text)?;
+        } else {
+            out.push_str(&body(s, &folder));
+        }
+        for table in s.blocks.iter().filter_map(Block::as_table) {
+            save(&lab.folder.join(format!("{}.csv", table.name)), &table.csv())?;
         }
     }
     save(path, &out)
+}
+
+/// The blocks of a section. Tables and pictures are in `folder`, as seen from the page.
+fn body(section: &Section, folder: &str) -> String {
+    let (mut out, mut in_list) = (String::new(), false);
+    for block in &section.blocks {
+        let item = matches!(block, Block::Item(..));
+        if item && !in_list {
+            out.push('\n');
+        }
+        in_list = item;
+        out.push_str(&markdown(block, folder));
+    }
+    out
+}
+
+/// The first words of a section, up to an empty line.
+fn first_paragraph(section: &Section) -> &str {
+    let texts = section.blocks.iter().filter_map(|block| match block {
+        Block::Text(text) => text.trim().split("\n\n").next(),
+        _ => None,
+    });
+    texts.into_iter().find(|text| !text.starts_with('#')).unwrap_or("")
 }
 
 #[cfg(test)]
@@ -118,6 +141,25 @@ mod tests {
             assert!(text.contains(&format!("/{name}.csv)")), "{name}");
             assert_eq!(std::fs::read_to_string(folder.join(format!("{name}.csv"))).unwrap(), "a\n1\n");
         }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn long_sections_have_pages_of_their_own() {
+        let folder = std::env::temp_dir().join(format!("casca-pages-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let lab =
+            Lab { quick: true, seed: 1, files: Vec::new(), folder: folder.clone(), progress: &|_: &str| () };
+        let mut long = Section::on_its_own_page("Long: one");
+        long.text("First words.\n\nSecond words.");
+        long.table(Table::new("long", &["a"]));
+        let file = folder.join("report.md");
+        write(&file, HEAD, &lab, &[long, Section::new("Short")], "cargo run", "Settings.").unwrap();
+        let (front, page) = (std::fs::read_to_string(file), std::fs::read_to_string(folder.join("long-one.md")));
+        let (front, page) = (front.unwrap(), page.unwrap());
+        assert!(front.contains("First words.") && !front.contains("Second") && front.contains("/long-one.md)"));
+        assert!(page.starts_with("# Long: one\n") && page.contains("Second words.") && page.contains("(./long.csv)"));
+        assert!(page.contains("(../report.md)") && folder.join("long.csv").exists());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -9,6 +9,8 @@ pub struct Section {
     pub title: String,
     /// The text, tables and pictures under it.
     pub blocks: Vec<Block>,
+    /// Whether a report of several sections has a page for it, and only its first paragraph on the front page.
+    pub own_page: bool,
 }
 
 /// A piece of a section.
@@ -42,10 +44,25 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+impl Block {
+    /// Its table, if it has one.
+    pub fn as_table(&self) -> Option<&Table> {
+        match self {
+            Self::Table(table) | Self::Rows(_, table) | Self::Item(_, table) => Some(table),
+            Self::Text(_) | Self::Picture { .. } => None,
+        }
+    }
+}
+
 impl Section {
     /// A section without content.
     pub fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), blocks: Vec::new() }
+        Self { title: title.to_owned(), blocks: Vec::new(), own_page: false }
+    }
+
+    /// A section without content that gets a page of its own in reports of several sections.
+    pub fn on_its_own_page(title: &str) -> Self {
+        Self { own_page: true, ..Self::new(title) }
     }
 
     /// Adds paragraphs.

@@ -38,7 +38,7 @@ pub fn reach(lab: &Lab) -> Result<Section, LabError> {
 /// # Errors
 /// If a chart cannot be written.
 pub fn section(lab: &Lab, effort: &Effort, scores: &[ReachScore]) -> Result<Section, LabError> {
-    let mut section = Section::new("Eyes that may go some way");
+    let mut section = Section::on_its_own_page("Eyes that may go some way");
     section.text(text(effort, scores));
     for (kind, name, meshes) in [("solids", "Spheres and boxes", false), ("meshes", "Triangle meshes", true)]
     {

@@ -92,7 +92,7 @@ pub fn scaling(lab: &Lab) -> Result<Section, LabError> {
 /// As [`scaling()`].
 pub fn scaling_to(lab: &Lab, reach: Reach) -> Result<Section, LabError> {
     let bench = Bench { lab, reach };
-    let mut section = Section::new("Scaling");
+    let mut section = Section::on_its_own_page("Scaling");
     let walks = reach.walks();
     section.text(format!(
         "Fresh queries of `point` at its default options from {} views, each with the least of {} runs; medians and 99th \

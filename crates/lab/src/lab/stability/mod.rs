@@ -154,7 +154,7 @@ fn findings(lab: &Lab, group: &Group) -> Result<Vec<Finding>, LabError> {
 /// # Errors
 /// If the library refuses a world, or a picture cannot be written.
 pub fn stability(lab: &Lab) -> Result<Section, LabError> {
-    let mut section = Section::new("Stability");
+    let mut section = Section::on_its_own_page("Stability");
     let mut all = Vec::new();
     let (mut items, mut pictures) = (Section::new(""), Section::new(""));
     for group in GROUPS {

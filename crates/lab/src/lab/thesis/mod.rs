@@ -69,7 +69,7 @@ pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
     for experiment in [hidden::run, walk::run, angle::run, resolution::run, profile::run] {
         findings.extend(experiment(lab, &mut body)?);
     }
-    let mut section = Section::new("The thesis' experiments, with today's code");
+    let mut section = Section::on_its_own_page("The thesis' experiments, with today's code");
     section.text(
         "casca follows a thesis of 2002. Here are the experiments of its chapter 4, on scenes made as it describes them: \
          clusters of spheres, 4,800 static and 200 that move. Its times come from an Athlon XP at 1.5 GHz with a GeForce2, so \
