@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use casca::internals::{SceneInternals, occlusion_by_caps, occlusion_by_lattice};
 use casca::{CellOptions, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
-use casca_lab::drive::{Driver, grid_for, view_of};
-use casca_lab::measure::{Settled, median, ratio};
-use casca_lab::scenes::{SceneKind, SceneOptions, build};
-use casca_lab::world::{FRAME_SECONDS, Motion, Shape, World};
+use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::measure::{Settled, median, ratio};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::{FRAME_SECONDS, Motion, Shape, World};
 use criterion::Criterion;
 
 fn spheres(hidden_extra: usize) -> World {

@@ -5,8 +5,8 @@
 //! as it says. `CASCA_SEED` is the first seed, `CASCA_ATTACK_FAILURES` how many failures end the run, and
 //! `CASCA_ATTACK_WITHOUT=clones,kept` leaves out habits.
 
-use casca_lab::attack::{Habits, Run, Tally, long_run, play_seed};
-use casca_lab::cases;
+use casca_truth::attack::{Habits, Run, Tally, long_run, play_seed};
+use casca_truth::cases;
 use proptest::prelude::*;
 
 /// Operations of one case.

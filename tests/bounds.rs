@@ -6,7 +6,7 @@ use std::sync::Arc;
 use casca::{
     Aabb, Bounds, Error, GridSpec, Instance, Obb, ObjectDesc, Pvs, Query, Scene, Sphere, TriMesh, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 

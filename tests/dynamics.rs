@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use casca::internals::SceneInternals;
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, Mat4, UVec3, Vec3};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 //! `CASCA_GRAZING_POINTS=1000000000 cargo test --release --test grazing -- --ignored --nocapture` asks for as many points as it
 //! says, on all cores (`CASCA_GRAZING_THREADS` for fewer; results are the same). `CASCA_SEED` is the seed of the first scene.
 
-use casca_lab::attack::grazing::{Run, SHAPES, Tally, long_run};
+use casca_truth::attack::grazing::{Run, SHAPES, Tally, long_run};
 
 fn number(name: &str) -> Option<u64> {
     std::env::var(name).ok().and_then(|v| v.parse().ok())

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use casca::{
     Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 

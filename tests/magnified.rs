@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, TriMesh, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, UVec3, Vec3};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casca::{Aabb, Convex, GridSpec, Instance, Method, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
-use casca_lab::world::Mesh;
+use casca_scenes::world::Mesh;
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use peak_alloc::PeakAlloc;
 

@@ -5,7 +5,7 @@ use casca::internals::{
     BitMatrix, OcclusionMatrix, QueryInternals, SceneInternals, occlusion_by_caps, occlusion_by_lattice,
 };
 use casca::{Aabb, CellOptions, GridSpec, Method, ObjectDesc, Query, Scene, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{DVec3, IVec3, Vec3};
 use proptest::prelude::*;
 

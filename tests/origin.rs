@@ -9,7 +9,7 @@ use casca::{
     Aabb, Bounds, Convex, Error, GridSpec, Instance, KeptQuery, Method, Obb, ObjectDesc, ObjectId,
     PointOptions, Query, Scene, Sphere, TriMesh, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{Affine3A, DVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -6,7 +6,7 @@ mod segments;
 use casca::{
     Aabb, GridSpec, KeptOptions, KeptQuery, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{DVec3, UVec3, Vec3};
 use proptest::prelude::*;
 

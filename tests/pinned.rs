@@ -10,9 +10,9 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, TriMesh};
-use casca_lab::drive::{Driver, grid_for, view_of};
-use casca_lab::scenes::{SceneKind, SceneOptions, build};
-use casca_lab::world::FRAME_SECONDS;
+use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::FRAME_SECONDS;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Affine3A, Vec3};
 

@@ -8,7 +8,7 @@ use casca::{
     Aabb, Bounds, Convex, Error, GridSpec, Instance, Method, Obb, ObjectDesc, Occluder, Query, Scene, Sphere,
     TriMesh, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -4,7 +4,7 @@
 mod worlds;
 
 use casca::{Aabb, Method, Plane, PointOptions, Query, Sphere, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 

@@ -3,7 +3,7 @@
 mod segments;
 
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx::orthographic, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;

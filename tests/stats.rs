@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Method, ObjectDesc, PointOptions, Query, Scene, Stats, TriMesh, View};
-use casca_lab::drive::{Driver, grid_for, view_of};
-use casca_lab::scenes::{SceneKind, SceneOptions, build};
-use casca_lab::world::FRAME_SECONDS;
+use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::FRAME_SECONDS;
 use glam::{UVec3, Vec3};
 
 fn methods() -> [Method; 5] {

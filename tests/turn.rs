@@ -6,7 +6,7 @@ mod worlds;
 use std::f32::consts::PI;
 
 use casca::{Error, Method, Plane, PointOptions, Query, Sphere, View};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Mat4, Quat, Vec3};
 use proptest::prelude::*;

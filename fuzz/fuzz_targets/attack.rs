@@ -1,7 +1,7 @@
-//! Plays the attack of `casca-lab` by the bytes of the fuzzer: no set lacks an object that a ray reaches.
+//! Plays the attack of `casca-truth` by the bytes of the fuzzer: no set lacks an object that a ray reaches.
 #![no_main]
 
-use casca_lab::attack::{Habits, play_bytes};
+use casca_truth::attack::{Habits, play_bytes};
 use libfuzzer_sys::fuzz_target;
 
 /// Operations of one play, at most.

@@ -30,7 +30,7 @@ mod lines;
 mod maps;
 #[path = "../../tests/damage/meshes.rs"]
 mod meshes;
-#[path = "../../crates/lab/tests/files/mod.rs"]
+#[path = "../../crates/scenes/tests/files/mod.rs"]
 mod scenes;
 
 #[global_allocator]
@@ -105,7 +105,7 @@ fn map(map: &[u8], tileset: &[u8]) {
 }
 
 fn scene(bytes: &[u8]) {
-    let _ = casca_lab::import::read_lit("fuzz", bytes, None);
+    let _ = casca_scenes::import::read_lit("fuzz", bytes, None);
 }
 
 fn mesh(mut bytes: &[u8]) {

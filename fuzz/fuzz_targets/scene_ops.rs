@@ -9,8 +9,8 @@ use casca::{
     Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere,
     View,
 };
-use casca_lab::oracle::RayOracle;
-use casca_lab::world::{Motion, Object, Shape};
+use casca_truth::oracle::RayOracle;
+use casca_scenes::world::{Motion, Object, Shape};
 use glam::{DVec3, Mat4, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 

@@ -11,7 +11,7 @@ use casca::{
     Aabb, GridSpec, KeptOptions, KeptQuery, KeptResult, ObjectDesc, ObjectId, Occluder, PointOptions, Query,
     Scene, Sphere, View,
 };
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;

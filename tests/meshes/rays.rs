@@ -1,6 +1,6 @@
 //! Rays against triangles, by the signs of triple products: in doubt, a triangle blocks.
 
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 pub type Triangle = [DVec3; 3];

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use casca::internals::Shape;
 use casca::{Grid, GridSpec, TriMesh};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 

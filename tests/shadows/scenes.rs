@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Light, ObjectDesc, ObjectId, Query, Scene, View};
-use casca_lab::world::{Mesh, Motion, Object, Shape};
+use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;

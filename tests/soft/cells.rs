@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use casca::soft::{Layer, SoftGrid};
 use casca::{Aabb, Instance, Obb, ObjectDesc, Scene, Sphere, TriMesh};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{Affine3A, DVec3, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use casca::soft::{Cone, Layer, March, SoftGrid, VisibilityVolume};
 use casca::{Aabb, Error, GridSpec, Light, Sphere, TriMesh};
-use casca_lab::cases;
+use casca_truth::cases;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 

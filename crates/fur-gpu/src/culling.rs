@@ -7,7 +7,7 @@ use casca_fur::mesh::Mesh;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
 use casca_fur_scenes::animals::LEVELS;
 use casca_fur_scenes::field::{Field, Hiding, Kind};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use glam::Vec3;
 
 use crate::error::FurGpuError;

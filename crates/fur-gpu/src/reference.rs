@@ -7,7 +7,7 @@ use casca_fur::Error;
 use casca_fur::mesh::Mesh;
 use casca_fur::shading::{Directions, Material};
 use casca_fur::strands::{Root, roots};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;

@@ -9,7 +9,7 @@ use casca_fur_gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur_gpu::reference::Reference;
 use casca_fur_gpu::renderer::Renderer;
 use casca_fur_scenes::field::{Field, Hiding};
-use casca_lab::world::{self, Camera};
+use casca_scenes::world::{self, Camera};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
 use glam::{Affine3A, Vec3};

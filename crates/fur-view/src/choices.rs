@@ -7,8 +7,8 @@ use casca_fur::strands::Fur;
 use casca_fur_gpu::look::{Look, Mapping};
 use casca_fur_scenes::animals::Animal;
 use casca_lab::command_line::EXIT_CODES;
-use casca_lab::import;
-use casca_lab::world::Shape;
+use casca_scenes::import;
+use casca_scenes::world::Shape;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::Vec3;
 

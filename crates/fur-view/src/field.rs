@@ -8,7 +8,7 @@ use casca_fur_gpu::renderer::Renderer;
 use casca_fur_scenes::animals::Animal;
 use casca_fur_scenes::field::{Field, Hiding};
 use casca_lab::command_line::{Outcome, say};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::canvas::write_png;
 use casca_stage::gpu::{COLOUR, Gpu};
 

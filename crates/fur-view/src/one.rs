@@ -7,7 +7,7 @@ use casca_fur_gpu::records::Block;
 use casca_fur_gpu::records::{DrawList, Stand, Sun};
 use casca_fur_gpu::renderer::Renderer;
 use casca_lab::command_line::say;
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::canvas::{Canvas, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};
 use glam::{Affine3A, Vec3};

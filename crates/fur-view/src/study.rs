@@ -10,7 +10,7 @@ use casca_fur_gpu::renderer::Renderer;
 use casca_lab::command_line::{PathError, say};
 use casca_lab::pictures::palette::OTHERS;
 use casca_lab::pictures::{Axis, Line, lines};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::canvas::write_png;
 use casca_stage::gpu::{COLOUR, Gpu};
 use glam::Vec3;

@@ -5,7 +5,7 @@ use std::error::Error;
 use casca_fur_gpu::culling::{Demand, Way, camera_at};
 use casca_fur_gpu::records::{DrawList, Sun};
 use casca_fur_gpu::renderer::Renderer;
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Slider, SliderClamping};
 use casca_stage::fly::{Fly, way};

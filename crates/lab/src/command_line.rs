@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
 
-use crate::import::{self, ImportError};
-use crate::scenes::{self, SceneKind, SceneOptions};
-use crate::world::World;
+pub use casca_scenes::path_error::PathError;
+use casca_scenes::import::{self, ImportError};
+use casca_scenes::generated::{self, SceneKind, SceneOptions};
+use casca_scenes::world::World;
 
 /// Frames that can be walked: as many as a file may give.
 pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
@@ -57,31 +58,6 @@ pub fn finish<E: Display>(result: Result<Outcome, E>) -> ExitCode {
     ExitCode::from(code(&result))
 }
 
-/// A file or folder that cannot be had.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot {act} {}: {why}", path.display())]
-pub struct PathError {
-    act: &'static str,
-    path: PathBuf,
-    why: io::Error,
-}
-
-impl PathError {
-    /// A file that cannot be written.
-    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        Self::that("write", path)
-    }
-
-    /// A file that cannot be read.
-    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        Self::that("read", path)
-    }
-
-    fn that(act: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
-        move |why| Self { act, path: path.to_owned(), why }
-    }
-}
-
 /// Makes a folder and those above it; an empty path is the current one.
 ///
 /// # Errors
@@ -90,7 +66,7 @@ pub fn make_folder(path: &Path) -> Result<(), PathError> {
     if path.as_os_str().is_empty() {
         return Ok(());
     }
-    std::fs::create_dir_all(path).map_err(PathError::that("make the folder", path))
+    std::fs::create_dir_all(path).map_err(PathError::to("make the folder", path))
 }
 
 /// Tries whether a file can be written, and makes the folders above it. A file that is there stays as it is;
@@ -170,7 +146,7 @@ impl SceneName {
     /// As [`import::load`].
     pub fn open(&self, options: &SceneOptions) -> Result<World, ImportError> {
         match self {
-            Self::Built(kind) => Ok(scenes::build(*kind, options)),
+            Self::Built(kind) => Ok(generated::build(*kind, options)),
             Self::File(path) => import::load(path),
         }
     }

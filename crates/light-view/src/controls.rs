@@ -1,6 +1,6 @@
 //! What the sliders of the window set.
 
-use casca_lab::lit::{Light, LightKind};
+use casca_scenes::lit::{Light, LightKind};
 use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
@@ -194,7 +194,7 @@ fn sunbeam(height: f32, turn: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca_lab::lit::Kind;
+    use casca_scenes::lit::Kind;
     use casca_stage::egui::{Context, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
     use clap::Parser;
 

@@ -4,10 +4,10 @@ use std::error::Error;
 use std::path::Path;
 
 use casca_lab::command_line::{make_folder, say};
-use casca_lab::lit::HdrImage;
-use casca_lab::oracle::path::{PathTracer, Quantity};
+use casca_scenes::lit::HdrImage;
+use casca_truth::oracle::path::{PathTracer, Quantity};
 use casca_lab::pictures::{Tile, sheet};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::reach::Reach;

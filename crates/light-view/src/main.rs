@@ -49,7 +49,7 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca_lab::lit::Kind;
+    use casca_scenes::lit::Kind;
     use casca_light::renderer::{Renderer, Settings};
 
     fn said(words: &[&str]) -> String {

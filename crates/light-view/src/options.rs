@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use casca_lab::command_line::EXIT_CODES;
-use casca_lab::lit::MOST_PIXELS;
+use casca_scenes::lit::MOST_PIXELS;
 use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};

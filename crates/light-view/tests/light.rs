@@ -5,8 +5,8 @@ mod common;
 
 use std::f32::consts::PI;
 
-use casca_lab::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
-use casca_lab::world::Camera;
+use casca_scenes::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
+use casca_scenes::world::Camera;
 use casca_light::cones::ConeCount;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
@@ -373,7 +373,7 @@ fn rooms_that_surfaces_light() {
 fn sponza_with_twenty_moving_balls() {
     let Some(gpu) = gpu() else { return };
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes/sponza.glb");
-    let Ok(mut scene) = casca_lab::import::load_lit(std::path::Path::new(path)) else {
+    let Ok(mut scene) = casca_scenes::import::load_lit(std::path::Path::new(path)) else {
         return println!("skipped: no {path}");
     };
     let (min, max) = scene.bounds();

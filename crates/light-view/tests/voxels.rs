@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use casca_lab::lit::{Kind, LitObject, LitScene, Material};
+use casca_scenes::lit::{Kind, LitObject, LitScene, Material};
 use casca_light::error::LightError;
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
@@ -71,7 +71,7 @@ fn no_cell_that_a_sliver_touches_is_missing() {
     }
     scene.objects.truncate(1);
     scene.objects[0].materials = vec![0; triangles.len()].into();
-    scene.objects[0].mesh = casca_lab::world::Mesh { positions, triangles }.into();
+    scene.objects[0].mesh = casca_scenes::world::Mesh { positions, triangles }.into();
     let (renderer, surfaces) = voxels(&gpu, &scene, 32);
     let volume = renderer.volume();
     let is_full = |cell: &glam::UVec3| {
@@ -178,7 +178,7 @@ fn a_layer_of_one_triangle_in_one_brick_holds_no_other() {
     scene.objects.push(LitObject {
         name: "small".to_owned(),
         materials: vec![1].into(),
-        mesh: casca_lab::world::Mesh { positions, triangles: vec![[0, 1, 2]] }.into(),
+        mesh: casca_scenes::world::Mesh { positions, triangles: vec![[0, 1, 2]] }.into(),
         transform: Affine3A::IDENTITY,
         moves: false,
     });
@@ -197,8 +197,8 @@ fn after_an_update_that_failed_the_next_one_makes_everything_again() {
     let corners =
         [-2.0_f32, 2.0].map(|c| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|way| Vec3::splat(c) - way * 0.01 * c));
     let triangles = vec![[0, 1, 2], [3, 4, 5]];
-    scene.objects[1].mesh = casca_lab::world::Mesh { positions: corners.concat(), triangles }.into();
-    scene.lights.push(casca_lab::lit::Light::point(Vec3::new(0.5, 1.5, 0.5), Vec3::ONE));
+    scene.objects[1].mesh = casca_scenes::world::Mesh { positions: corners.concat(), triangles }.into();
+    scene.lights.push(casca_scenes::lit::Light::point(Vec3::new(0.5, 1.5, 0.5), Vec3::ONE));
     scene.objects.push(ball(0, Vec3::new(-0.5, 0.2, 0.0), 0.2));
     let object = scene.objects.len() - 1;
     let mut renderer = Renderer::new(&gpu, &scene, settings(64)).unwrap();
@@ -252,7 +252,7 @@ fn scenes_and_grids_that_cannot_be_had_are_named() {
         let said = refused(&scene, settings(512)).unwrap();
         assert!(said.contains("but the adapter has 134217728") && said.contains("fewer cells"), "{said}");
         let mut renderer = Renderer::new(&gpu, &scene, settings(16)).unwrap();
-        let lights = vec![casca_lab::lit::Light::point(Vec3::ZERO, Vec3::ONE); (1 << 21) + 1];
+        let lights = vec![casca_scenes::lit::Light::point(Vec3::ZERO, Vec3::ONE); (1 << 21) + 1];
         let said = renderer.set_lights(&gpu, &lights).unwrap_err().to_string();
         assert!(said.contains("lights takes") && said.contains("fewer lights"), "{said}");
     }
@@ -269,9 +269,9 @@ fn scenes_of_any_size_and_place_are_taken_or_refused() {
             object.transform =
                 Affine3A::from_translation(Vec3::splat(shift)) * Affine3A::from_scale(Vec3::splat(scale));
         }
-        scene.lights.push(casca_lab::lit::Light::point(Vec3::NAN, Vec3::INFINITY));
+        scene.lights.push(casca_scenes::lit::Light::point(Vec3::NAN, Vec3::INFINITY));
         let near = Vec3::splat(2.7 * scale + shift);
-        scene.lights.push(casca_lab::lit::Light::point(near, Vec3::splat(1e38)));
+        scene.lights.push(casca_scenes::lit::Light::point(near, Vec3::splat(1e38)));
         scene.sky = Vec3::INFINITY;
         let Ok(mut renderer) = Renderer::new(&gpu, &scene, settings(16)) else { continue };
         renderer.update(&gpu, None, &mut Clock::off()).unwrap();

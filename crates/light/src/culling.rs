@@ -1,9 +1,9 @@
 //! A scene of the library for a lit scene, on the grid of its voxels.
 
 use casca::{Aabb, Error, Query, Sight, View};
-use casca_lab::drive::Driver;
-use casca_lab::lit::LitScene;
-use casca_lab::world::{Camera, Motion, Object, Shape};
+use casca_scenes::drive::Driver;
+use casca_scenes::lit::LitScene;
+use casca_scenes::world::{Camera, Motion, Object, Shape};
 use glam::{Affine3A, Vec3};
 
 use crate::volume::Volume;
@@ -21,7 +21,7 @@ impl Culling {
     /// # Errors
     /// As [`casca::Scene::insert`].
     pub fn new(scene: &LitScene, volume: &Volume) -> Result<Self, Error> {
-        let object = |o: &casca_lab::lit::LitObject| Object {
+        let object = |o: &casca_scenes::lit::LitObject| Object {
             name: o.name.clone(),
             shape: Shape::Mesh { mesh: o.mesh.clone(), transform: o.transform },
             motion: if o.moves { Motion::Dynamic { max_speed: f32::MAX } } else { Motion::Static },

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
-use casca_lab::lit::{self, LightKind, LitObject, LitScene};
+use casca_scenes::lit::{self, LightKind, LitObject, LitScene};
 use glam::{Affine3A, Vec3};
 
 use crate::error::LightError;
@@ -310,7 +310,7 @@ pub fn materials_of(scene: &LitScene) -> Vec<Material> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca_lab::world::Mesh;
+    use casca_scenes::world::Mesh;
     use std::sync::Arc;
 
     #[test]

@@ -9,8 +9,8 @@
 //! Changes of one frame add up. Light is only brought up to date in bricks that the picture can read: see [`crate::reach`].
 
 use bytemuck::{Pod, Zeroable};
-use casca_lab::lit::{self, LitScene};
-use casca_lab::world::Camera;
+use casca_scenes::lit::{self, LitScene};
+use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use casca_lab::oracle::RayOracle;
-use casca_lab::world::{Mesh, Motion, Object, Shape};
+use casca_truth::oracle::RayOracle;
+use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_line_sets::LineSet;
 use casca_line_sets::generate::{Family, Recipe};
 use casca_line_sets::random::Random;

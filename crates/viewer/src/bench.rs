@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use casca_lab::scenes::{self, SceneKind, SceneOptions};
+use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 
@@ -28,7 +28,7 @@ pub fn bench(gpu: &Gpu, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
         let options = SceneOptions { scale, ..SceneOptions::default() };
         let methods = [Method::All, Method::Frustum, Method::Point, Method::Cell];
         // Each has a scene of its own, so that each pays for what moves.
-        let new = |_| Playback::new(scenes::build(SceneKind::Spheres, &options));
+        let new = |_| Playback::new(generated::build(SceneKind::Spheres, &options));
         let mut playbacks = methods.iter().map(new).collect::<Result<Vec<_>, _>>()?;
         let canvas = Canvas::new(gpu, size);
         let mut renderer = Renderer::new(gpu, COLOUR, &playbacks[0].geometry);

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use casca_lab::pictures::palette::{self, rgba};
-use casca_lab::world::{Camera, Object, Shape};
+use casca_scenes::world::{Camera, Object, Shape};
 use casca_stage::panel::Entry;
 use glam::DVec3;
 
@@ -183,7 +183,7 @@ mod tests {
     fn wide_flat_boxes_are_ground_below_the_eye_and_ceilings_above() {
         let role = |min: Vec3, max: Vec3| {
             let shape = Shape::Box { min, max };
-            let (name, motion) = (String::new(), casca_lab::world::Motion::Static);
+            let (name, motion) = (String::new(), casca_scenes::world::Motion::Static);
             let object = Object { name, shape, motion, occludes: true, tested: true };
             Role::of(&object, Role::Drawn, Vec3::new(5.0, 2.0, 5.0), Vec3::new(10.0, 4.0, 10.0))
         };

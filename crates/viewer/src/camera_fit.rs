@@ -1,6 +1,6 @@
 //! The part of a scene that a camera sees, and a second camera that has all of it in its picture.
 
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use glam::{DVec3, DVec4, Vec3};
 
 /// Polygons smaller than this share of the scene are rounding.

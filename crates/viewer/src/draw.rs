@@ -1,6 +1,6 @@
 //! Lists of objects drawn to a canvas, and sets of objects checked against an item buffer.
 
-use casca_lab::world::{Camera, Object};
+use casca_scenes::world::{Camera, Object};
 use casca_stage::canvas::Canvas;
 use casca_stage::compare::Shot;
 use casca_stage::gpu::{Gpu, GpuError};

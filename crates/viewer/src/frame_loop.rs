@@ -4,8 +4,8 @@
 use std::time::{Duration, Instant};
 
 use casca::{Query, Scene};
-use casca_lab::drive::{Driver, view_of};
-use casca_lab::world::{Camera, Object};
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::world::{Camera, Object};
 use casca_stage::window::Done;
 
 /// One frame. `moved` are the objects with another shape than in the frame before, `camera` is what

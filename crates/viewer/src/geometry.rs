@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use casca_lab::world::{Mesh, Object, Shape};
+use casca_scenes::world::{Mesh, Object, Shape};
 
 /// An object as the shaders take it.
 #[repr(C)]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use casca::internals::QueryInternals;
 use casca_lab::command_line::{make_folder, say};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::animation::write_animation;
 use casca_stage::canvas::{Canvas, halved, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};

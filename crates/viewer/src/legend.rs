@@ -1,6 +1,6 @@
 //! The legend: the colours in a picture and their meanings, and no others.
 
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::panel::{Entry, Sample};
 use glam::Vec3;
 

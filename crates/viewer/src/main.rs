@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder, say};
-use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_stage::gpu::Gpu;
 use casca_viewer::overlays::Layer;
 use casca_viewer::playback::{Method, Playback};

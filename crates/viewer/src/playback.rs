@@ -6,10 +6,10 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use casca::{Query, Scene};
-use casca_lab::baselines::{Hzb, RayBuffer};
-use casca_lab::drive::{Driver, grid_for, view_of};
-use casca_lab::measure::timed;
-use casca_lab::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_stage::window::Done;
 
 use crate::frame_loop;

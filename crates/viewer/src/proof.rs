@@ -9,7 +9,7 @@ use std::error::Error;
 use std::path::Path;
 
 use casca_lab::command_line::make_folder;
-use casca_lab::world::Object;
+use casca_scenes::world::Object;
 use casca_stage::canvas::{Canvas, write_png};
 use casca_stage::compare::{Shot, marked};
 use casca_stage::gpu::{COLOUR, Gpu};

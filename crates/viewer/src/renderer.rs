@@ -1,7 +1,7 @@
 //! Draws lists of objects: as a picture, or as an item buffer with the numbers of the objects.
 
 use bytemuck::{Pod, Zeroable};
-use casca_lab::world::Camera;
+use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, ITEMS};
 use casca_stage::wgpu::util::DeviceExt;

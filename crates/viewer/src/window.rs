@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use casca::internals::QueryInternals;
 use casca_lab::command_line::SceneName;
-use casca_lab::scenes::{SceneKind, SceneOptions};
-use casca_lab::world::{Camera, FRAME_SECONDS};
+use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::world::{Camera, FRAME_SECONDS};
 use casca_stage::canvas::{Canvas, Target};
 use casca_stage::fly::{Fly, way};
 use casca_stage::gpu::Gpu;

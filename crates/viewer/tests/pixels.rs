@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use casca_lab::command_line::SceneName;
-use casca_lab::scenes::{SceneKind, SceneOptions};
-use casca_lab::world::Camera;
+use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::compare::Shot;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};

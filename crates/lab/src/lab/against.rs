@@ -4,7 +4,7 @@
 use super::buffer::{BufferCost, Effort, PRESETS, STEADY, Score, measure};
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// Pixels of the buffer: those that engines use.
 const SIZE: (usize, usize) = (320, 180);

@@ -6,9 +6,9 @@ use glam::{Mat4, Vec3, camera};
 use super::walker::Walker;
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
-use crate::drive::view_of;
-use crate::measure::timed;
-use crate::scenes::SceneKind;
+use casca_scenes::drive::view_of;
+use casca_scenes::measure::timed;
+use casca_scenes::generated::SceneKind;
 
 /// Where the sun's light goes.
 const SUN: Vec3 = Vec3::new(0.4, -1.0, 0.3);

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use casca::{GridSpec, Method, ObjectDesc, ObjectId, Query, View};
 
 use super::LabError;
-use crate::drive::Driver;
-use crate::measure::timed;
-use crate::world::{Motion, Object, World};
+use casca_scenes::drive::Driver;
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Motion, Object, World};
 
 /// How the motion of hidden objects is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

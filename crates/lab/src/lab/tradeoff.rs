@@ -7,7 +7,7 @@ use super::walker::{Walker, item_buffer};
 use super::worlds::{Place, places};
 use super::{Contender, Lab, LabError, Section, Table, median};
 use crate::pictures::{TradeoffPoint, tradeoff as draw};
-use crate::world::World;
+use casca_scenes::world::World;
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
@@ -222,7 +222,7 @@ pub fn tradeoff(lab: &Lab) -> Result<Section, LabError> {
     let sampling = Sampling { frames: lab.pick(30, 2), repeats: lab.pick(3, 1), width: lab.pick(2560, 320) };
     let mut scenes = Vec::new();
     let mut kinds = Vec::new();
-    for place in lab.pick(places(lab), vec![Place::Built(crate::scenes::SceneKind::Rooms)]) {
+    for place in lab.pick(places(lab), vec![Place::Built(casca_scenes::generated::SceneKind::Rooms)]) {
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
         kinds.push(place.kind());

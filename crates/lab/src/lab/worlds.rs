@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::{Lab, LabError};
-use crate::import;
-use crate::scenes::{SceneKind, SceneOptions, build};
-use crate::world::World;
+use casca_scenes::import;
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::World;
 
 /// A scene to walk through, by name or file.
 #[derive(Debug, Clone)]

@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 use super::PictureError;
 use super::palette::{LOST, QUIET, SPARE, TEXT};
 use super::raster::Canvas;
-use crate::world::Camera;
+use casca_scenes::world::Camera;
 
 /// What became of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use super::palette::{
     CAMERA, HIDDEN_CELL, Marker, OPAQUE_CELL, QUIET, Style, TEXT, UNVISITED_CELL, VISIBLE_CELL, VOLUME, WALK,
 };
 use super::svg::{Area, Drawn, Head, Sample, font, mark, path as draw_path, save};
-use crate::world::Camera;
+use casca_scenes::world::Camera;
 
 /// What the picture from above shows of one frame.
 pub struct TopView<'a> {

@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use casca_lab::lit::{Kind, Light, LightKind, LitObject, LitScene, Material};
-use casca_lab::oracle::path::{PathTracer, Quantity};
-use casca_lab::world::{Camera, Mesh};
+use casca_scenes::lit::{Kind, Light, LightKind, LitObject, LitScene, Material};
+use casca_truth::oracle::path::{PathTracer, Quantity};
+use casca_scenes::world::{Camera, Mesh};
 use casca_light::picture::Layer;
 use casca_light::renderer::Renderer;
 use casca_light::timing::Clock;

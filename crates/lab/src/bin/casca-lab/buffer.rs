@@ -3,7 +3,7 @@
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
 use casca_lab::lab::LabError;
 use casca_lab::lab::buffer::{BufferCost, Effort, PRESETS, Score, measure};
-use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
 use crate::progress;

@@ -3,7 +3,7 @@
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
 use casca_lab::lab::LabError;
 use casca_lab::lab::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
-use casca_lab::scenes::SceneOptions;
+use casca_scenes::generated::SceneOptions;
 use clap::{Parser, value_parser};
 
 use crate::progress;

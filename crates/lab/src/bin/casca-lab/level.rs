@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, say, try_writing};
-use casca_lab::export;
-use casca_lab::scenes::{self, SceneKind, SceneOptions};
+use casca_scenes::export;
+use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
 use crate::Failure;
@@ -35,7 +35,7 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
     try_writing(&options.out)?;
     let scene_options =
         SceneOptions { seed: options.seed, frames: options.frames as usize, ..SceneOptions::default() };
-    let mut world = scenes::build(options.scene, &scene_options);
+    let mut world = generated::build(options.scene, &scene_options);
     export::save(&mut world, &options.out)?;
     say(format_args!(
         "{}: {} objects and {} frames in {}",

@@ -11,9 +11,9 @@ use std::time::Duration;
 
 use casca::{FileError, MeshOptions, TriMesh};
 use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
-use casca_lab::import;
-use casca_lab::measure::timed;
-use casca_lab::world::{Mesh, Shape};
+use casca_scenes::import;
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Mesh, Shape};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 

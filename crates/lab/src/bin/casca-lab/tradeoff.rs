@@ -11,7 +11,7 @@ use casca_lab::command_line::{
 };
 use casca_lab::lab::LabError;
 use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
-use casca_lab::scenes::{SceneKind, SceneOptions};
+use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
 use crate::progress;

@@ -5,11 +5,11 @@ use casca::{Aabb, GridSpec, Method, Query, View};
 use super::super::walker::item_buffer;
 use super::super::{ASPECT, LabError, median, p99};
 use super::ways::{Way, ways};
-use crate::drive::{Driver, view_of};
-use crate::measure::timed;
-use crate::oracle::{Oracle, OracleOptions};
-use crate::scenes::{WALK_SECONDS, WalkOptions, walking};
-use crate::world::{Camera, World};
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::measure::timed;
+use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
+use casca_scenes::world::{Camera, World};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]

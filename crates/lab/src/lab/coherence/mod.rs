@@ -8,7 +8,7 @@ pub use ways::{Way, ways};
 
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// The scenes that are walked, beside files.
 pub const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Rooms, SceneKind::Town];
@@ -122,7 +122,7 @@ pub fn table(scores: &[WalkScore]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{SceneOptions, build};
+    use casca_scenes::generated::{SceneOptions, build};
 
     #[test]
     fn all_ways_find_all_that_is_visible_with_and_without_movers() {

@@ -10,8 +10,8 @@ use super::metric::{Difference, difference, flip_map};
 use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, chart, mean_of, table, tile};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section};
-use crate::lit::HdrImage;
-use crate::oracle::path::Quantity;
+use casca_scenes::lit::HdrImage;
+use casca_truth::oracle::path::Quantity;
 use crate::pictures::palette::other;
 use crate::pictures::{Line, Tile, sheet};
 

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::gather::{Gather, LightVolume, Spot};
 use super::metric::mean;
 use super::voxels::{Sides, Voxels};
-use crate::import::load_lit;
+use casca_scenes::import::load_lit;
 use crate::lab::{Lab, LabError};
-use crate::lit::{HdrImage, Kind, LightKind, LitScene, Material};
-use crate::oracle::path::{PathTracer, Quantity, Surface};
+use casca_scenes::lit::{HdrImage, Kind, LightKind, LitScene, Material};
+use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
 
 /// The shared scene that is measured where it is there.
 const SPONZA: &str = "../shared/scenes/sponza.glb";

@@ -8,7 +8,7 @@ use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 use super::voxels::{Lit, OFF, Sides, Voxels};
-use crate::lit::Material;
+use casca_scenes::lit::Material;
 
 /// How light is gathered above a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageFloat, FlipImageRgb8, FlipPool, flip, magma_lut};
 
 use crate::lab::LabError;
-use crate::lit::HdrImage;
+use casca_scenes::lit::HdrImage;
 
 /// An error is known if its square and that of the noise are in sum so many times the latter. The noise is itself an estimate, good to a
 /// few per cent.

@@ -4,7 +4,7 @@ use super::case::order_name;
 use super::gather::Gather;
 use super::metric::{Difference, less_noise};
 use crate::lab::{Lab, LabError, Section, Table};
-use crate::lit::HdrImage;
+use casca_scenes::lit::HdrImage;
 use crate::pictures::{Axis, Line, Tile, lines};
 
 /// Cells along an axis.

@@ -12,8 +12,8 @@ use super::rows::{
 };
 use super::voxels::{OFF, Voxels};
 use crate::lab::{Lab, LabError, Section, Table};
-use crate::lit::{HdrImage, Kind, LitScene};
-use crate::oracle::path::{Quantity, Surface};
+use casca_scenes::lit::{HdrImage, Kind, LitScene};
+use casca_truth::oracle::path::{Quantity, Surface};
 use crate::pictures::palette::{Style, other};
 use crate::pictures::{Line, Tile, sheet};
 

@@ -9,9 +9,9 @@ use super::rows::{CONES, WALKS};
 use super::shadows::shadow;
 use super::voxels::OFF;
 use super::*;
-use crate::lit::{HdrImage, Kind, Light, LightKind, LitScene, Material};
-use crate::oracle::path::{Quantity, Surface};
-use crate::world::{Camera, Mesh};
+use casca_scenes::lit::{HdrImage, Kind, Light, LightKind, LitScene, Material};
+use casca_truth::oracle::path::{Quantity, Surface};
+use casca_scenes::world::{Camera, Mesh};
 
 const SIZE: (usize, usize) = (20, 15);
 

@@ -8,8 +8,8 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::lab::LabError;
-use crate::lit::{Incident, Light, LitScene, LitTriangle, Material};
-use crate::world::Mesh;
+use casca_scenes::lit::{Incident, Light, LitScene, LitTriangle, Material};
+use casca_scenes::world::Mesh;
 
 /// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would lie on the sides of cells and fill two.
 const MARGIN: f32 = 2.5;

@@ -5,7 +5,7 @@ use casca_points::cluster::{Clustering, Passes, Radius, cluster_count};
 use super::judge::{COLUMNS, Confusion};
 use super::study::{Study, best, by_clusters, by_hull, spherical, steps, sweep};
 use crate::lab::{LabError, Table, median};
-use crate::measure::timed;
+use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
 

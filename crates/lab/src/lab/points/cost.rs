@@ -14,7 +14,7 @@ use super::hare::hare;
 use super::sample::Sampler;
 use super::study::{Study, THESIS_BIAS, spherical};
 use crate::lab::{LabError, Table, grouped, median};
-use crate::measure::timed;
+use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
 

@@ -12,7 +12,7 @@ use super::splat::thinned;
 use super::study::{RADII, SIZE, Study, by_clusters, by_hull, by_splats, spherical};
 use crate::lab::{LabError, Table};
 use crate::pictures::{CloudPanel, CloudView, Fate, cloud as draw};
-use crate::world::Camera;
+use casca_scenes::world::Camera;
 
 /// A cloud under stress.
 struct Case {

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use glam::{UVec3, Vec3};
 
-use crate::world::Mesh;
+use casca_scenes::world::Mesh;
 
 /// How far apart parts are when the surface begins to flow from one to the other.
 const BLEND: f32 = 0.14;

@@ -6,7 +6,7 @@ use glam::{IVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::world::Mesh;
+use casca_scenes::world::Mesh;
 
 /// A point of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]

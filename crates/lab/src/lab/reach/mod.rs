@@ -8,7 +8,7 @@ use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// Where charts draw the sets without a reach: a logarithmic axis has no 0.
 const NOWHERE: f64 = 0.005;
@@ -234,7 +234,7 @@ pub fn table(scores: &[ReachScore]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{SceneOptions, build};
+    use casca_scenes::generated::{SceneOptions, build};
 
     fn score(found: [f64; REACHES.len()]) -> ReachScore {
         let step = |i: usize| Step {

@@ -5,9 +5,9 @@ use casca::{Aabb, GridSpec, Query};
 use super::super::{ASPECT, LabError, Section, Table, grouped, median};
 use super::measure::{Row, set_up};
 use super::{Arena, Bench, preparation, worlds};
-use crate::drive::{Driver, view_of};
-use crate::measure::timed;
-use crate::world::FRAME_SECONDS;
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::measure::timed;
+use casca_scenes::world::FRAME_SECONDS;
 
 /// Movers in the hall of the updates.
 const MOVERS: usize = 10_000;

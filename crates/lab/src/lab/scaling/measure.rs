@@ -3,9 +3,9 @@
 use casca::{Aabb, GridSpec, Method, Query};
 
 use super::super::{ASPECT, Contender, FrameInput, LabError, median, p99};
-use crate::drive::{Driver, view_of};
-use crate::measure::timed;
-use crate::world::{Camera, World};
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, World};
 
 /// Pixels of the buffer: those that engines use.
 const BUFFER: (usize, usize) = (320, 180);

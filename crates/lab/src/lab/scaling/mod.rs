@@ -17,8 +17,8 @@ use self::charts::{Chart, growth, queries, setups, table};
 use self::measure::{Row, Walks, measure};
 use super::upkeep::arena::Arena;
 use super::{Lab, LabError, Section, grouped};
-use crate::scenes::{SceneKind, SceneOptions, build};
-use crate::world::World;
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::World;
 
 /// How far the sizes go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

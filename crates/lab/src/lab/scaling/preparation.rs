@@ -7,10 +7,10 @@ use rayon::ThreadPoolBuilder;
 
 use super::super::{LabError, Section, Table, grouped};
 use super::{Bench, worlds};
-use crate::measure::timed;
+use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
-use crate::world::{Mesh, Shape};
+use casca_scenes::world::{Mesh, Shape};
 
 /// The seconds that one thread takes to prepare meshes, and the triangles and bytes of these.
 pub(super) fn prepare(meshes: &[Mesh]) -> Result<(f64, usize, usize), LabError> {

@@ -7,7 +7,7 @@ use super::Bench;
 use super::measure::{Times, Turn, frustums, set_up, take_turns};
 use crate::pictures::palette::{HZB, POINT, Style};
 use crate::pictures::{Axis, Line, lines};
-use crate::scenes::{SceneKind, SceneOptions, build};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
 
 const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Spheres, SceneKind::Terrain];
 

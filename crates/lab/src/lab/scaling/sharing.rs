@@ -5,9 +5,9 @@ use casca::{Aabb, GridSpec, Method};
 use super::super::{Contender, LabError, Section, Table};
 use super::Bench;
 use super::measure::{Turn, frustums, take_turns};
-use crate::drive::{Driver, Sharing};
-use crate::measure::timed;
-use crate::scenes::{SceneKind, SceneOptions, build};
+use casca_scenes::drive::{Driver, Sharing};
+use casca_scenes::measure::timed;
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
 
 const SCENES: [SceneKind; 5] =
     [SceneKind::SpheresMeshes, SceneKind::CityMeshes, SceneKind::Terrain, SceneKind::Rocks, SceneKind::Town];

@@ -2,8 +2,8 @@ use glam::Vec3;
 
 use super::measure::{Walks, measure};
 use super::{Method, worlds};
-use crate::oracle::ItemBuffer;
-use crate::world::{Shape, World};
+use casca_truth::oracle::ItemBuffer;
+use casca_scenes::world::{Shape, World};
 
 /// The objects that an item buffer of this width shows from the first frame.
 fn visible(world: &World, width: usize) -> usize {
@@ -46,7 +46,7 @@ fn the_ground_has_the_same_hills_at_every_number_of_triangles() {
 #[test]
 fn scattered_spheres_stay_in_their_cube() {
     let world = worlds::scatter(500, 2);
-    let inside = |o: &crate::world::Object| match o.shape {
+    let inside = |o: &casca_scenes::world::Object| match o.shape {
         Shape::Sphere { center, radius } => {
             (center - radius).cmpge(world.grid.min).all() && (center + radius).cmple(world.grid.max).all()
         }

@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::world::{Animation, Camera, GridHint, Mesh, Motion, Object, Shape, World};
+use casca_scenes::world::{Animation, Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 const FRAMES: usize = 150;
 

@@ -8,7 +8,7 @@ pub use measure::{Effort, SightCost, measure};
 
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// Questions to all scenes.
 ///
@@ -99,7 +99,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::world::{Animation, Camera, GridHint, Motion, Object, Shape, World};
+    use casca_scenes::world::{Animation, Camera, GridHint, Motion, Object, Shape, World};
 
     /// A camera that stands still.
     struct Still(Camera);
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!((boxes.len(), points.len()), (200, 200));
         assert_eq!(boxes, asked(1).0);
         assert_ne!(boxes, asked(2).0);
-        let frustum = crate::oracle::Frustum::new(&camera);
+        let frustum = casca_truth::oracle::Frustum::new(&camera);
         let middle = |b: &Aabb| ((b.min + b.max) * 0.5).as_dvec3();
         assert!(boxes.iter().all(|b| frustum.contains(middle(b))));
         let edges: Vec<f32> = boxes.iter().map(|b| (b.max - b.min).max_element()).collect();

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 
 pub(super) use crate::lab::ASPECT;
 use crate::lab::LabError;
-use crate::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
+use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 /// A point of an object that the case was built to show; judged beside the points that the oracle picks.
 #[derive(Debug, Clone, Copy)]

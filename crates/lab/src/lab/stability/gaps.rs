@@ -9,7 +9,7 @@ use super::case::{
 };
 use super::run::HZB;
 use crate::lab::{Lab, LabError};
-use crate::world::{Camera, Shape};
+use casca_scenes::world::{Camera, Shape};
 
 /// Of the grid, in metres.
 const CELL: f32 = 0.125;

@@ -6,8 +6,8 @@ use super::case::{Case, Dice, placed, plain};
 use super::run::Finding;
 use super::walks::Walk;
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
-use crate::world::Camera;
+use casca_scenes::generated::SceneKind;
+use casca_scenes::world::Camera;
 
 /// Metres and radians; the first is calm.
 pub(super) const AMPLITUDES: [f32; 7] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];

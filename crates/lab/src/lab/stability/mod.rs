@@ -1,7 +1,7 @@
 //! The stability suite: worlds, views and motion under stress, for every method.
 //!
 //! Each case is a small world with the cameras of its frames. Exact visibility comes from the
-//! [oracle](crate::oracle), and from points that a case was built to show.
+//! [oracle](casca_truth::oracle), and from points that a case was built to show.
 
 mod case;
 mod charts;

@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::case::{ASPECT, Case, Dice, Shot, block, grid, placed, solid, sphere};
 use super::walks::{Walk, shifted};
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
-use crate::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
+use casca_scenes::generated::SceneKind;
+use casca_scenes::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
 
 /// The scene's objects move inside this box.
 const ROOM: [Vec3; 2] = [Vec3::new(6.0, 6.0, 6.0), Vec3::new(94.0, 54.0, 94.0)];

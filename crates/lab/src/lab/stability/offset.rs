@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use super::case::{Case, Shot, placed, plain};
 use super::walks::{Walk, shifted};
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// Metres along each axis.
 const OFFSETS: [f32; 7] = [0.0, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];

@@ -5,8 +5,8 @@ use glam::{BVec3, Quat, Vec3};
 use super::case::{Case, placed};
 use super::walks::Walk;
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
-use crate::world::{Camera, Shape};
+use casca_scenes::generated::SceneKind;
+use casca_scenes::world::{Camera, Shape};
 
 /// Points a camera at a place.
 fn aimed(base: &Camera, eye: Vec3, at: Vec3) -> Camera {

@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::walks::Walk;
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// The scenes.
 pub(super) const SCENES: [SceneKind; 2] = [SceneKind::Spheres, SceneKind::City];

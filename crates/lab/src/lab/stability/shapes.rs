@@ -8,7 +8,7 @@ use super::case::{
     ASPECT, Case, Dice, Known, Shot, block, box_mesh, glass, grid, mesh, placed, quad, solid, sphere, still,
 };
 use crate::lab::{Lab, LabError};
-use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 
 /// Of the grid, in metres.
 const CELL: f32 = 0.5;

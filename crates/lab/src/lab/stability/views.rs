@@ -6,7 +6,7 @@ use glam::{Mat4, Quat};
 use super::case::{ASPECT, Case, Shot, placed, through};
 use super::walks::Walk;
 use crate::lab::{Lab, LabError};
-use crate::scenes::SceneKind;
+use casca_scenes::generated::SceneKind;
 
 /// All cases.
 pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {

@@ -4,10 +4,10 @@ use casca::GridSpec;
 use glam::Vec3;
 
 use super::case::{ASPECT, Case, Shot, still};
-use crate::drive::grid_for;
+use casca_scenes::drive::grid_for;
 use crate::lab::LabError;
-use crate::scenes::{SceneKind, SceneOptions, build};
-use crate::world::{Camera, FRAME_SECONDS, Object, Shape};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
 
 /// Frames of a whole walk.
 const WALK: usize = 150;

@@ -8,8 +8,8 @@ use super::super::{Lab, LabError, Section, Table};
 use super::{COARSE, FINE, Finding, grid, ratio};
 use crate::pictures::palette::{CELL, Marker, POINT, Style, THESIS, method, other};
 use crate::pictures::{Axis, Line, lines};
-use crate::scenes::{SceneKind, SceneOptions, build};
-use crate::world::{Shape, World};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::{Shape, World};
 
 /// Where the thesis sees the curve bend, in degrees.
 const BEND: f64 = 80.0;

@@ -14,9 +14,9 @@ use casca::GridSpec;
 use glam::UVec3;
 
 use super::{ASPECT, Lab, LabError, Section, Table};
-use crate::drive::grid_for;
+use casca_scenes::drive::grid_for;
 use crate::pictures::palette::{self, Style};
-use crate::world::World;
+use casca_scenes::world::World;
 
 /// Pixels of the software depth buffer that stands for the graphics card.
 const SCREEN: (usize, usize) = (1280, 720);

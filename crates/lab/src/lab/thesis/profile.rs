@@ -5,10 +5,10 @@ use casca::{GridSpec, Method, Query};
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError, Section, Table};
 use super::{ASPECT, Finding, ratio};
-use crate::drive::view_of;
+use casca_scenes::drive::view_of;
 use crate::pictures::{Bar, bars};
-use crate::scenes::{SceneKind, SceneOptions, build};
-use crate::world::{FRAME_SECONDS, World};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::{FRAME_SECONDS, World};
 
 const PARTS: [&str; 8] = [
     "visible objects into the grid",

@@ -6,7 +6,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, World};
+use casca_scenes::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, World};
 
 /// The hall in metres. The eye stands near the face where x is 0 and looks along x.
 const HALL: Vec3 = Vec3::new(128.0, 48.0, 128.0);

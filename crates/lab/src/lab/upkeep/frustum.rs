@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-use crate::world::Camera;
+use casca_scenes::world::Camera;
 
 /// What the test lets through beyond the frustum, in metres: more than it rounds.
 const MARGIN: f32 = 1e-3;

@@ -8,8 +8,8 @@ mod summary;
 
 use casca_lab::command_line::{Outcome, PathError, try_writing, try_writing_into};
 use casca_lab::pictures::chart;
-use casca_lab::scenes::SceneOptions;
-use casca_lab::world::World;
+use casca_scenes::generated::SceneOptions;
+use casca_scenes::world::World;
 use indicatif::ProgressBar;
 
 use crate::{Failure, progress};

@@ -1,0 +1,266 @@
+//! Puts a test scene into the library and keeps it up to date.
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use casca::{
+    Aabb, Bounds, Error, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
+    TriMesh, View,
+};
+use glam::{Affine3A, UVec3, Vec3};
+
+use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
+
+/// A scene of the library that follows a [`World`].
+#[derive(Clone)]
+pub struct Driver {
+    /// The scene.
+    pub scene: Scene,
+    ids: Vec<ObjectId>,
+    shaper: Shaper,
+}
+
+/// Outlines of patches may leave those of static triangles by this share of a cell.
+const TOLERANCE: f32 = 1.0 / 60.0;
+
+/// How static objects that share a mesh are put into the library. Objects that move are always instances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sharing {
+    /// As instances of one prepared mesh, as a game does it. Transforms that stretch it a lot make a mesh of its own.
+    #[default]
+    Instances,
+    /// Each as a mesh of its own, in world space.
+    Own,
+}
+
+/// A mesh, and the same as prepared.
+type Prepared = (Arc<Mesh>, Arc<TriMesh>);
+
+/// The objects that share a mesh.
+#[derive(Default, Clone)]
+struct Users {
+    count: usize,
+    /// The greatest scale of their transforms.
+    scale: f32,
+}
+
+/// Makes shapes of the library.
+#[derive(Clone)]
+struct Shaper {
+    /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by address, and kept so that
+    /// no other mesh gets the same address.
+    prepared: HashMap<(*const Mesh, bool), Prepared>,
+    users: HashMap<*const Mesh, Users>,
+    sharing: Sharing,
+    how: MeshOptions,
+}
+
+/// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a game are, but not
+/// walls made of a unit cube.
+const STRETCH: f32 = 4.0;
+
+/// The lengths of the axes of a transform, from the least to the greatest.
+fn scales(transform: &Affine3A) -> (f32, f32) {
+    let m = transform.matrix3;
+    let lengths = Vec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
+    (lengths.min_element(), lengths.max_element())
+}
+
+impl Shaper {
+    fn new(grid: &GridSpec, objects: &[Object], sharing: Sharing) -> Self {
+        let mut users: HashMap<*const Mesh, Users> = HashMap::new();
+        for object in objects {
+            if let Shape::Mesh { mesh, transform } = &object.shape {
+                let users = users.entry(Arc::as_ptr(mesh)).or_default();
+                users.count += 1;
+                users.scale = users.scale.max(scales(transform).1);
+            }
+        }
+        let how = MeshOptions::default().tolerance(grid.cell * TOLERANCE);
+        Self { prepared: HashMap::new(), users, sharing, how }
+    }
+
+    /// Whether an object is an instance of its mesh.
+    fn is_instance(&self, object: &Object, mesh: &Arc<Mesh>, transform: &Affine3A) -> bool {
+        let shared = self.users.get(&Arc::as_ptr(mesh)).is_some_and(|users| users.count > 1);
+        let (least, most) = scales(transform);
+        let alike = most <= least * STRETCH;
+        object.motion != Motion::Static || self.sharing == Sharing::Instances && shared && alike
+    }
+
+    /// The mesh of instances, prepared when it is first asked for.
+    fn prepared(&mut self, mesh: &Arc<Mesh>, occludes: bool) -> Result<Arc<TriMesh>, Error> {
+        let key = (Arc::as_ptr(mesh), occludes);
+        if let Some((_, prepared)) = self.prepared.get(&key) {
+            return Ok(prepared.clone());
+        }
+        let mut how = self.how;
+        // The tolerance is meant in world space.
+        let scale = self.users.get(&key.0).map_or(0.0, |users| users.scale);
+        how.tolerance = how.tolerance.map(|t| t / scale).filter(|t| t.is_finite());
+        let new = prepare(mesh.positions.clone(), mesh, how.occludes(occludes))?;
+        self.prepared.insert(key, (mesh.clone(), new.clone()));
+        Ok(new)
+    }
+
+    /// The shapes of an object as the library takes them.
+    fn shapes(&mut self, object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
+        let (bounds, occluder): (Bounds, Occluder) = match &object.shape {
+            Shape::Sphere { center, radius } => {
+                let s = Sphere::new(*center, *radius);
+                (s.into(), s.into())
+            }
+            Shape::Box { min, max } => {
+                let b = Aabb::new(*min, *max);
+                (b.into(), b.into())
+            }
+            Shape::Mesh { mesh, transform } if self.is_instance(object, mesh, transform) => {
+                let instance = Instance::new(self.prepared(mesh, object.occludes)?, *transform)?;
+                (instance.clone().into(), instance.into())
+            }
+            Shape::Mesh { mesh, transform } => {
+                let positions: Vec<Vec3> =
+                    mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
+                let mesh = prepare(positions, mesh, self.how.occludes(object.occludes))?;
+                (mesh.clone().into(), mesh.into())
+            }
+        };
+        Ok((bounds, Some(occluder).filter(|_| object.occludes)))
+    }
+
+    fn describe(&mut self, object: &Object) -> Result<ObjectDesc, Error> {
+        let (bounds, occluder) = self.shapes(object)?;
+        let desc = match object.motion {
+            Motion::Static => ObjectDesc::fixed(bounds),
+            Motion::Dynamic { max_speed } => ObjectDesc::dynamic(bounds).max_speed(max_speed),
+        };
+        Ok(match occluder {
+            Some(occluder) => desc.occluder(occluder),
+            None => desc,
+        })
+    }
+}
+
+/// The grid for a scene: as it asks, or with `dims` cells whose size fits all axes.
+///
+/// # Errors
+/// As [`GridSpec::covering`].
+pub fn grid_for(hint: &GridHint, dims: Option<UVec3>) -> Result<GridSpec, Error> {
+    match dims {
+        None => GridSpec::covering(Aabb::new(hint.min, hint.max), hint.cell),
+        Some(dims) => {
+            let cell = ((hint.max - hint.min) / dims.as_vec3()).max_element();
+            Ok(GridSpec { min: hint.min, cell, dims })
+        }
+    }
+}
+
+/// The view of a camera.
+///
+/// # Errors
+/// As [`View::perspective`].
+pub fn view_of(camera: &Camera) -> Result<View, Error> {
+    View::perspective(camera.eye, camera.view_projection())
+}
+
+fn prepare(positions: Vec<Vec3>, mesh: &Mesh, how: MeshOptions) -> Result<Arc<TriMesh>, Error> {
+    let go_on = &mut |_| ControlFlow::Continue(());
+    TriMesh::prepare(positions, mesh.triangles.clone(), &how, go_on).map(Arc::new)
+}
+
+impl Driver {
+    /// Inserts every object of the world as it is now; `progress` is told
+    /// the number inserted.
+    ///
+    /// # Errors
+    /// As [`Scene::new`] and [`Scene::insert`].
+    pub fn new(world: &World, grid: &GridSpec, progress: impl FnMut(usize)) -> Result<Self, Error> {
+        Self::with(&world.objects, grid, |_, desc| desc, progress)
+    }
+
+    /// As [`Driver::new`], with a choice about shared meshes.
+    ///
+    /// # Errors
+    /// As [`Driver::new`].
+    pub fn sharing(world: &World, grid: &GridSpec, sharing: Sharing) -> Result<Self, Error> {
+        Self::insert(&world.objects, Shaper::new(grid, &world.objects, sharing), grid, |_, desc| desc, |_| ())
+    }
+
+    /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
+    ///
+    /// # Errors
+    /// As [`Scene::new`] and [`Scene::insert`].
+    pub fn with(
+        objects: &[Object],
+        grid: &GridSpec,
+        adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
+        progress: impl FnMut(usize),
+    ) -> Result<Self, Error> {
+        let shaper = Shaper::new(grid, objects, Sharing::default());
+        Self::insert(objects, shaper, grid, adapt, progress)
+    }
+
+    fn insert(
+        objects: &[Object],
+        mut shaper: Shaper,
+        grid: &GridSpec,
+        adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
+        mut progress: impl FnMut(usize),
+    ) -> Result<Self, Error> {
+        let mut scene = Scene::new(grid)?;
+        let mut ids = Vec::with_capacity(objects.len());
+        for object in objects {
+            ids.push(scene.insert(adapt(object, shaper.describe(object)?))?);
+            progress(ids.len());
+        }
+        Ok(Self { scene, ids, shaper })
+    }
+
+    /// Reports the objects that moved.
+    ///
+    /// # Errors
+    /// As [`Scene::update`].
+    pub fn update(&mut self, objects: &[Object], moved: &[usize]) -> Result<(), Error> {
+        for &i in moved {
+            let (bounds, occluder) = self.shaper.shapes(&objects[i])?;
+            self.scene.update(self.ids[i], bounds, occluder)?;
+        }
+        Ok(())
+    }
+
+    /// The id of an object of the world.
+    pub fn id(&self, object: usize) -> ObjectId {
+        self.ids[object]
+    }
+
+    /// Whether a result holds an object of the world.
+    pub fn sees(&self, pvs: &Pvs, object: usize) -> bool {
+        pvs.contains(self.ids[object])
+    }
+
+    /// How many objects whose visibility is asked for a result holds.
+    pub fn count(&self, pvs: &Pvs, objects: &[Object]) -> usize {
+        self.ids.iter().zip(objects).filter(|(id, o)| o.tested && pvs.contains(**id)).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generated::{SceneKind, SceneOptions, build};
+
+    #[test]
+    fn static_objects_share_a_mesh_unless_it_is_stretched() {
+        let shared = |kind, sharing| {
+            let world = build(kind, &SceneOptions { scale: 0.1, ..SceneOptions::default() });
+            let driver = Driver::sharing(&world, &grid_for(&world.grid, None).unwrap(), sharing).unwrap();
+            let objects = driver.scene.iter().filter(|o| matches!(o.1.motion(), casca::Motion::Static));
+            objects.filter(|o| matches!(o.1.bounds(), Bounds::Instance(_))).count()
+        };
+        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Own), 0);
+        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Instances), 480, "balls of any size");
+        let small = shared(SceneKind::CityMeshes, Sharing::Instances);
+        assert!((50..300).contains(&small), "small things are, buildings are not: {small}");
+    }
+}

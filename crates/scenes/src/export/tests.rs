@@ -1,0 +1,93 @@
+use glam::Affine3A;
+
+use super::*;
+use crate::import;
+use crate::generated::{self, SceneKind, SceneOptions};
+
+/// Writes a scene to a file in a folder for one test, and reads it back.
+fn read_back(world: &mut World, test: &str) -> World {
+    let folder = std::env::temp_dir().join(format!("casca-export-{}-{test}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("level.glb");
+    save(world, &file).unwrap();
+    let read = import::load(&file).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    read
+}
+
+fn bounds(shape: &Shape) -> (Vec3, Vec3) {
+    match shape {
+        Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
+        Shape::Box { min, max } => (*min, *max),
+        Shape::Mesh { mesh, transform } => {
+            let points = || mesh.positions.iter().map(|&p| transform.transform_point3(p));
+            (points().reduce(Vec3::min).unwrap(), points().reduce(Vec3::max).unwrap())
+        }
+    }
+}
+
+/// A ball of triangles stays inside its sphere, by at most this share of the radius.
+const WITHIN: f32 = 0.05;
+
+fn same(written: &Object, read: &Object) -> bool {
+    let ((lo, hi), (read_lo, read_hi)) = (bounds(&written.shape), bounds(&read.shape));
+    let near = match &written.shape {
+        Shape::Sphere { radius, .. } => radius * WITHIN,
+        _ => 1e-4,
+    };
+    lo.abs_diff_eq(read_lo, near)
+        && hi.abs_diff_eq(read_hi, near)
+        && (&written.name, written.occludes, written.tested) == (&read.name, read.occludes, read.tested)
+        && (written.motion == Motion::Static) == (read.motion == Motion::Static)
+}
+
+#[test]
+fn scenes_are_read_back_as_they_were_in_every_frame() {
+    for kind in [SceneKind::Rooms, SceneKind::City, SceneKind::Forest] {
+        let options = SceneOptions { frames: 12, scale: 0.3, ..SceneOptions::default() };
+        let mut world = generated::build(kind, &options);
+        let mut read = read_back(&mut world, "frames");
+        assert_eq!((read.frames, read.objects.len()), (world.frames, world.objects.len()));
+        for frame in 0..world.frames {
+            world.set_frame(frame);
+            read.set_frame(frame);
+            for (a, b) in world.objects.iter().zip(&read.objects) {
+                assert!(same(a, b), "{kind:?}, frame {frame}: {a:?} was read as {b:?}");
+            }
+            let (a, b) = (world.camera(frame, 1.5), read.camera(frame, 1.5));
+            assert!(a.eye.abs_diff_eq(b.eye, 1e-4), "{kind:?}, frame {frame}");
+            assert!(a.view.abs_diff_eq(b.view, 1e-3), "{kind:?}, frame {frame}: {} {}", a.view, b.view);
+            assert!(a.projection.abs_diff_eq(b.projection, 1e-3), "{} {}", a.projection, b.projection);
+        }
+    }
+}
+
+#[test]
+fn meshes_and_roles_are_written_and_moving_meshes_refused() {
+    let mut world = generated::build(SceneKind::Rooms, &SceneOptions { frames: 2, ..Default::default() });
+    let mesh = Arc::new(Mesh::ball(1));
+    let transform = Affine3A::from_rotation_y(0.5) * Affine3A::from_translation(Vec3::new(9.0, 2.0, 9.0));
+    world.objects[0].shape = Shape::Mesh { mesh: mesh.clone(), transform };
+    world.objects[0].occludes = false;
+    world.objects[1].tested = false;
+    let read = read_back(&mut world, "roles");
+    for (a, b) in world.objects.iter().zip(&read.objects).take(2) {
+        assert!(same(a, b), "{a:?} was read as {b:?}");
+    }
+    let moving = (0..world.objects.len()).find(|&i| world.objects[i].motion != Motion::Static).unwrap();
+    world.objects.swap(0, moving);
+    world.objects[0].shape = Shape::Mesh { mesh, transform };
+    world.animation = Box::new(Still);
+    assert!(matches!(glb(&mut world), Err(ExportError::MovingMesh(0))));
+}
+
+/// Nothing moves.
+struct Still;
+
+impl crate::world::Animation for Still {
+    fn shapes(&self, _: usize, _: &mut dyn FnMut(usize, Shape)) {}
+
+    fn camera(&self, _: usize, aspect: f32) -> Camera {
+        Camera::look_at(Vec3::ONE, Vec3::ZERO, 60.0, aspect, 0.1, 10.0)
+    }
+}

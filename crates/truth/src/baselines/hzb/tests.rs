@@ -1,0 +1,206 @@
+use std::sync::Arc;
+
+use glam::{DVec3, Mat4};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::*;
+use crate::baselines::PixelRect;
+use casca_scenes::world::Motion;
+
+fn object(shape: Shape) -> Object {
+    Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true }
+}
+
+fn placed(mesh: Mesh, transform: Affine3A) -> Object {
+    object(Shape::Mesh { mesh: Arc::new(mesh), transform })
+}
+
+/// Triangles of all sizes and directions around the eye and before it.
+fn soup(random: &mut Pcg64Mcg, count: u32) -> Mesh {
+    let mut soup = Mesh::default();
+    for i in 0..count {
+        let middle = Vec3::new(random.random(), random.random(), random.random()) - Vec3::new(0.5, 0.5, 0.9);
+        let size = 0.05 + 20.0 * random.random::<f32>().powi(4);
+        for _ in 0..3 {
+            let corner = Vec3::new(random.random(), random.random(), random.random()) - 0.5;
+            soup.positions.push(middle * 20.0 + corner * size);
+        }
+        soup.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    soup
+}
+
+/// Nearness of a triangle along a ray whose points have depth 1 a step; 0 if the ray misses it.
+fn nearness(step: DVec3, [a, b, c]: [DVec3; 3], near: f64) -> f64 {
+    let (e, f) = (b - a, c - a);
+    let p = step.cross(f);
+    let inverse = 1.0 / e.dot(p);
+    let (u, q) = (-a.dot(p) * inverse, (-a).cross(e));
+    let (v, t) = (step.dot(q) * inverse, f.dot(q) * inverse);
+    if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= near { 1.0 / t } else { 0.0 }
+}
+
+#[test]
+fn depths_are_those_of_rays_through_the_middles_of_pixels() {
+    let (width, height) = (100, 61);
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 70.0, 100.0 / 61.0, 0.1, 100.0);
+    let inverse = camera.view_projection().as_dmat4().inverse();
+    let step = |x: f64, y: f64| {
+        let clip = DVec3::new(x / f64::from(width) * 2.0 - 1.0, 1.0 - y / f64::from(height) * 2.0, 0.5);
+        let p = inverse.project_point3(clip);
+        p / -p.z
+    };
+    let mut random = Pcg64Mcg::seed_from_u64(1);
+    let (mut covered, mut doubtful) = (0, 0);
+    for _ in 0..20 {
+        let mesh = soup(&mut random, 60);
+        let corners: Vec<[DVec3; 3]> =
+            mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize].as_dvec3())).collect();
+        let mut hzb = Hzb::new(width as usize, height as usize);
+        hzb.draw_all(&[placed(mesh, Affine3A::IDENTITY)], [0], &camera);
+        for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+            // A triangle that rays around the middle miss or hit may be missed or hit by rounding.
+            const OFF: f64 = 0.01;
+            let around = [(0.0, 0.0), (OFF, OFF), (-OFF, OFF), (OFF, -OFF), (-OFF, -OFF)]
+                .map(|(dx, dy)| step(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy));
+            let (mut must, mut may) = (0.0f64, 0.0f64);
+            for &triangle in &corners {
+                let hits = around.map(|step| nearness(step, triangle, 0.1));
+                must = must.max(hits.into_iter().fold(f64::INFINITY, f64::min));
+                may = may.max(hits.into_iter().fold(0.0, f64::max));
+            }
+            let found = f64::from(hzb.depth().at(x as usize, y as usize));
+            assert!(must * 0.999 <= found && found <= may * 1.001, "{x} {y}: {must} {found} {may}");
+            covered += u32::from(found > 0.0);
+            doubtful += u32::from(may > must * 1.01);
+        }
+    }
+    assert!(covered > 30_000 && doubtful < covered / 10, "{covered} covered, {doubtful} doubtful");
+}
+
+#[test]
+fn neighbours_leave_no_pixel_between_them() {
+    // Eight pixels a metre in every direction: corners lie on middles and on borders of pixels, and anywhere.
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90.0, 1.0, 0.1, 100.0);
+    let mut random = Pcg64Mcg::seed_from_u64(2);
+    for round in 0..20 {
+        let side = 17u32;
+        let mut mesh = Mesh::default();
+        for i in 0..side * side {
+            let (x, y) = ((i % side) as f32 - 8.0, (i / side) as f32 - 8.0);
+            let mut jitter = || match round % 2 {
+                0 => (random.random_range(-3..=3i32) as f32) / 16.0,
+                _ => random.random::<f32>() * 0.4 - 0.2,
+            };
+            mesh.positions.push(Vec3::new(x * 0.6 + jitter(), y * 0.6 + jitter(), -4.0));
+        }
+        for square in 0..(side - 1) * (side - 1) {
+            let a = square / (side - 1) * side + square % (side - 1);
+            mesh.triangles.extend([[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]);
+        }
+        let mut hzb = Hzb::new(64, 64);
+        hzb.draw_all(&[placed(mesh, Affine3A::IDENTITY)], [0], &camera);
+        for (x, y) in (0..64).flat_map(|x| (0..64).map(move |y| (x, y))) {
+            let near = hzb.depth().at(x, y);
+            assert!((near - 0.25).abs() < 1e-4, "round {round}, pixel {x} {y}: {near}");
+        }
+    }
+}
+
+#[test]
+fn a_closed_mesh_looks_the_same_without_its_backs_mirrored_or_not() {
+    let camera = Camera::look_at(Vec3::new(0.3, 0.2, 4.0), Vec3::ZERO, 60.0, 1.5, 0.1, 100.0);
+    let closed = Mesh::ball(2);
+    // A triangle behind the camera opens it.
+    let mut open = closed.clone();
+    let first = open.positions.len() as u32;
+    open.positions.extend([Vec3::new(0.0, 0.0, 50.0), Vec3::new(1.0, 0.0, 50.0), Vec3::new(0.0, 1.0, 50.0)]);
+    open.triangles.push([first, first + 1, first + 2]);
+    assert!(closed.is_closed() && !open.is_closed());
+    for scale in [Vec3::new(1.0, 0.7, 1.2), Vec3::new(-1.0, 0.7, 1.2)] {
+        let transform = Affine3A::from_scale(scale);
+        let [a, b] = [&closed, &open].map(|mesh| {
+            let mut hzb = Hzb::new(96, 64);
+            hzb.draw_all(&[placed(mesh.clone(), transform)], [0], &camera);
+            hzb
+        });
+        assert!(b.work().on_pixels > a.work().on_pixels * 3 / 2, "{:?} {:?}", a.work(), b.work());
+        let differs = |(x, y): &(usize, usize)| a.depth().at(*x, *y) != b.depth().at(*x, *y);
+        assert_eq!((0..96).flat_map(|x| (0..64).map(move |y| (x, y))).filter(differs).count(), 0);
+        assert!(a.depth().at(48, 32) > 0.2);
+    }
+}
+
+#[test]
+fn tiles_and_pixels_agree_on_rectangles() {
+    let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 70.0, 100.0 / 37.0, 0.1, 100.0);
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    let mut hidden = 0;
+    for _ in 0..20 {
+        let mut hzb = Hzb::new(100, 37);
+        let wall = Shape::Box { min: Vec3::new(-60.0, -30.0, -42.0), max: Vec3::new(60.0, 30.0, -40.0) };
+        let objects = [object(wall), placed(soup(&mut random, 200), Affine3A::IDENTITY)];
+        hzb.draw_all(&objects, [0, 1], &camera);
+        let mut depth = hzb.depth().clone();
+        for _ in 0..400 {
+            let mut range = |size: u16| {
+                let (a, b) = (random.random_range(0..=size), random.random_range(0..=size));
+                if random.random() { [a.min(b), a.max(b)] } else { [a.min(size - 1), (a + 3).min(size)] }
+            };
+            let (x, y) = (range(100), range(37));
+            let rect = PixelRect { x, y, near: 0.02 + 0.1 * random.random::<f32>().powi(2) };
+            assert_eq!(depth.hides(&rect), depth.hides_by_pixels(&rect), "{rect:?}");
+            hidden += u32::from(depth.hides(&rect) && !rect.is_empty());
+            // What is drawn in between counts, too.
+            if random.random_range(0..20) == 0 {
+                depth.set(x[0].min(99).into(), y[0].min(36).into(), random.random());
+            }
+        }
+    }
+    assert!(hidden > 400 && hidden < 7600, "{hidden}");
+}
+
+#[test]
+fn rectangles_of_boxes_hold_their_corners() {
+    let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, -6.0), 60.0, 1.6, 0.1, 100.0);
+    let screen = Screen::new(&camera, 160, 100);
+    let matrix: Mat4 = camera.view_projection();
+    let mut random = Pcg64Mcg::seed_from_u64(4);
+    let mut point = |reach: f32| Vec3::new(random.random(), random.random(), random.random()) * reach;
+    let given: Vec<(Vec3, Vec3)> = (0..1001)
+        .map(|_| {
+            let min = point(40.0) - 20.0;
+            (min, min + point(4.0))
+        })
+        .collect();
+    let mut boxes = Boxes::default();
+    boxes.fill(given.iter().copied());
+    dispatch!(fearless_simd::Level::new(), simd => boxes.project(simd, &screen));
+    let mut kinds = [0; 3];
+    for ((min, max), rect) in given.iter().zip(&boxes.rects) {
+        let clip = casca_scenes::world::box_corners(*min, *max).map(|c| matrix * c.extend(1.0));
+        let least = clip.iter().fold(f32::INFINITY, |w, c| w.min(c.w));
+        let most = clip.iter().fold(f32::NEG_INFINITY, |w, c| w.max(c.w));
+        if most < 0.0999 {
+            kinds[0] += 1;
+            assert!(rect.is_empty());
+        } else if least < 0.0999 {
+            kinds[1] += 1;
+            assert_eq!((rect.x, rect.y, rect.near), ([0, 160], [0, 100], f32::INFINITY));
+        } else if least > 0.1001 {
+            kinds[2] += 1;
+            assert!((rect.near * least - 1.0).abs() < 1e-4);
+            for c in clip {
+                let (x, y) = ((c.x / c.w * 0.5 + 0.5) * 160.0, (0.5 - c.y / c.w * 0.5) * 100.0);
+                let within = |v: f32, [lo, hi]: [u16; 2], size: f32| {
+                    let v = v.clamp(0.0, size);
+                    f32::from(lo) <= v + 1e-2 && v - 1e-2 <= f32::from(hi)
+                };
+                assert!(within(x, rect.x, 160.0) && within(y, rect.y, 100.0), "{x} {y} {rect:?}");
+            }
+        }
+    }
+    assert!(kinds.iter().all(|&n| n > 20), "{kinds:?}");
+    assert_eq!(boxes.rects.len(), 1001);
+}

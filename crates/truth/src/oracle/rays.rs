@@ -1,0 +1,476 @@
+//! Exact visibility along rays.
+
+use std::time::Duration;
+
+use glam::DVec3;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ray::{Ray, RayHit};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+use rayon::prelude::*;
+
+use super::frustum::{Frustum, Viewpoint};
+use super::geometry::{MeshCache, Primitive, primitive_count};
+use super::sample::Sampler;
+use casca_scenes::world::{Motion, Object, Shape};
+
+/// Hits this near the target, as a share of the way, do not hide it.
+const END: f64 = 1e-6;
+/// Refits of the moving part before it is built anew.
+const REFITS: u32 = 8;
+
+/// A point of an object that is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// The object.
+    pub object: usize,
+    /// Where the ray to it starts.
+    pub origin: DVec3,
+    /// The point that is seen.
+    pub target: DVec3,
+}
+
+/// What [`RayOracle::probe`] found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ProbeReport {
+    /// Rays shot.
+    pub rays: u64,
+    /// For each object that is seen, one point of it; in the order of the
+    /// candidates.
+    pub seen: Vec<Sighting>,
+}
+
+/// A primitive and whose it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    pub(super) shape: Primitive,
+    pub(super) object: u32,
+    pub(super) triangle: u32,
+}
+
+/// A bounding volume hierarchy over the primitives of some objects.
+pub(super) struct Tree {
+    /// In the order of the leaves.
+    pub(super) parts: Vec<Part>,
+    bvh: Bvh2,
+    /// The greatest coordinate.
+    pub(super) scale: f64,
+    refits: u32,
+}
+
+/// Whether anything hides one point from another, by exact primitives in f64.
+///
+/// Only objects that occlude are held. Solids hide only where a ray enters
+/// them, so one that holds the start of a ray does not hide along it. The
+/// boxes of the hierarchy are f32 and widened, so that rounding loses no hit.
+pub struct RayOracle {
+    fixed: Tree,
+    moving: Tree,
+    /// By object: in which tree it is.
+    place: Vec<Place>,
+    pub(super) meshes: MeshCache,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Nowhere,
+    Fixed,
+    Moving,
+}
+
+impl Place {
+    fn of(object: &Object) -> Self {
+        match (object.occludes, object.motion) {
+            (false, _) => Self::Nowhere,
+            (true, Motion::Static) => Self::Fixed,
+            (true, Motion::Dynamic { .. }) => Self::Moving,
+        }
+    }
+}
+
+impl Tree {
+    fn build(objects: &[Object], place: &[Place], wanted: Place, params: BvhBuildParams) -> Self {
+        let mut parts = Vec::new();
+        for (i, object) in objects.iter().enumerate() {
+            if place[i] != wanted {
+                continue;
+            }
+            for triangle in 0..primitive_count(&object.shape) as u32 {
+                let shape = Primitive::of(&object.shape, triangle);
+                if shape.is_sound() {
+                    parts.push(Part { shape, object: i as u32, triangle });
+                }
+            }
+        }
+        Self::of(parts, params)
+    }
+
+    /// A tree over sound parts.
+    pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
+        let scale = scale_of(&parts);
+        let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
+        let bvh = if boxes.is_empty() {
+            Bvh2::default()
+        } else {
+            build_bvh2(&boxes, params, &mut Duration::default())
+        };
+        let parts = bvh.primitive_indices.iter().map(|&i| parts[i as usize]).collect();
+        Self { parts, bvh, scale, refits: 0 }
+    }
+
+    /// Takes up new shapes of objects; the order of the tree stays as it is.
+    /// Returns false, with the tree unfit for use, if a shape is unsound.
+    fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
+        self.refits += 1;
+        let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
+            part.shape = Primitive::of(&objects[part.object as usize].shape, part.triangle);
+            !part.shape.is_sound()
+        });
+        if unsound.reduce(|| false, |a, b| a | b) {
+            return false;
+        }
+        self.scale = scale_of(&self.parts);
+        for node in &mut self.bvh.nodes {
+            if node.is_leaf() {
+                let from = node.first_index as usize;
+                let mut all = Aabb::empty();
+                for part in &self.parts[from..from + node.prim_count as usize] {
+                    all = all.union(&wide_box(&part.shape, self.scale));
+                }
+                node.set_aabb(all);
+            }
+        }
+        self.bvh.refit_all();
+        true
+    }
+
+    /// The ray in f32, with a unit direction, and its length. It may start
+    /// later than `origin`, where the tree begins.
+    fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
+        let length = step.length();
+        let sound = length > 0.0 && length.is_finite() && origin.is_finite();
+        if !sound || self.parts.is_empty() {
+            return None;
+        }
+        let direction = step / length;
+        let mut start = origin;
+        let mut way = length * end;
+        // Far away the coordinates of f32 are too coarse.
+        let reach = 2.0 * self.scale + 1e-3;
+        if start.abs().max_element() > reach {
+            let inverse = super::geometry::safe_inverse(direction);
+            let (a, b) = ((-reach - start) * inverse, (reach - start) * inverse);
+            let enter = a.min(b).max_element();
+            let leave = a.max(b).min_element();
+            if enter > leave || leave < 0.0 {
+                return None;
+            }
+            start += direction * enter;
+            way -= enter;
+        }
+        let way = way * (1.0 + 1e-5) + 1e-5 * reach;
+        let start = start.as_vec3a();
+        start.is_finite().then(|| Ray::new(start, direction.as_vec3a(), 0.0, way as f32))
+    }
+
+    /// The first part found that `hides` says hides.
+    pub(super) fn any(
+        &self,
+        origin: DVec3,
+        step: DVec3,
+        end: f64,
+        hides: impl Fn(&Part) -> bool,
+    ) -> Option<u32> {
+        let ray = self.ray(origin, step, end)?;
+        let mut found = None;
+        self.bvh.ray_traverse_miss(ray, |_, i| {
+            if hides(&self.parts[i]) {
+                found = Some(i as u32);
+                f32::NEG_INFINITY
+            } else {
+                f32::INFINITY
+            }
+        });
+        found
+    }
+
+    /// The first hit along the ray; `best` is the first so far.
+    pub(super) fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
+        let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
+        let length = step.length();
+        let shift = (origin - ray.origin.as_dvec3()).length();
+        let slack = 1e-5 * (self.scale + 1e-3);
+        self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
+            let part = &self.parts[i];
+            if let Some(t) = part.shape.enter(origin, step, false) {
+                let nearer = best.is_none_or(|(object, old)| t < old || (t == old && part.object < object));
+                if nearer {
+                    *best = Some((part.object, t));
+                }
+            }
+            // Nothing behind this needs to be looked at.
+            best.map_or(f32::INFINITY, |(_, t)| ((t * length - shift).max(0.0) * (1.0 + 1e-5) + slack) as f32)
+        });
+    }
+}
+
+fn scale_of(parts: &[Part]) -> f64 {
+    parts.iter().fold(0.0, |scale: f64, part| {
+        let (min, max) = part.shape.bounds();
+        scale.max(min.abs().max_element()).max(max.abs().max_element())
+    })
+}
+
+/// The box of a primitive, widened against rounding of f32 rays.
+fn wide_box(shape: &Primitive, scale: f64) -> Aabb {
+    let (min, max) = shape.bounds();
+    let margin = DVec3::splat(4e-6 * (scale + 1e-3));
+    Aabb::new((min - margin).as_vec3a(), (max + margin).as_vec3a())
+}
+
+/// How strictly a segment is tested.
+struct Segment {
+    origin: DVec3,
+    step: DVec3,
+    /// The object the target is on.
+    own: u32,
+    /// Occluders are grown, see [`RayOracle::probe`].
+    grown: bool,
+    /// Hits of other objects from here on do not hide.
+    end: f64,
+    /// Hits of the own object from here on do not hide.
+    own_end: f64,
+}
+
+impl Segment {
+    #[inline]
+    fn hidden_by(&self, part: &Part) -> bool {
+        let end = if part.object == self.own { self.own_end } else { self.end };
+        end > 0.0 && part.shape.enter(self.origin, self.step, self.grown).is_some_and(|t| t < end)
+    }
+}
+
+impl RayOracle {
+    /// Builds the hierarchies over all objects that occlude.
+    pub fn new(objects: &[Object]) -> Self {
+        let empty = || Tree { parts: Vec::new(), bvh: Bvh2::default(), scale: 0.0, refits: 0 };
+        let mut oracle =
+            Self { fixed: empty(), moving: empty(), place: Vec::new(), meshes: MeshCache::default() };
+        oracle.rebuild(objects);
+        oracle
+    }
+
+    fn rebuild(&mut self, objects: &[Object]) {
+        self.meshes.learn(objects);
+        self.place.clear();
+        self.place.extend(objects.iter().map(Place::of));
+        (self.fixed, self.moving) = rayon::join(
+            || Tree::build(objects, &self.place, Place::Fixed, BvhBuildParams::medium_build()),
+            || Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build()),
+        );
+    }
+
+    /// Takes up the new shapes of the objects `moved`. When a static object
+    /// moved, or objects came, went or changed their kind, all is built anew.
+    pub fn update(&mut self, objects: &[Object], moved: &[usize]) {
+        let known = |i: usize| {
+            self.place.get(i).is_some_and(|&place| place != Place::Fixed && place == Place::of(&objects[i]))
+        };
+        if objects.len() != self.place.len() || !moved.iter().all(|&i| known(i)) {
+            self.rebuild(objects);
+            return;
+        }
+        self.meshes.learn(moved.iter().map(|&i| &objects[i]));
+        if moved.iter().all(|&i| self.place[i] == Place::Nowhere) {
+            return;
+        }
+        let mut flags = vec![false; objects.len()];
+        let mut counts = vec![0; objects.len()];
+        for &i in moved {
+            flags[i] = true;
+        }
+        for part in &self.moving.parts {
+            counts[part.object as usize] += 1;
+        }
+        // A new mesh may have other triangles.
+        let same = moved
+            .iter()
+            .all(|&i| self.place[i] == Place::Nowhere || counts[i] == primitive_count(&objects[i].shape));
+        if !same || self.moving.refits >= REFITS || !self.moving.refit(objects, &flags) {
+            self.moving = Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build());
+        }
+    }
+
+    /// Whether an occluder other than `ignore` lies strictly between two
+    /// points. A hit in the last 1e-6 of the way does not count.
+    pub fn occluded(&self, origin: DVec3, target: DVec3, ignore: usize) -> bool {
+        let segment = Segment {
+            origin,
+            step: target - origin,
+            own: u32::try_from(ignore).unwrap_or(u32::MAX),
+            grown: false,
+            end: 1.0 - END,
+            own_end: 0.0,
+        };
+        self.blocker(&segment).is_some()
+    }
+
+    /// Whether an occluder hides a point of the mesh `object`. The triangles of the mesh that `own` tells hold the point, and do not hide
+    /// it, nor does a hit in the last 1e-6 of the way.
+    pub fn hides_point(&self, eye: DVec3, point: DVec3, object: usize, own: impl Fn(usize) -> bool) -> bool {
+        let step = point - eye;
+        let own = |part: &Part| part.object as usize == object && own(part.triangle as usize);
+        [&self.fixed, &self.moving].into_iter().any(|tree| {
+            let hides = |part: &Part| part.shape.enter(eye, step, false).is_some_and(|t| t < 1.0 - END);
+            tree.any(eye, step, 1.0, |part| hides(part) && !own(part)).is_some()
+        })
+    }
+
+    /// The nearest object a ray enters from outside, and the distance in
+    /// units of `direction`; the lower index at equal distance.
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<(usize, f64)> {
+        let mut best = None;
+        self.fixed.first(origin, direction, &mut best);
+        self.moving.first(origin, direction, &mut best);
+        best.map(|(object, t)| (object as usize, t))
+    }
+
+    /// A part that hides the end of the segment: in which tree, and where.
+    fn blocker(&self, segment: &Segment) -> Option<(bool, u32)> {
+        let find = |tree: &Tree| {
+            let end = segment.end.max(segment.own_end);
+            tree.any(segment.origin, segment.step, end, |part| segment.hidden_by(part))
+        };
+        find(&self.fixed).map(|i| (true, i)).or_else(|| find(&self.moving).map(|i| (false, i)))
+    }
+
+    /// Whether a point of an object is seen from `origin` beyond doubt: no
+    /// grown occluder hides it.
+    pub(super) fn surely_sees(&self, origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> bool {
+        self.blocker(&sure_segment(origin, target, own, own_is_mesh)).is_none()
+    }
+
+    /// Whether a camera sees a point of space, which is on no object, beyond the doubt of rounding, as in
+    /// [`Self::probe_camera`].
+    pub fn surely_shows(&self, frustum: &Frustum, point: DVec3) -> bool {
+        frustum.surely_contains(point)
+            && self.surely_sees(frustum.start(point), point, u32::MAX as usize, false)
+    }
+
+    /// Looks from `origin` at points on the surface of each candidate, up to
+    /// `samples_per_object`, until one is seen.
+    ///
+    /// - Points are random on the visible side, and near the silhouette,
+    ///   edges and corners, where a culler errs most. Only points that
+    ///   `in_frustum` accepts are looked at.
+    /// - A sighting is beyond the doubt of rounding: spheres and boxes that
+    ///   may hide are grown by 1e-7 of their size plus 1e-9 of their
+    ///   distance, triangles by 1e-7 in barycentric coordinates, and what
+    ///   coincides with the target hides it. A solid is not hidden by itself;
+    ///   a mesh is, except in the last 1e-6 of the way.
+    /// - A solid that holds `origin` has no visible side and gives no
+    ///   sighting.
+    ///
+    /// The result depends on `seed`, not on the number of threads.
+    pub fn probe(
+        &self,
+        objects: &[Object],
+        origin: DVec3,
+        candidates: &[usize],
+        samples_per_object: usize,
+        seed: u64,
+        in_frustum: impl Fn(DVec3) -> bool + Sync,
+    ) -> ProbeReport {
+        self.probe_with(objects, Viewpoint::Eye(origin), candidates, samples_per_object, seed, |target| {
+            in_frustum(target).then_some(origin)
+        })
+    }
+
+    /// [`Self::probe`] for a camera, perspective or orthographic: only points
+    /// surely in its clip volume, along rays that start at the near plane.
+    pub fn probe_camera(
+        &self,
+        objects: &[Object],
+        frustum: &Frustum,
+        candidates: &[usize],
+        samples_per_object: usize,
+        seed: u64,
+    ) -> ProbeReport {
+        self.probe_with(objects, frustum.viewpoint(), candidates, samples_per_object, seed, |target| {
+            frustum.surely_contains(target).then(|| frustum.start(target))
+        })
+    }
+
+    fn probe_with(
+        &self,
+        objects: &[Object],
+        viewpoint: Viewpoint,
+        candidates: &[usize],
+        samples: usize,
+        seed: u64,
+        start: impl Fn(DVec3) -> Option<DVec3> + Sync,
+    ) -> ProbeReport {
+        let results: Vec<(u64, Option<Sighting>)> = candidates
+            .par_iter()
+            .map(|&object| self.look_at(objects, object, viewpoint, samples, seed, &start))
+            .collect();
+        ProbeReport {
+            rays: results.iter().map(|(rays, _)| rays).sum(),
+            seen: results.into_iter().filter_map(|(_, seen)| seen).collect(),
+        }
+    }
+
+    fn look_at(
+        &self,
+        objects: &[Object],
+        object: usize,
+        viewpoint: Viewpoint,
+        samples: usize,
+        seed: u64,
+        start: &impl Fn(DVec3) -> Option<DVec3>,
+    ) -> (u64, Option<Sighting>) {
+        let shape = &objects[object].shape;
+        let Some(mut sampler) = Sampler::new(shape, viewpoint, &self.meshes) else { return (0, None) };
+        let mixed = (seed ^ (object as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_add(object as u64);
+        let mut random = Pcg64Mcg::seed_from_u64(mixed);
+        let is_mesh = matches!(shape, Shape::Mesh { .. });
+        // What hid the last point often hides the next.
+        let mut last: Option<(bool, u32)> = None;
+        let mut rays = 0;
+        // Points out of the frustum are replaced, within reason.
+        for attempt in 0..samples * 4 {
+            if rays == samples as u64 {
+                break;
+            }
+            let Some(target) = sampler.point(attempt, &mut random) else { continue };
+            let Some(origin) = start(target) else { continue };
+            rays += 1;
+            let segment = sure_segment(origin, target, object, is_mesh);
+            if last.is_some_and(|(fixed, i)| {
+                let tree = if fixed { &self.fixed } else { &self.moving };
+                segment.hidden_by(&tree.parts[i as usize])
+            }) {
+                continue;
+            }
+            last = self.blocker(&segment);
+            if last.is_none() {
+                return (rays, Some(Sighting { object, origin, target }));
+            }
+        }
+        (rays, None)
+    }
+}
+
+fn sure_segment(origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> Segment {
+    Segment {
+        origin,
+        step: target - origin,
+        own: own as u32,
+        grown: true,
+        end: 1.0 + 1e-9,
+        own_end: if own_is_mesh { 1.0 - END } else { 0.0 },
+    }
+}
