@@ -13,14 +13,14 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use casca::TriMesh;
-use casca_clouds::PointCloud;
-use casca_clouds::bricks::{Bricks, Loader, Want};
-use casca_clouds::files::{FileError, read_source};
+use casca_points::PointCloud;
+use casca_points::bricks::{Bricks, Loader, Want};
+use casca_points::files::{FileError, read_source};
 use casca_plane::tmx::TmxImport;
 use libfuzzer_sys::fuzz_target;
 use peak_alloc::PeakAlloc;
 
-#[path = "../../crates/clouds/tests/files/mod.rs"]
+#[path = "../../crates/points/tests/files/mod.rs"]
 mod clouds;
 #[path = "../../tests/damage/mod.rs"]
 mod damage;

@@ -1,4 +1,4 @@
-//! The points of a point cloud that an eye can see.
+//! Point clouds: the points that an eye can see, clouds from files, and clouds larger than memory.
 //!
 //! Points hide nothing by themselves. They are taken as samples of a surface that nobody knows, so every answer here is an
 //! estimate, and none is conservative. Two kinds of errors are counted apart: a *false visible* point is reported though the
@@ -10,10 +10,22 @@
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 //!
-//! The crate `casca-clouds` reads point clouds from files, and cuts those larger than memory into bricks that `casca` culls.
+//! A [`PointCloud`] holds points with their colours, normals and radii.
+//!
+//! # Features
+//!
+//! None is on by default. These pages show the crate with both of them.
+//!
+//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in chunks, and writes PLY.
+//! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
 
+#[cfg(feature = "bricks")]
+pub mod bricks;
 mod camera;
+mod cloud;
 pub mod cluster;
+#[cfg(feature = "files")]
+pub mod files;
 pub mod hpr;
 pub mod hull;
 mod numeric;
@@ -26,6 +38,7 @@ pub mod splat;
 pub use glam;
 
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
+pub use cloud::{LengthError, PointCloud};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -2,7 +2,7 @@
 //!
 //! All surfaces are sampled at the same distance between points, also those inside: from outside, a scan shows both at once.
 
-use casca_clouds::PointCloud;
+use casca_points::PointCloud;
 use glam::{Vec2, Vec3, vec2, vec3};
 
 type Colour = [u8; 3];

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bitvec::vec::BitVec;
-use casca_clouds::{PointCloud, files};
 use casca_points::cluster::{Clustering, Passes, visible_clusters};
 use casca_points::hpr::{self, Kernel};
 use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
 use casca_points::{Camera, MAX_SIDE, cluster, spacing};
+use casca_points::{PointCloud, files};
 use casca_points_view::{GpuPoints, SplatOperator};
 use casca_stage::gpu::Gpu;
 use clap::{Args, ValueEnum};

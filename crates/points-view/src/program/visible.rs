@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
-use casca_clouds::files::PlyWriter;
+use casca_points::files::PlyWriter;
 use casca_stage::gpu::Gpu;
 use clap::Args;
 

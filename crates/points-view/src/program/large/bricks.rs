@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use casca_clouds::bricks::{BrickError, Bricks, BuildOptions, Builder};
-use casca_clouds::files::{FileError, read_chunks};
+use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder};
+use casca_points::files::{FileError, read_chunks};
 use clap::Args;
 
 use super::{Done, progress};

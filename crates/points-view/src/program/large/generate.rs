@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::PathBuf;
 
-use casca_clouds::files::{Attributes, PlyWriter};
+use casca_points::files::{Attributes, PlyWriter};
 use clap::Args;
 
 use super::town::Town;

@@ -1,6 +1,6 @@
 //! A town of 1 km by 1 km: streets 14 m wide around blocks of four houses. Up is +y, and a crossing is at the origin.
 
-use casca_clouds::PointCloud;
+use casca_points::PointCloud;
 use glam::{Vec3, vec3};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};

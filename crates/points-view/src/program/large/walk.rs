@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use bitvec::slice::BitSlice;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Pvs, Query, Scene, View};
-use casca_clouds::bricks::{Bricks, Loader, Want};
 use casca_points::Camera;
+use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use clap::Args;
 use glam::{DVec3, Vec3, vec3};

@@ -3,9 +3,9 @@
 use std::io::Cursor;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use casca_clouds::PointCloud;
-use casca_clouds::bricks::{Bricks, Loader, Want};
-use casca_clouds::files::{FileError, read_source};
+use casca_points::PointCloud;
+use casca_points::bricks::{Bricks, Loader, Want};
+use casca_points::files::{FileError, read_source};
 use peak_alloc::PeakAlloc;
 
 #[path = "../../../tests/damage/mod.rs"]

@@ -5,7 +5,7 @@
 //! [`Loader`] reads as much of each wanted brick as a picture needs, in a thread of its own, into a budget of memory.
 //!
 //! ```no_run
-//! use casca_clouds::bricks::{Bricks, Loader};
+//! use casca_points::bricks::{Bricks, Loader};
 //! use std::sync::Arc;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::file::{Brick, BrickPoint, LEVELS};
-use casca_points::cluster::morton;
+use crate::cluster::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.
 pub(super) const BITS: u32 = 21;

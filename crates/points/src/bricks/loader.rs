@@ -115,7 +115,7 @@ impl Loader {
     }
 
     /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a picture. Radii are half
-    /// the sides of squares that close most gaps, as [`casca_points::splat`] takes them.
+    /// the sides of squares that close most gaps, as [`crate::splat`] takes them.
     pub fn gather(&self, wants: &[Want]) -> PointCloud {
         let bricks = &self.shared.bricks;
         let parts: Vec<_> = {

@@ -14,7 +14,7 @@ use casca::{Aabb, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
 use super::error::BrickError;
-use casca_points::Camera;
+use crate::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256 cells along its longest edge, and all.
 pub(super) const LEVELS: usize = 10;

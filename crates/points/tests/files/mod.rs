@@ -5,9 +5,9 @@
 
 use std::io::Cursor;
 
-use casca_clouds::PointCloud;
-use casca_clouds::bricks::{BuildOptions, Builder};
-use casca_clouds::files::PlyWriter;
+use casca_points::PointCloud;
+use casca_points::bricks::{BuildOptions, Builder};
+use casca_points::files::PlyWriter;
 use glam::{DVec3, Vec3};
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 2\n\

@@ -11,9 +11,9 @@ use tempfile::TempDir;
 
 use super::file::LEVELS;
 use super::*;
+use crate::Camera;
 use crate::PointCloud;
 use crate::samples::{cases, sphere};
-use casca_points::Camera;
 
 /// Points on a sphere of radius 10, a fifth of them doubled, and 50 times the same one far away.
 fn cloud(count: usize) -> PointCloud {
