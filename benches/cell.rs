@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use casca::internals::{SceneInternals, occlusion_by_caps, occlusion_by_lattice};
 use casca::{CellOptions, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_scenes::measure::{Settled, median, ratio};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::{Settled, median, ratio};
 use casca_scenes::world::{FRAME_SECONDS, Motion, Shape, World};
 use criterion::Criterion;
 

@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use casca::{Method, Query};
-use casca_scenes::measure::{Settled, median, ratio};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::{Settled, median, ratio};
 use criterion::Criterion;
 
 const WALK: &str = "point, walk of 50 queries";

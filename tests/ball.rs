@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use casca::{Aabb, GridSpec, Method, PointOptions, Query};
 use casca_scenes::drive::{Driver, view_of};
-use casca_scenes::import;
-use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, OracleOptions};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::import;
 use casca_scenes::world::{FRAME_SECONDS, World};
+use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, OracleOptions};
 
 const ASPECT: f32 = 16.0 / 9.0;
 /// Balls around the eye of one frame.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use casca::{GridSpec, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View};
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, World};
+use casca_truth::oracle::{Oracle, OracleOptions};
 use glam::{DVec3, Mat3, Quat, UVec3, Vec3};
 
 const ASPECT: f32 = 16.0 / 9.0;

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use casca::internals::SceneInternals;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Pvs, Query, Scene, Sphere, View};
-use casca_truth::cases;
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
+use casca_truth::cases;
+use casca_truth::oracle::{Oracle, OracleOptions};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -1,8 +1,8 @@
 //! What the cell method proves hidden, the point method finds hidden too, but for what `Method::Point` says.
 
 use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, View};
-use casca_scenes::measure::Settled;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::Settled;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Mat4, Quat, UVec3, Vec3};
 

@@ -9,12 +9,12 @@ use casca::{
     Bounds, CellOptions, Convex, GridSpec, MemoryUse, Method, Obb, ObjectDesc, ObjectId, Occluder,
     PointOptions, Query, Scene, Sphere, View,
 };
-use casca_truth::baselines::{Hzb, RayBuffer};
-use casca_truth::cases;
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_truth::cases;
+use casca_truth::oracle::{Oracle, OracleOptions};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Quat, UVec3, Vec3};
 use proptest::prelude::*;

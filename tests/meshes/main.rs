@@ -14,8 +14,8 @@ use casca::{
     Aabb, Bounds, CellOptions, Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, ObjectId,
     Occluder, PointOptions, Query, Scene, TriMesh, View,
 };
-use casca_truth::cases;
 use casca_scenes::world::Camera;
+use casca_truth::cases;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, DAffine3, DVec3, Mat3A, Quat, UVec3, Vec3, Vec3A};
 use proptest::prelude::*;

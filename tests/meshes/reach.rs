@@ -5,8 +5,8 @@ use std::sync::Arc;
 use casca::{
     Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View,
 };
-use casca_truth::cases;
 use casca_scenes::world::Camera;
+use casca_truth::cases;
 use glam::{Affine3A, DVec3, Mat4, UVec3, Vec3};
 use proptest::prelude::*;
 

@@ -6,10 +6,10 @@ use std::collections::{HashMap, HashSet};
 use casca::{
     CameraQuery, GridSpec, KeptQuery, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View,
 };
-use casca_truth::cases;
 use casca_scenes::drive::Driver;
-use casca_truth::oracle::RayOracle;
 use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_truth::cases;
+use casca_truth::oracle::RayOracle;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, DVec3, UVec3, Vec3};
 use proptest::prelude::*;

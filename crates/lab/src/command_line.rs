@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
 
-pub use casca_scenes::path_error::PathError;
-use casca_scenes::import::{self, ImportError};
 use casca_scenes::generated::{self, SceneKind, SceneOptions};
+use casca_scenes::import::{self, ImportError};
+pub use casca_scenes::path_error::PathError;
 use casca_scenes::world::World;
 
 /// Frames that can be walked: as many as a file may give.

@@ -1,9 +1,9 @@
 //! What the sliders of the window set.
 
-use casca_scenes::lit::{Light, LightKind};
 use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
+use casca_scenes::lit::{Light, LightKind};
 use casca_stage::egui::{
     CollapsingHeader, ComboBox, DragValue, Grid, Response, ScrollArea, Slider, SliderClamping, Ui,
 };

@@ -49,8 +49,8 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca_scenes::lit::Kind;
     use casca_light::renderer::{Renderer, Settings};
+    use casca_scenes::lit::Kind;
 
     fn said(words: &[&str]) -> String {
         let options = Options::parse_from(std::iter::once(&"casca-light").chain(words));

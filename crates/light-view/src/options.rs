@@ -4,11 +4,11 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use casca_lab::command_line::EXIT_CODES;
-use casca_scenes::lit::MOST_PIXELS;
 use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
 use casca_light::volume::RESOLUTIONS;
+use casca_scenes::lit::MOST_PIXELS;
 use clap::Parser;
 use clap::builder::RangedI64ValueParser;
 use glam::Vec3;

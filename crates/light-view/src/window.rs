@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::time::Instant;
 
-use casca_scenes::world::Camera;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
+use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Align2, RichText};
 use casca_stage::fly::{Fly, way};

@@ -3,8 +3,6 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use casca_truth::oracle::RayOracle;
-use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_line_sets::LineSet;
 use casca_line_sets::generate::{Family, Recipe};
 use casca_line_sets::random::Random;
@@ -15,7 +13,9 @@ use casca_lines_gpu::culling::Seen;
 use casca_lines_gpu::renderer::Renderer;
 use casca_lines_gpu::set::GpuLines;
 use casca_lines_gpu::settings::Settings;
+use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_truth::oracle::RayOracle;
 use glam::{Affine3A, DVec3, Vec3, vec3};
 
 /// The radius of the occlusion.

@@ -4,8 +4,8 @@ use std::thread::{self, JoinHandle};
 
 use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
 use casca::{Method, Query, Scene};
-use casca_scenes::drive::view_of;
 use casca_lab::pictures::palette::{self, rgba};
+use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
 use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
 

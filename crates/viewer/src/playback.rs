@@ -6,11 +6,11 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use casca::{Query, Scene};
-use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_stage::window::Done;
+use casca_truth::baselines::{Hzb, RayBuffer};
 
 use crate::frame_loop;
 use crate::geometry::Geometry;

@@ -5,12 +5,12 @@ use casca::{AggressiveOpacity, Method, Query};
 use super::walker::{Walker, item_buffer};
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
-use casca_scenes::drive::view_of;
-use casca_scenes::measure::timed;
-use casca_truth::oracle::NONE;
 use crate::pictures::{Axis, Line, lines, palette};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::SceneKind;
+use casca_scenes::measure::timed;
 use casca_scenes::world::{Object, Shape};
+use casca_truth::oracle::NONE;
 
 /// Shares of a cell from which on it counts as opaque.
 const SHARES: [f32; 7] = [0.95, 0.85, 0.75, 0.6, 0.5, 0.35, 0.2];

@@ -4,9 +4,9 @@ use casca::{Aabb, GridSpec, Method, PointOptions};
 
 use super::walker::{Snapshot, Walker, item_buffer};
 use super::{Contender, LabError, median, p99};
-use casca_truth::baselines::Hzb;
 use casca_scenes::measure::timed;
 use casca_scenes::world::World;
+use casca_truth::baselines::Hzb;
 
 /// The sets of options that have names, from the fastest to the tightest.
 pub const PRESETS: [(&str, PointOptions); 3] = [

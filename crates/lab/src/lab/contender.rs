@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use casca::{Error, Method, Query};
 
-use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::world::{Camera, Object};
+use casca_truth::baselines::{Hzb, RayBuffer};
 
 /// A frame, as all methods get it.
 #[derive(Clone, Copy)]

@@ -155,10 +155,17 @@ mod tests {
         long.table(Table::new("long", &["a"]));
         let file = folder.join("report.md");
         write(&file, HEAD, &lab, &[long, Section::new("Short")], "cargo run", "Settings.").unwrap();
-        let (front, page) = (std::fs::read_to_string(file), std::fs::read_to_string(folder.join("long-one.md")));
+        let (front, page) =
+            (std::fs::read_to_string(file), std::fs::read_to_string(folder.join("long-one.md")));
         let (front, page) = (front.unwrap(), page.unwrap());
-        assert!(front.contains("First words.") && !front.contains("Second") && front.contains("/long-one.md)"));
-        assert!(page.starts_with("# Long: one\n") && page.contains("Second words.") && page.contains("(./long.csv)"));
+        assert!(
+            front.contains("First words.") && !front.contains("Second") && front.contains("/long-one.md)")
+        );
+        assert!(
+            page.starts_with("# Long: one\n")
+                && page.contains("Second words.")
+                && page.contains("(./long.csv)")
+        );
         assert!(page.contains("(../report.md)") && folder.join("long.csv").exists());
         std::fs::remove_dir_all(&folder).unwrap();
     }

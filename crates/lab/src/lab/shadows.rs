@@ -7,8 +7,8 @@ use super::walker::Walker;
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
 use casca_scenes::drive::view_of;
-use casca_scenes::measure::timed;
 use casca_scenes::generated::SceneKind;
+use casca_scenes::measure::timed;
 
 /// Where the sun's light goes.
 const SUN: Vec3 = Vec3::new(0.4, -1.0, 0.3);

@@ -4,8 +4,8 @@ use casca::{Error, GridSpec, Method, Query};
 
 use super::{ASPECT, FrameInput};
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_truth::oracle::ItemBuffer;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_truth::oracle::ItemBuffer;
 
 /// A world on its walk, in as many grids as are asked for.
 pub(super) struct Walker {

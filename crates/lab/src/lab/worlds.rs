@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Lab, LabError};
-use casca_scenes::import;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::import;
 use casca_scenes::world::World;
 
 /// A scene to walk through, by name or file.

@@ -8,8 +8,8 @@ use plotters::style::RGBColor;
 use super::palette::{HIDDEN, LOST, OPEN_PIXEL, QUIET, SPARE, TEXT, VISIBLE};
 use super::raster::Canvas;
 use super::{PictureError, error};
-use casca_truth::oracle::{ItemBuffer, NONE};
 use casca_scenes::world::{Camera, Object, Shape};
+use casca_truth::oracle::{ItemBuffer, NONE};
 
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 const SKY: RGBColor = RGBColor(245, 246, 250);

@@ -1,8 +1,8 @@
 use glam::Affine3A;
 
 use super::*;
-use crate::import;
 use crate::generated::{self, SceneKind, SceneOptions};
+use crate::import;
 
 /// Writes a scene to a file in a folder for one test, and reads it back.
 fn read_back(world: &mut World, test: &str) -> World {

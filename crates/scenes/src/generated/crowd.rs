@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::dice::Dice;
 use super::motion::{Path, Swing, Swinging, Walk};
-use super::{Dice, SceneOptions, object, solid_box, standing_box};
+use super::options::SceneOptions;
+use super::parts::{object, solid_box, standing_box};
 use crate::world::{GridHint, Shape, World};
 
 const SIZE: f32 = 256.0;

@@ -19,9 +19,12 @@
 
 mod city;
 mod crowd;
+mod dice;
 mod forest;
 mod motion;
 mod noise;
+mod options;
+mod parts;
 mod rocks;
 mod rooms;
 mod solid_meshes;
@@ -33,14 +36,10 @@ mod town;
 mod walking;
 
 use std::str::FromStr;
-use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use crate::world::World;
 
-use crate::world::{Mesh, Motion, Object, Shape, World};
-
+pub use options::SceneOptions;
 pub use walking::{WALK_SECONDS, WalkOptions, walking};
 
 /// A procedural scene.
@@ -145,30 +144,6 @@ impl FromStr for SceneKind {
     }
 }
 
-/// What can be chosen about a scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SceneOptions {
-    /// Random seed.
-    pub seed: u64,
-    /// Frames of the path.
-    pub frames: usize,
-    /// Multiplies the number of objects where the scene allows it; 1 is the standard.
-    pub scale: f32,
-    /// `Spheres` only: builds a closed bunker beside the scene.
-    pub bunker: bool,
-    /// `Spheres` only: small dynamic spheres inside the bunker, where nobody sees them.
-    pub hidden_extra: usize,
-    /// `Spheres` only: puts closed walls around the scene and as many static spheres
-    /// beyond them, as densely as inside.
-    pub beyond_walls: Option<usize>,
-}
-
-impl Default for SceneOptions {
-    fn default() -> Self {
-        Self { seed: 1, frames: 150, scale: 1.0, bunker: false, hidden_extra: 0, beyond_walls: None }
-    }
-}
-
 /// Builds a scene.
 pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
     let options = SceneOptions { frames: options.frames.max(1), ..*options };
@@ -193,45 +168,4 @@ fn times(factor: f32, options: &SceneOptions, build: fn(&SceneOptions) -> World)
     let mut world = build(&SceneOptions { scale: options.scale * factor, ..*options });
     world.name.push_str(&format!("-{factor}"));
     world
-}
-
-/// The random numbers of a scene.
-struct Dice(Pcg64Mcg);
-
-impl Dice {
-    fn new(seed: u64, scene: u64) -> Self {
-        Self(Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ scene))
-    }
-
-    /// A number from `lo` to `hi`.
-    fn range(&mut self, lo: f32, hi: f32) -> f32 {
-        lo + (hi - lo) * self.0.random::<f32>()
-    }
-
-    fn chance(&mut self, share: f32) -> bool {
-        self.0.random::<f32>() < share
-    }
-
-    fn point(&mut self, lo: Vec3, hi: Vec3) -> Vec3 {
-        Vec3::new(self.range(lo.x, hi.x), self.range(lo.y, hi.y), self.range(lo.z, hi.z))
-    }
-}
-
-fn solid_box(name: &str, min: Vec3, max: Vec3) -> Object {
-    object(name, Shape::Box { min, max })
-}
-
-fn object(name: &str, shape: Shape) -> Object {
-    Object { name: name.to_owned(), shape, motion: Motion::Static, occludes: true, tested: true }
-}
-
-/// A mesh in world space.
-fn mesh(mesh: Mesh) -> Shape {
-    Shape::Mesh { mesh: Arc::new(mesh), transform: Affine3A::IDENTITY }
-}
-
-/// A box with its base at `base`.
-fn standing_box(name: &str, base: Vec3, size: Vec3) -> Object {
-    let half = Vec3::new(size.x * 0.5, 0.0, size.z * 0.5);
-    solid_box(name, base - half, base + half + Vec3::Y * size.y)
 }

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::Dice;
+use super::dice::Dice;
 use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
 
 /// Rounding of coordinates of some hundred metres, seen as speed.

@@ -58,7 +58,9 @@ pub(super) fn meshed(mut world: World, cuts: u32) -> World {
         let solid = object.shape.clone();
         object.shape = match solid {
             // The exact corners, so that neighbours abut as before.
-            Shape::Box { min, max } if object.motion == Motion::Static => super::mesh(Mesh::cuboid(min, max)),
+            Shape::Box { min, max } if object.motion == Motion::Static => {
+                super::parts::mesh(Mesh::cuboid(min, max))
+            }
             solid => models.shape(solid),
         };
     }

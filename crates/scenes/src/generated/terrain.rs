@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
+use super::dice::Dice;
 use super::motion::{Path, Walk};
 use super::noise::Noise;
-use super::{Dice, SceneOptions, mesh, object};
+use super::options::SceneOptions;
+use super::parts::{mesh, object};
 use crate::world::{GridHint, Mesh, Object, Shape, World};
 
 const SIZE: f32 = 320.0;

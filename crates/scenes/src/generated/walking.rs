@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
 
-use super::Dice;
+use super::dice::Dice;
 use super::motion::{Path, Swing, Swinging};
 use crate::world::{Animation, Camera, Motion, Object, Shape, World};
 

@@ -7,7 +7,7 @@ use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, buffer::View};
 
-use super::Trouble;
+use super::error::Trouble;
 
 /// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the file.
 const MOST_ZEROS: usize = 1 << 20;

@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use gltf::buffer::Source;
 use percent_encoding::percent_decode_str;
 
-use super::Trouble;
+use super::error::Trouble;
 
 /// Files that were read, by their paths without detours: many buffers may name the same.
 type Known = HashMap<PathBuf, Rc<Vec<u8>>>;

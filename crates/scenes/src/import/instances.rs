@@ -3,8 +3,8 @@
 use glam::{Affine3A, Quat, Vec3};
 use serde_json::Value;
 
-use super::Trouble;
 use super::accessors::{Buffers, Components, unfit};
+use super::error::Trouble;
 use super::nodes::{unit, wrong};
 
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";

@@ -5,8 +5,10 @@ use std::path::Path;
 use glam::Vec3;
 use gltf::khr_lights_punctual::Kind;
 
+use super::contents::contents;
+use super::document::parse;
+use super::error::Trouble;
 use super::nodes::nodes_of;
-use super::{Trouble, parse, world};
 use crate::lit::{Falloff, Light, LightKind, LitScene, Material};
 
 /// Share of light that surfaces other than metals reflect head-on.
@@ -24,7 +26,7 @@ const DIELECTRIC: f32 = 0.04;
 /// As [`load`](super::load).
 pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
     let (document, buffers) = parse(bytes, folder)?;
-    let (world, materials) = world(name, &document, &buffers)?;
+    let (world, materials) = contents(name, &document, &buffers)?;
     let mut scene = LitScene::of_world(&world, 0, 0);
     scene.materials = vec![Material::matt(Vec3::ONE)];
     scene.materials.extend(document.materials().map(|m| material_of(&m)));

@@ -7,8 +7,8 @@ use std::rc::Rc;
 use glam::Vec3;
 use gltf::mesh::Mode;
 
-use super::Trouble;
 use super::accessors::{Buffers, Components, TOO_MUCH, unfit};
+use super::error::Trouble;
 use crate::world::Mesh;
 
 /// Reads meshes; vertex data that several share is read once.

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
 
-use super::Trouble;
+use super::error::Trouble;
 use super::tracks::{Track, Tracks};
 
 /// Translation, rotation and scale.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, Vec3};
 
-use super::Trouble;
+use super::error::Trouble;
 use super::nodes::Nodes;
 use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 

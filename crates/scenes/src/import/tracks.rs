@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3};
 use gltf::animation::{Interpolation, Property};
 
-use super::Trouble;
 use super::accessors::{Buffers, Components, unfit};
+use super::error::Trouble;
 use super::nodes::{Nodes, unit, wrong};
 
 /// A key-framed property of a node.

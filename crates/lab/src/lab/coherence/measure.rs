@@ -6,10 +6,10 @@ use super::super::walker::item_buffer;
 use super::super::{ASPECT, LabError, median, p99};
 use super::ways::{Way, ways};
 use casca_scenes::drive::{Driver, view_of};
-use casca_scenes::measure::timed;
-use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
+use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, World};
+use casca_truth::oracle::{Oracle, OracleOptions};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]

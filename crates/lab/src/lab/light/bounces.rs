@@ -10,10 +10,10 @@ use super::metric::{Difference, difference, flip_map};
 use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, chart, mean_of, table, tile};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section};
-use casca_scenes::lit::HdrImage;
-use casca_truth::oracle::path::Quantity;
 use crate::pictures::palette::other;
 use crate::pictures::{Line, Tile, sheet};
+use casca_scenes::lit::HdrImage;
+use casca_truth::oracle::path::Quantity;
 
 /// The path tracer's pictures of all orders that are gathered.
 fn truths(lab: &Lab, case: &Case) -> Result<Vec<Truth>, LabError> {

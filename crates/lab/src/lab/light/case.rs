@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use super::gather::{Gather, LightVolume, Spot};
 use super::metric::mean;
 use super::voxels::{Sides, Voxels};
-use casca_scenes::import::load_lit;
 use crate::lab::{Lab, LabError};
+use casca_scenes::import::load_lit;
 use casca_scenes::lit::{HdrImage, Kind, LightKind, LitScene, Material};
 use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
 

@@ -9,11 +9,11 @@ use super::metric::{Difference, difference, less_noise};
 use super::rows::{CONES, ERROR, SIZES, WALKS, digits};
 use super::voxels::Voxels;
 use crate::lab::{Lab, LabError, Section, Table};
-use casca_scenes::lit::{ASPECT, Kind, LitScene, Material};
-use casca_truth::oracle::path::Quantity;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::lit::{ASPECT, Kind, LitScene, Material};
 use casca_scenes::world::Camera;
+use casca_truth::oracle::path::Quantity;
 
 const GLOSSES: [f32; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
 /// Light of the lamp that the room scattered once, and the floor once more.

@@ -4,8 +4,8 @@ use super::case::order_name;
 use super::gather::Gather;
 use super::metric::{Difference, less_noise};
 use crate::lab::{Lab, LabError, Section, Table};
-use casca_scenes::lit::HdrImage;
 use crate::pictures::{Axis, Line, Tile, lines};
+use casca_scenes::lit::HdrImage;
 
 /// Cells along an axis.
 pub(super) const SIZES: [u32; 3] = [32, 64, 128];

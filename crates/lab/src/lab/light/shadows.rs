@@ -12,10 +12,10 @@ use super::rows::{
 };
 use super::voxels::{OFF, Voxels};
 use crate::lab::{Lab, LabError, Section, Table};
-use casca_scenes::lit::{HdrImage, Kind, LitScene};
-use casca_truth::oracle::path::{Quantity, Surface};
 use crate::pictures::palette::{Style, other};
 use crate::pictures::{Line, Tile, sheet};
+use casca_scenes::lit::{HdrImage, Kind, LitScene};
+use casca_truth::oracle::path::{Quantity, Surface};
 
 /// Least tangent of a cone that the library takes.
 const NARROWEST: f32 = 0.001;

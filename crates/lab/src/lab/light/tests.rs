@@ -10,8 +10,8 @@ use super::shadows::shadow;
 use super::voxels::OFF;
 use super::*;
 use casca_scenes::lit::{HdrImage, Kind, Light, LightKind, LitScene, Material};
-use casca_truth::oracle::path::{Quantity, Surface};
 use casca_scenes::world::{Camera, Mesh};
+use casca_truth::oracle::path::{Quantity, Surface};
 
 const SIZE: (usize, usize) = (20, 15);
 

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 use super::hare::hare;
 use super::sample::{Sample, Sampler};
-use casca_scenes::import;
 use crate::lab::LabError;
-use casca_truth::oracle::RayOracle;
+use casca_scenes::import;
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
+use casca_truth::oracle::RayOracle;
 
 /// The view of an eye.
 #[derive(Debug, Clone, Copy)]

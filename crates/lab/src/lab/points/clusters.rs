@@ -5,9 +5,9 @@ use casca_points::cluster::{Clustering, Passes, Radius, cluster_count};
 use super::judge::{COLUMNS, Confusion};
 use super::study::{Study, best, by_clusters, by_hull, spherical, steps, sweep};
 use crate::lab::{LabError, Table, median};
-use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::measure::timed;
 
 /// The ways to choose the radius for clusters.
 const WAYS: [(&str, Radius, Passes); 4] = [

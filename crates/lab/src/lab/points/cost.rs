@@ -14,9 +14,9 @@ use super::hare::hare;
 use super::sample::Sampler;
 use super::study::{Study, THESIS_BIAS, spherical};
 use crate::lab::{LabError, Table, grouped, median};
-use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::measure::timed;
 
 /// The size of pictures.
 const SIZE: (u32, u32) = (1024, 768);

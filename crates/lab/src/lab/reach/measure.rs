@@ -5,8 +5,8 @@ use casca::{Aabb, GridSpec, Method, Query, View};
 use super::super::{ASPECT, LabError, median};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::timed;
-use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, BallSighting, OracleOptions};
 use casca_scenes::world::{FRAME_SECONDS, Shape, World};
+use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, BallSighting, OracleOptions};
 
 /// How far an eye may go, in metres.
 pub const REACHES: [f32; 9] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 3.0];

@@ -7,9 +7,9 @@ use rayon::ThreadPoolBuilder;
 
 use super::super::{LabError, Section, Table, grouped};
 use super::{Bench, worlds};
-use casca_scenes::measure::timed;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::measure::timed;
 use casca_scenes::world::{Mesh, Shape};
 
 /// The seconds that one thread takes to prepare meshes, and the triangles and bytes of these.

@@ -6,8 +6,8 @@ use super::super::{Contender, LabError, Section, Table};
 use super::Bench;
 use super::measure::{Turn, frustums, take_turns};
 use casca_scenes::drive::{Driver, Sharing};
-use casca_scenes::measure::timed;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::timed;
 
 const SCENES: [SceneKind; 5] =
     [SceneKind::SpheresMeshes, SceneKind::CityMeshes, SceneKind::Terrain, SceneKind::Rocks, SceneKind::Town];

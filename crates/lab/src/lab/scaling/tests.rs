@@ -2,8 +2,8 @@ use glam::Vec3;
 
 use super::measure::{Walks, measure};
 use super::{Method, worlds};
-use casca_truth::oracle::ItemBuffer;
 use casca_scenes::world::{Shape, World};
+use casca_truth::oracle::ItemBuffer;
 
 /// The objects that an item buffer of this width shows from the first frame.
 fn visible(world: &World, width: usize) -> usize {

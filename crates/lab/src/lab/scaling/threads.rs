@@ -6,11 +6,11 @@ use rayon::ThreadPoolBuilder;
 use super::super::{LabError, Section, Table};
 use super::Bench;
 use super::measure::{cameras, set_up};
-use casca_scenes::drive::view_of;
-use casca_scenes::measure::timed;
 use crate::pictures::palette::{EXACT, other};
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::timed;
 
 const SCENES: [SceneKind; 3] = [SceneKind::Spheres, SceneKind::City, SceneKind::Terrain];
 /// Views of one call.

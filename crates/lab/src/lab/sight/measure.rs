@@ -4,13 +4,13 @@ use casca::{Aabb, Query};
 use glam::Vec3;
 
 use super::questions::questions;
-use casca_truth::baselines::NineRays;
-use casca_scenes::drive::view_of;
 use crate::lab::buffer::least;
 use crate::lab::walker::{Snapshot, Walker};
 use crate::lab::{LabError, median};
-use casca_truth::oracle::{Frustum, RayOracle};
+use casca_scenes::drive::view_of;
 use casca_scenes::world::{Motion, Object, Shape, World};
+use casca_truth::baselines::NineRays;
+use casca_truth::oracle::{Frustum, RayOracle};
 
 /// How much is asked.
 #[derive(Debug, Clone, Copy)]

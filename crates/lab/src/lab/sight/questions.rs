@@ -5,8 +5,8 @@ use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use casca_truth::oracle::Frustum;
 use casca_scenes::world::{Camera, GridHint};
+use casca_truth::oracle::Frustum;
 
 /// The longest edge of a box, as a share of the diagonal of the scene's region: from small things to large rooms.
 const EDGES: (f32, f32) = (0.001, 0.05);

@@ -6,10 +6,10 @@ use casca::{CellOptions, Method, ObjectDesc, PointOptions};
 use glam::DVec3;
 
 use super::case::{ASPECT, Case};
-use casca_scenes::drive::Driver;
 use crate::lab::{Contender, FrameInput, Lab, LabError, median};
-use casca_truth::oracle::{Frustum, ItemBuffer, Oracle, OracleOptions};
+use casca_scenes::drive::Driver;
 use casca_scenes::world::{Motion, Object, Shape};
+use casca_truth::oracle::{Frustum, ItemBuffer, Oracle, OracleOptions};
 
 /// Rows of the baselines' buffers for a number of columns.
 pub(super) fn rows(columns: usize) -> usize {

@@ -4,8 +4,8 @@ use casca::GridSpec;
 use glam::Vec3;
 
 use super::case::{ASPECT, Case, Shot, still};
-use casca_scenes::drive::grid_for;
 use crate::lab::LabError;
+use casca_scenes::drive::grid_for;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
 

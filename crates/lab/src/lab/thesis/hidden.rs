@@ -5,12 +5,12 @@ use casca::{Method, View};
 use super::super::stage::{Stage, Telling, frame_of, ms};
 use super::super::{Lab, LabError, Section, Table, grouped, median};
 use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, style};
-use casca_truth::baselines::Hzb;
-use casca_scenes::drive::view_of;
 use crate::pictures::palette::{CELL, Marker, Style, THESIS as GIVEN, other};
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::FRAME_SECONDS;
+use casca_truth::baselines::Hzb;
 
 /// The thesis' time for 500 hidden objects, the milliseconds that twice the resolution adds, and
 /// those of a frame with 10,000.

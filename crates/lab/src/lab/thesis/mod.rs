@@ -14,8 +14,8 @@ use casca::GridSpec;
 use glam::UVec3;
 
 use super::{ASPECT, Lab, LabError, Section, Table};
-use casca_scenes::drive::grid_for;
 use crate::pictures::palette::{self, Style};
+use casca_scenes::drive::grid_for;
 use casca_scenes::world::World;
 
 /// Pixels of the software depth buffer that stands for the graphics card.

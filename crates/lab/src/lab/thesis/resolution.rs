@@ -8,13 +8,13 @@ use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table};
 use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, style};
-use casca_truth::baselines::Hzb;
-use casca_scenes::drive::view_of;
-use casca_truth::oracle::ItemBuffer;
 use crate::pictures::palette::{CELL, FRUSTUM, Marker, POINT, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, Motion};
+use casca_truth::baselines::Hzb;
+use casca_truth::oracle::ItemBuffer;
 
 /// The thesis' solution point, its PVS/visible there and at 100, and the resolution below which
 /// it hides nothing.

@@ -9,13 +9,13 @@ use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{Lab, LabError, Section, Table, median};
 use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, style};
-use casca_truth::baselines::Hzb;
-use casca_scenes::drive::view_of;
-use casca_truth::oracle::ItemBuffer;
 use crate::pictures::palette::{Marker, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::FRAME_SECONDS;
+use casca_truth::baselines::Hzb;
+use casca_truth::oracle::ItemBuffer;
 
 /// A way through the walk, frame by frame.
 #[derive(Default)]

@@ -14,12 +14,12 @@ use casca::{Aabb, GridSpec, Method};
 
 use super::stage::{Stage, Telling, frame_of, ms};
 use super::{Lab, LabError, Section, Table, grouped, median};
-use casca_scenes::drive::view_of;
-use casca_truth::oracle::ItemBuffer;
 use crate::pictures::palette::{self, Marker, Style};
 use crate::pictures::{Axis, Line, lines};
-use casca_scenes::world::{FRAME_SECONDS, Object, Shape, World};
 use arena::Arena;
+use casca_scenes::drive::view_of;
+use casca_scenes::world::{FRAME_SECONDS, Object, Shape, World};
+use casca_truth::oracle::ItemBuffer;
 use frustum::Frustum;
 use octree::LooseOctree;
 use structures::{Box3, Bvh, Linear, RStar, Structure};

@@ -2,9 +2,9 @@
 
 use casca::internals::QueryInternals;
 use casca::{Method, Query, Scene, View};
-use casca_truth::oracle::ItemBuffer;
 use casca_lab::pictures::{FramePicture, PictureError, TopView, buffers, frame, top_view};
 use casca_scenes::world::{Camera, World};
+use casca_truth::oracle::ItemBuffer;
 use glam::Vec3;
 
 use super::ASPECT;

@@ -4,12 +4,12 @@ use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 use casca::{Aabb, GridSpec, Method, Query};
-use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_lab::pictures::FrameCounts;
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::timed;
-use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions};
-use casca_lab::pictures::FrameCounts;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions};
 use glam::Vec3;
 
 use super::ASPECT;

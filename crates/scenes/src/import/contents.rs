@@ -1,0 +1,124 @@
+//! All that a document holds, as a test scene.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::Affine3A;
+
+use super::accessors::{Buffers, Components};
+use super::document::QUANTIZATION;
+use super::error::Trouble;
+use super::instances::instances_of;
+use super::meshes::Meshes;
+use super::nodes::{check_rigid, nodes_of, role_of, wrong};
+use super::path::{FilePath, Moving, camera_of};
+use super::tracks::animate;
+use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
+
+/// Frames of a path that the file does not give.
+const OWN_FRAMES: usize = 150;
+/// Frames after the first of a path that the file gives.
+const MOST_FRAMES: f64 = 99_999.0;
+/// Bytes of the name of an instance that count as an element of a buffer.
+const NAME_OF_AN_ELEMENT: usize = 16;
+/// By triangle: a material, as [`Meshes::mesh`] numbers them.
+pub(super) type Looks = Arc<[u32]>;
+
+/// Cells along the longest axis of the grid that is asked for.
+const CELLS: f32 = 128.0;
+
+/// The scene, and the materials of each object.
+pub(super) fn contents(
+    name: &str,
+    document: &gltf::Document,
+    buffers: &Buffers,
+) -> Result<(World, Vec<Looks>), Trouble> {
+    let mut nodes = nodes_of(document)?;
+    let clip = animate(document, buffers, &mut nodes)?;
+    let quantized =
+        document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
+    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
+
+    type Known = Option<(Arc<Mesh>, Looks)>;
+    let mut meshes: HashMap<usize, Known> = HashMap::new();
+    let mut objects = Vec::new();
+    let mut materials = Vec::new();
+    let mut moving = Vec::new();
+    let (globals, moves) = (nodes.globals(), nodes.moving());
+    for (place, item) in nodes.0.iter().enumerate() {
+        let Some(node) = document.nodes().nth(item.index) else { continue };
+        let Some(mesh) = node.mesh() else { continue };
+        check_rigid(&node, &mesh, item.morphs)?;
+        let (occludes, tested) = role_of(&node)?;
+        let mesh = match meshes.get(&mesh.index()) {
+            Some(known) => known.clone(),
+            None => {
+                let read = reader.mesh(&mesh)?.map(|(mesh, looks)| (Arc::new(mesh), looks.into()));
+                meshes.insert(mesh.index(), read.clone());
+                read
+            }
+        };
+        let Some((mesh, looks)) = mesh else { continue };
+        let name = node.name().unwrap_or("");
+        let (transform, dynamic) = (globals[place], moves[place]);
+        let mut add = |name: String, instance: Affine3A| {
+            if dynamic {
+                moving.push(Moving {
+                    object: objects.len(),
+                    node: place,
+                    place: instance,
+                    mesh: mesh.clone(),
+                });
+            }
+            materials.push(looks.clone());
+            objects.push(Object {
+                name,
+                shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
+                motion: if dynamic { Motion::Dynamic { max_speed: 0.0 } } else { Motion::Static },
+                occludes,
+                tested,
+            });
+        };
+        match instances_of(document, buffers, &node)? {
+            None => add(name.to_owned(), Affine3A::IDENTITY),
+            Some(places) => {
+                // Each gets the name.
+                if !buffers.spend(places.len().saturating_mul(1 + name.len() / NAME_OF_AN_ELEMENT)) {
+                    return Err(wrong(&node, "has too many instances for its name"));
+                }
+                for (i, instance) in places.into_iter().enumerate() {
+                    add(format!("{name}#{i}"), instance);
+                }
+            }
+        }
+    }
+    if objects.is_empty() {
+        return Err(Trouble::NoTriangles);
+    }
+
+    // Both ends of the clip are frames.
+    let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
+    let camera = camera_of(document, &nodes, &moves);
+    let frames = match &camera {
+        Some(c) if moves[c.node] => clip_frames,
+        _ => OWN_FRAMES,
+    };
+    let mut animation = FilePath::new(nodes, moving, camera, frames);
+    let (min, max) = animation.settle(&mut objects)?;
+    let size = (max - min).max_element();
+    // Far from the origin, cells that are too small could not be told apart.
+    let margin = (size.max(1e-3) * 1e-3).max(min.abs().max(max.abs()).max_element() * 1e-5);
+    let (min, max) = (min - margin, max + margin);
+    let cell = (max - min).max_element() / CELLS;
+    if !(min.is_finite() && max.is_finite() && cell.is_finite()) {
+        return Err(Trouble::NotFinite("the size of the scene".to_owned()));
+    }
+    let world = World {
+        name: name.to_owned(),
+        objects,
+        grid: GridHint { min, max, cell },
+        frames,
+        animation: Box::new(animation),
+    };
+    Ok((world, materials))
+}
