@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 14] = [
+const ROOTS: [&str; 13] = [
     "src",
     "crates/plane/src",
     "crates/points/src",
@@ -20,7 +20,6 @@ const ROOTS: [&str; 14] = [
     "crates/points-view/src",
     "crates/light/src",
     "crates/light-view/src",
-    "crates/line-sets/src",
     "crates/lines/src",
     "crates/fur/src",
     "crates/fur-gpu/src",

@@ -1,8 +1,8 @@
 //! Why nothing is drawn.
 
-use casca_line_sets::LineError;
 use casca_lines::occlusion::OptionsError;
 use casca_lines::samples::SampleError;
+use casca_lines::sets::LineError;
 use casca_lines::view::ViewError;
 use casca_stage::gpu::GpuError;
 

@@ -1,7 +1,7 @@
 //! A house of rooms with a set of lines in each: most lines are behind walls.
 
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::{LineError, LineSet, MOST_VERTICES};
+use casca_lines::sets::generate::{Family, Recipe};
+use casca_lines::sets::{LineError, LineSet, MOST_VERTICES};
 use glam::{Vec3, vec3};
 
 /// The side of a room. Generated sets have a side of 2.

@@ -1,6 +1,6 @@
 //! Lines in the memory of a device, in bundles.
 
-use casca_line_sets::LineSet;
+use casca_lines::sets::LineSet;
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;

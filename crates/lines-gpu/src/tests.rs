@@ -1,11 +1,11 @@
 //! The shaders beside the processor's version and exact clipping, and pictures with and without culling.
 
-use casca_line_sets::LineSet;
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::random::Random;
 use casca_lines::buffers::LineBuffer;
 use casca_lines::occlusion::{AoOptions, BasePlane, Estimator, Occlusion, SetChoice};
 use casca_lines::samples::SampleSets;
+use casca_lines::sets::LineSet;
+use casca_lines::sets::generate::{Family, Recipe};
+use casca_lines::sets::random::Random;
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
 use casca_lines::view::{Lens, View};
 use casca_stage::canvas::Canvas;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use casca_lab::oracle::RayOracle;
 use casca_lab::world::{Mesh, Motion, Object, Shape};
-use casca_line_sets::LineSet;
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::random::Random;
 use casca_lines::buffers::Fragment;
+use casca_lines::sets::LineSet;
+use casca_lines::sets::generate::{Family, Recipe};
+use casca_lines::sets::random::Random;
 use casca_lines::view::View;
 use casca_lines_gpu::clock::Clock;
 use casca_lines_gpu::culling::Seen;

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use casca_line_sets::LineSet;
+use casca_lines::sets::LineSet;
 use casca_lines::view::View;
 use casca_lines_gpu::clock::Clock;
 use casca_lines_gpu::culling::{Culling, Seen};
