@@ -11,10 +11,13 @@
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
+//! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of lines behind walls.
 //!
 //! Results are estimates, the same for any number of threads.
 
 pub mod buffers;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod numeric;
 pub mod occlusion;
 pub mod samples;
