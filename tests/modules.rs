@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 18] = [
+const ROOTS: [&str; 16] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -24,12 +24,10 @@ const ROOTS: [&str; 18] = [
     "crates/points-view/src",
     "crates/light/src",
     "crates/light-view/src",
-    "crates/line-sets/src",
     "crates/lines/src",
     "crates/fur/src",
     "crates/fur-gpu/src",
     "crates/fur-view/src",
-    "crates/lines-gpu/src",
     "crates/lines-view/src",
 ];
 

@@ -24,7 +24,7 @@ use peak_alloc::PeakAlloc;
 mod clouds;
 #[path = "../../tests/damage/mod.rs"]
 mod damage;
-#[path = "../../crates/line-sets/tests/files/mod.rs"]
+#[path = "../../crates/lines/tests/files/mod.rs"]
 mod lines;
 #[path = "../../crates/plane/tests/maps/mod.rs"]
 mod maps;
@@ -63,7 +63,7 @@ static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
     ];
     for format in lines::FORMATS {
         let files = lines::all().into_iter().filter(|(other, _)| *other == format).map(|(_, file)| file);
-        let read = move |bytes: &[u8]| drop(casca_line_sets::files::read(bytes, format));
+        let read = move |bytes: &[u8]| drop(casca_lines::sets::files::read(bytes, format));
         all.push(kind("lines", files.collect(), |_| (), Box::new(read)));
     }
     if let Ok(folder) = std::env::var("CASCA_SEEDS") {

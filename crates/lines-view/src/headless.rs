@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use casca_lines_gpu::clock::Clock;
-use casca_lines_gpu::culling::{Culling, Seen};
-use casca_lines_gpu::renderer::Renderer;
-use casca_lines_gpu::set::GpuLines;
+use casca_lines::gpu::clock::Clock;
+use casca_lines::gpu::culling::{Culling, Seen};
+use casca_lines::gpu::renderer::Renderer;
+use casca_lines::gpu::set::GpuLines;
 use casca_stage::canvas::{Canvas, write_png};
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::window::Done;

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use casca_line_sets::generate::Family;
+use casca_lines::gpu::renderer::Look;
 use casca_lines::occlusion::Estimator;
+use casca_lines::sets::generate::Family;
 use casca_lines::slabs::Slices;
 use casca_lines::view::MOST_PIXELS;
-use casca_lines_gpu::renderer::Look;
 use clap::{Parser, ValueEnum};
 use glam::Vec3;
 

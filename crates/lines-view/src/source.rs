@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use casca_line_sets::generate::Recipe;
-use casca_line_sets::random::Random;
-use casca_line_sets::{LineSet, files};
+use casca_lines::gpu::numeric::FARTHEST;
+use casca_lines::gpu::settings::Settings;
 use casca_lines::occlusion::AoOptions;
+use casca_lines::sets::generate::Recipe;
+use casca_lines::sets::random::Random;
+use casca_lines::sets::rooms::House;
+use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
-use casca_lines_gpu::numeric::FARTHEST;
-use casca_lines_gpu::rooms::House;
-use casca_lines_gpu::settings::Settings;
 use glam::{Vec3, vec3};
 
 use crate::options::{Failed, Options};

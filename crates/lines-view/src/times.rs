@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use casca_line_sets::LineSet;
+use casca_lines::gpu::clock::Clock;
+use casca_lines::gpu::culling::{Culling, Seen};
+use casca_lines::gpu::renderer::{Look, Renderer};
+use casca_lines::gpu::set::GpuLines;
+use casca_lines::gpu::settings::Settings;
+use casca_lines::sets::LineSet;
 use casca_lines::view::View;
-use casca_lines_gpu::clock::Clock;
-use casca_lines_gpu::culling::{Culling, Seen};
-use casca_lines_gpu::renderer::{Look, Renderer};
-use casca_lines_gpu::set::GpuLines;
-use casca_lines_gpu::settings::Settings;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::window::Done;

@@ -3,11 +3,11 @@
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
+use casca_lines::gpu::clock::Clock;
+use casca_lines::gpu::culling::{Culling, Seen};
+use casca_lines::gpu::renderer::{Look, Renderer};
+use casca_lines::gpu::set::GpuLines;
 use casca_lines::occlusion::{AoOptions, Estimator};
-use casca_lines_gpu::clock::Clock;
-use casca_lines_gpu::culling::{Culling, Seen};
-use casca_lines_gpu::renderer::{Look, Renderer};
-use casca_lines_gpu::set::GpuLines;
 use casca_stage::canvas::Target;
 use casca_stage::egui::emath::Numeric;
 use casca_stage::egui::{Align2, Slider, SliderClamping};

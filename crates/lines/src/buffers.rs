@@ -1,8 +1,8 @@
 //! The nearest line in each pixel: its position and tangent (Benevides 2015, section 3.1).
 
-use casca_line_sets::LineSet;
 use glam::{DVec3, Vec3};
 
+use crate::sets::LineSet;
 use crate::slabs::{Part, Placed, walk};
 use crate::view::View;
 

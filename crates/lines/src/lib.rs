@@ -4,20 +4,24 @@
 //! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient occlusion for the rendering of lines;
 //! master's thesis, PUC-Rio 2015). Nothing is precomputed: lines may move in every frame.
 //!
+//! - [`sets`]: sets of polylines, seeded generators, and files.
 //! - [`view`]: orthographic and perspective views.
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can be used alone.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
-//! - [`sets`]: the crate `casca-line-sets`, with sets of polylines, generators and files.
+//! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of lines behind walls.
 //!
 //! Results are estimates, the same for any number of threads.
 
 pub mod buffers;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod numeric;
 pub mod occlusion;
 pub mod samples;
+pub mod sets;
 pub mod slabs;
 #[cfg(test)]
 mod testing;
@@ -26,5 +30,4 @@ pub mod view;
 /// The version of glam whose types these functions take and give.
 pub use glam;
 
-pub use casca_line_sets as sets;
-pub use casca_line_sets::LineSet;
+pub use sets::LineSet;

@@ -4,8 +4,9 @@
 //! the lines are that darken most. Points of one disc keep apart: Mitchell 1991, "Spectrally optimal sampling for distribution ray
 //! tracing" (best candidates).
 
-use casca_line_sets::random::{Random, hash};
 use glam::Vec2;
+
+use crate::sets::random::{Random, hash};
 
 /// The radii of the discs.
 pub const RADII: [f32; 3] = [0.2, 0.5, 1.0];

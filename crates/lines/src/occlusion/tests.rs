@@ -1,10 +1,10 @@
-use casca_line_sets::LineSet;
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::random::Random;
 use glam::{DVec3, Quat, Vec3, vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::sets::LineSet;
+use crate::sets::generate::{Family, Recipe};
+use crate::sets::random::Random;
 use crate::slabs::{Slices, SpanRule};
 use crate::testing::cases;
 use crate::view::{Lens, View};

@@ -16,7 +16,6 @@ mod walk;
 
 use std::ops::Range;
 
-use casca_line_sets::{LineSet, Segment};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -26,6 +25,7 @@ use slices::{MOST_GROUPS, slice_of};
 pub use solid::SolidError;
 pub(crate) use walk::{Part, walk};
 
+use crate::sets::{LineSet, Segment};
 use crate::view::View;
 
 /// The side of a tile in pixels. Tiles without any bit take no memory but an index.

@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use casca_line_sets::random::Random;
 use glam::{DVec3, Vec3, vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::sets::random::Random;
 use crate::testing::cases;
 use crate::view::Lens;
 

@@ -1,5 +1,7 @@
+use glam::Vec3;
+
 use super::*;
-use crate::world::FRAME_SECONDS;
+use crate::world::{FRAME_SECONDS, Motion, Shape};
 
 fn bounds(shape: &Shape) -> (Vec3, Vec3) {
     match shape {

@@ -15,7 +15,7 @@ use std::path::Path;
 
 pub use error::FileError;
 
-use crate::set::LineSet;
+use crate::sets::LineSet;
 
 /// The formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,12 +5,12 @@
 //! whose bounds, inflated by that reach, are hidden holds no such line. So a picture without it is the same in every pixel.
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
-use casca_lines::view::View;
 use glam::Vec3;
 
-use crate::error::LinesGpuError;
-use crate::lens::{Reach, view_of_scene};
-use crate::set::Bundle;
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::lens::{Reach, view_of_scene};
+use crate::gpu::set::Bundle;
+use crate::view::View;
 
 /// The user data of walls.
 const WALL: u64 = u64::MAX;

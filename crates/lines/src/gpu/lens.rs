@@ -1,17 +1,17 @@
 //! A view as the shaders take it, as a scene takes it, and how far the occlusion of a pixel reaches.
 
 use bytemuck::{Pod, Zeroable};
-use casca_lines::numeric::GROUP;
-use casca_lines::slabs::Slices;
-use casca_lines::view::{Lens, View};
 use glam::{DMat4, DVec3, DVec4};
 
-use crate::numeric::LENGTH_UNITS;
+use crate::gpu::numeric::LENGTH_UNITS;
+use crate::numeric::GROUP;
+use crate::slabs::Slices;
+use crate::view::{Lens, View};
 
 /// A view for shaders: `Lens` of view.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct GpuLens {
+pub(super) struct GpuLens {
     right: [f32; 3],
     scale: f32,
     up: [f32; 3],
@@ -31,7 +31,7 @@ pub(crate) struct GpuLens {
 }
 
 impl GpuLens {
-    pub(crate) fn new(view: &View, slices: Slices) -> Self {
+    pub(super) fn new(view: &View, slices: Slices) -> Self {
         let turn = view.eye_from_world().matrix3;
         let origin = view.eye_from_world().inverse().translation;
         let [near, far] = view.depths();

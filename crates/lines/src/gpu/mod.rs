@@ -1,13 +1,13 @@
-//! Dense sets of lines on the graphics processor: the columns, the nearest lines and the occlusion of `casca-lines` as compute
-//! shaders of `wgpu`, for lines that move in every frame; and bundles of lines as objects of a [`casca::Scene`], so that lines
-//! behind walls are not drawn, and those beyond the reach of the occlusion not voxelised either.
+//! The columns, the nearest lines and the occlusion on the graphics processor, as compute shaders of
+//! `wgpu`, for lines that move in every frame; and bundles of lines as objects of a
+//! [`casca::Scene`], so that lines behind walls are not drawn, and those beyond the reach of the
+//! occlusion not voxelised either.
 //!
 //! - [`set`]: lines in the memory of a device, in bundles.
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
 //! - [`settings`]: what is computed.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
-//! - [`rooms`]: a house full of lines, for tests and figures.
 //! - [`clock`]: the time of each stage.
 //!
 //! The results are those of the processor's version but for rounding: [`numeric`] says where that decides and how far.
@@ -19,7 +19,6 @@ mod kernel;
 pub mod lens;
 pub mod numeric;
 pub mod renderer;
-pub mod rooms;
 pub mod set;
 pub mod settings;
 #[cfg(test)]

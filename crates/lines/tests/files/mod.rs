@@ -3,7 +3,7 @@
 // Each test and the fuzz target use a part of it.
 #![allow(dead_code)]
 
-use casca_line_sets::files::Format;
+use casca_lines::sets::files::Format;
 
 /// All formats.
 pub const FORMATS: [Format; 5] = [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk];

@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use casca_line_sets::LineSet;
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::random::Random;
 use casca_lines::buffers::Fragment;
+use casca_lines::gpu::clock::Clock;
+use casca_lines::gpu::culling::Seen;
+use casca_lines::gpu::renderer::Renderer;
+use casca_lines::gpu::set::GpuLines;
+use casca_lines::gpu::settings::Settings;
+use casca_lines::sets::LineSet;
+use casca_lines::sets::generate::{Family, Recipe};
+use casca_lines::sets::random::Random;
 use casca_lines::view::View;
-use casca_lines_gpu::clock::Clock;
-use casca_lines_gpu::culling::Seen;
-use casca_lines_gpu::renderer::Renderer;
-use casca_lines_gpu::set::GpuLines;
-use casca_lines_gpu::settings::Settings;
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_truth::oracle::RayOracle;

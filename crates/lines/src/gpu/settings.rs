@@ -1,12 +1,12 @@
 //! What is computed, and what the shaders are told of it.
 
 use bytemuck::{Pod, Zeroable};
-use casca_lines::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
-use casca_lines::slabs::Slices;
-use casca_lines::view::View;
 
-use crate::error::LinesGpuError;
-use crate::lens::Reach;
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::lens::Reach;
+use crate::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
+use crate::slabs::Slices;
+use crate::view::View;
 
 /// What is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +52,7 @@ impl Settings {
         Ok(Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices))
     }
 
-    pub(crate) fn check(&self) -> Result<(), LinesGpuError> {
+    pub(super) fn check(&self) -> Result<(), LinesGpuError> {
         self.ao.check()?;
         if !(1..=64).contains(&self.coarse) {
             return Err(LinesGpuError::Coarse(self.coarse));
@@ -64,7 +64,7 @@ impl Settings {
 /// `Ao` of occlusion.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct GpuAo {
+pub(super) struct GpuAo {
     radius: f32,
     value: f32,
     step: f32,
@@ -78,7 +78,7 @@ pub(crate) struct GpuAo {
 }
 
 impl GpuAo {
-    pub(crate) fn new(settings: &Settings, size: [u32; 2]) -> Self {
+    pub(super) fn new(settings: &Settings, size: [u32; 2]) -> Self {
         let ao = &settings.ao;
         let (estimator, value) = match ao.estimator {
             Estimator::MeanOfRatios { factor } => (0, factor),

@@ -1,10 +1,11 @@
 //! Why nothing is drawn.
 
-use casca_line_sets::LineError;
-use casca_lines::occlusion::OptionsError;
-use casca_lines::samples::SampleError;
-use casca_lines::view::ViewError;
 use casca_stage::gpu::GpuError;
+
+use crate::occlusion::OptionsError;
+use crate::samples::SampleError;
+use crate::sets::LineError;
+use crate::view::ViewError;
 
 /// Why lines were refused or not drawn.
 #[derive(Debug, thiserror::Error)]

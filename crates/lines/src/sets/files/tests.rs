@@ -181,7 +181,7 @@ fn errors_name_place_and_cause() {
         let why = fail(&written(&[vec![Vec3::ONE, damaged, Vec3::X]], Format::Tck), Format::Tck);
         assert!(why.contains(said), "{why}");
     }
-    let path = std::env::temp_dir().join(format!("casca-line-sets-{}.txt", std::process::id()));
+    let path = std::env::temp_dir().join(format!("casca-lines-files-{}.txt", std::process::id()));
     for (text, said) in [("1 x", "line 1: \"x\" is not"), ("1 1 nan 1 1", "vertex 0 of line 0 is not finite")]
     {
         std::fs::write(&path, text).unwrap();

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{CommandEncoder, ErrorFilter};
 
-use crate::error::LinesGpuError;
+use crate::gpu::error::LinesGpuError;
 
 /// Submits stages, and measures them if it is asked to.
 pub struct Clock {

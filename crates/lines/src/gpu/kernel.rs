@@ -4,7 +4,7 @@ use bytemuck::Pod;
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages};
 
-use crate::numeric::constants;
+use crate::gpu::numeric::constants;
 
 /// Groups along x of a dispatch; others follow along y. Adapters take 65,535.
 const GROUPS: u32 = 32_768;
@@ -12,16 +12,16 @@ const GROUPS: u32 = 32_768;
 const COMMON: &str = include_str!("shaders/view.wgsl");
 
 /// A buffer under its binding.
-pub(crate) type Bound<'a> = (u32, &'a wgpu::Buffer);
+pub(super) type Bound<'a> = (u32, &'a wgpu::Buffer);
 
 /// A shader, with the part that all have in common.
-pub(crate) fn shader(gpu: &Gpu, name: &str, text: &str) -> wgpu::ShaderModule {
+pub(super) fn shader(gpu: &Gpu, name: &str, text: &str) -> wgpu::ShaderModule {
     let source = wgpu::ShaderSource::Wgsl(format!("{}{COMMON}{text}", constants()).into());
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 
 /// Those of the buffers that a pipeline uses, bound.
-pub(crate) fn bind(
+pub(super) fn bind(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     used: &[u32],
@@ -35,14 +35,14 @@ pub(crate) fn bind(
 }
 
 /// A compute pass.
-pub(crate) struct Kernel {
+pub(super) struct Kernel {
     pipeline: wgpu::ComputePipeline,
     used: &'static [u32],
 }
 
 impl Kernel {
     /// The entry `name` of a shader, which uses just these bindings.
-    pub(crate) fn new(gpu: &Gpu, module: &wgpu::ShaderModule, name: &str, used: &'static [u32]) -> Self {
+    pub(super) fn new(gpu: &Gpu, module: &wgpu::ShaderModule, name: &str, used: &'static [u32]) -> Self {
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: None,
@@ -55,7 +55,7 @@ impl Kernel {
     }
 
     /// Runs it in so many groups.
-    pub(crate) fn run(
+    pub(super) fn run(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -73,7 +73,7 @@ impl Kernel {
     }
 
     /// Runs it once for each chunk of segments.
-    pub(crate) fn run_chunks(
+    pub(super) fn run_chunks(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -85,7 +85,7 @@ impl Kernel {
     }
 
     /// Runs it once for each 8 x 8 pixels.
-    pub(crate) fn run_pixels(
+    pub(super) fn run_pixels(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -97,7 +97,7 @@ impl Kernel {
 }
 
 /// A buffer with these contents; an empty one holds a zero of 16 bytes, since none of size 0 can be bound.
-pub(crate) fn filled<T: Pod>(
+pub(super) fn filled<T: Pod>(
     gpu: &Gpu,
     contents: &[T],
     usage: BufferUsages,

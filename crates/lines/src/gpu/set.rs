@@ -1,13 +1,13 @@
 //! Lines in the memory of a device, in bundles.
 
-use casca_line_sets::LineSet;
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::LinesGpuError;
-use crate::kernel::filled;
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::kernel::filled;
+use crate::sets::LineSet;
 
 /// Segments of a workgroup.
 const CHUNK: u32 = 64;
@@ -32,17 +32,17 @@ pub struct Bundle {
 #[cfg(test)]
 impl Bundle {
     /// Of bounds alone.
-    pub(crate) fn of_bounds(bounds: [Vec3; 2]) -> Self {
+    pub(super) fn of_bounds(bounds: [Vec3; 2]) -> Self {
         Self { bounds, first: 0, segments: 1 }
     }
 }
 
 /// Lines in the memory of a device.
 pub struct GpuLines {
-    pub(crate) vertices: Buffer,
-    pub(crate) tangents: Buffer,
-    pub(crate) segments: Buffer,
-    pub(crate) order: Buffer,
+    pub(super) vertices: Buffer,
+    pub(super) tangents: Buffer,
+    pub(super) segments: Buffer,
+    pub(super) order: Buffer,
     bundles: Vec<Bundle>,
     vertex_count: usize,
 }
@@ -99,7 +99,7 @@ impl GpuLines {
     }
 
     /// The workgroups of some bundles: the first segment and the number of segments of each.
-    pub(crate) fn chunks(&self, bundles: &[u32]) -> Result<Vec<[u32; 2]>, LinesGpuError> {
+    pub(super) fn chunks(&self, bundles: &[u32]) -> Result<Vec<[u32; 2]>, LinesGpuError> {
         let mut chunks = Vec::with_capacity(bundles.len() * (BUNDLE / CHUNK) as usize);
         for &number in bundles {
             let unknown = LinesGpuError::Bundle { number, bundles: self.bundles.len() };

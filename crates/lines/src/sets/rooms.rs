@@ -1,8 +1,9 @@
 //! A house of rooms with a set of lines in each: most lines are behind walls.
 
-use casca_line_sets::generate::{Family, Recipe};
-use casca_line_sets::{LineError, LineSet, MOST_VERTICES};
 use glam::{Vec3, vec3};
+
+use crate::sets::generate::{Family, Recipe};
+use crate::sets::{LineError, LineSet, MOST_VERTICES};
 
 /// The side of a room. Generated sets have a side of 2.
 pub const ROOM: f32 = 2.6;
@@ -87,4 +88,16 @@ fn walls(side: u32) -> Vec<[Vec3; 2]> {
         }
     }
     walls
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn houses_that_are_too_large_are_refused_even_without_lines() {
+        assert!(matches!(House::new(70_000, 0, 1, 0.0), Err(LineError::TooMany)));
+        let house = House::new(2, 0, 1, 0.0).unwrap();
+        assert!(house.lines.is_empty() && !house.walls.is_empty());
+    }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use crate::set::LineError;
+use crate::sets::LineError;
 
 /// Why a file was not read.
 #[derive(Debug, thiserror::Error)]

@@ -1,24 +1,24 @@
 //! Columns, nearest lines, occlusion and pictures of a frame.
 
 use bytemuck::{Pod, Zeroable};
-use casca_lines::buffers::Fragment;
-use casca_lines::occlusion::sector_of;
-use casca_lines::samples::SampleSets;
-use casca_lines::slabs::Slices;
-use casca_lines::view::View;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat};
 use glam::Vec3;
 
-use crate::clock::Clock;
-use crate::culling::Seen;
-use crate::error::LinesGpuError;
-use crate::kernel::{Bound, Kernel, bind, filled, shader};
-use crate::lens::GpuLens;
-use crate::numeric::FARTHEST;
-use crate::set::GpuLines;
-use crate::settings::{GpuAo, Settings};
+use crate::buffers::Fragment;
+use crate::gpu::clock::Clock;
+use crate::gpu::culling::Seen;
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::kernel::{Bound, Kernel, bind, filled, shader};
+use crate::gpu::lens::GpuLens;
+use crate::gpu::numeric::FARTHEST;
+use crate::gpu::set::GpuLines;
+use crate::gpu::settings::{GpuAo, Settings};
+use crate::occlusion::sector_of;
+use crate::samples::SampleSets;
+use crate::slabs::Slices;
+use crate::view::View;
 
 /// How a picture looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -251,10 +251,10 @@ impl Renderer {
     pub fn read_lengths(&self, gpu: &Gpu) -> Result<Vec<f64>, GpuError> {
         let words: Vec<u64> = self.read(gpu, |frame| &frame.lengths)?;
         let range = self.frame.as_ref().map_or(0.0, |f| f.grid.depths()[1] - f.grid.depths()[0]);
-        Ok(words.into_iter().map(|w| w as f64 * range / crate::numeric::LENGTH_UNITS).collect())
+        Ok(words.into_iter().map(|w| w as f64 * range / crate::gpu::numeric::LENGTH_UNITS).collect())
     }
 
-    /// The nearest line of each pixel, row by row, as [`casca_lines::buffers::LineBuffer`] has it.
+    /// The nearest line of each pixel, row by row, as [`crate::buffers::LineBuffer`] has it.
     ///
     /// # Errors
     /// As [`Gpu::read_buffer`].

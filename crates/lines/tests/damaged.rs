@@ -1,6 +1,6 @@
 //! Damaged and hostile files give errors, and cost memory and time in proportion to their bytes.
 
-use casca_line_sets::files::read;
+use casca_lines::sets::files::read;
 use peak_alloc::PeakAlloc;
 
 #[path = "../../../tests/damage/mod.rs"]

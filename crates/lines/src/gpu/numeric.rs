@@ -4,7 +4,7 @@
 //! slices that a line just touches. A line sets all slices that it enters deeper than [`IN_DOUBT`], and none that it misses by
 //! more: the tests compare both bounds with exact clipping.
 
-use casca_lines::numeric::{ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, PARALLEL};
+use crate::numeric::{ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, PARALLEL};
 
 /// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up to 14 bits before the binary
 /// point, so that the last of its 24 bits is worth 2^-10 of a pixel; a walk adds up some roundings of it. It holds for segments
@@ -25,7 +25,7 @@ pub const OCCLUSION_OFF: f32 = 2e-3;
 pub const LENGTH_UNITS: f64 = 134_217_728.0;
 
 /// Constants as the shaders take them.
-pub(crate) fn constants() -> String {
+pub(super) fn constants() -> String {
     let all = [
         ("IN_DOUBT", IN_DOUBT),
         ("ALONG_VIEW", ALONG_VIEW),

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use crate::random::{Random, hash};
-use crate::set::{LineError, LineSet, MOST_VERTICES};
+use crate::sets::random::{Random, hash};
+use crate::sets::{LineError, LineSet, MOST_VERTICES};
 
 /// A kind of set. All lie within -1 to 1 in each direction, or very nearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
