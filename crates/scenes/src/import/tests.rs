@@ -1,6 +1,10 @@
+use std::path::Path;
+use std::sync::Arc;
+
 use glam::{Quat, Vec3};
 
 use super::*;
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 use crate::drive::{Driver, grid_for, view_of};
 use crate::lit::Material;
 
