@@ -156,6 +156,30 @@ fn walks_go_on_to_the_border_where_overhanging_objects_are_seen() {
     assert!(query.pvs().contains(tall), "it is seen above the wall");
 }
 
+#[test]
+fn objects_farther_away_than_cells_can_be_numbered_are_found() {
+    for far in [1e9f32, 1e10, 1e32] {
+        for axis in 0..3 {
+            let mut scene = grid(24);
+            let half = 5.3;
+            let mut at = Vec3::splat(11.0);
+            at[axis] = far;
+            let beyond = [at, -at].map(|at| Sphere::new(at, half));
+            let beyond = beyond.map(|ball| scene.insert(ObjectDesc::dynamic(ball).occluder(ball)).unwrap());
+            let mut pole = Aabb::from_center(Vec3::splat(11.0), Vec3::splat(0.2));
+            (pole.min[axis], pole.max[axis]) = (-far, far);
+            let pole = scene.insert(ObjectDesc::fixed(pole)).unwrap();
+            ball(&mut scene, Vec3::splat(20.0));
+            for eye in [Vec3::splat(3.5), Vec3::new(0.5, 21.5, 12.5)] {
+                let mut query = cell();
+                work(&mut query, &scene, eye);
+                assert!(beyond.iter().all(|&id| query.pvs().contains(id)), "{far} along {axis} from {eye}");
+                assert!(query.pvs().contains(pole), "{far} along {axis} from {eye}");
+            }
+        }
+    }
+}
+
 struct Random(u64);
 
 impl Random {

@@ -3,8 +3,6 @@
 //! A direction mask only ever grows. So an object or a volume whose directions it covers is not found any more, nor is
 //! one that was found, or whose cells the walk has passed: the search for one that remains goes through the slots once.
 
-use glam::DVec3;
-
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::query::cell::Walk;
@@ -91,9 +89,8 @@ impl Walk<'_> {
             return self.remaining.with_exits(slot, None);
         }
         let (grid, block) = (self.scene.grid(), object.bounds().block());
-        let cell = |at: DVec3| ((at - grid.min()) / grid.cell_size()).as_ivec3();
         // Cells that shapes touch are rounded outwards, and these may be rounded inwards: by less than a cell both.
-        let own = grid.clip(cell(block.min) - 1, cell(block.max) + 1);
+        let own = grid.clip(grid.cell_of(block.min) - 1, grid.cell_of(block.max) + 1);
         self.remaining.with_exits(slot, own.map(|(lo, hi)| CellBox { lo, hi }))
     }
 }
