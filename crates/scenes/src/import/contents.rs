@@ -6,13 +6,13 @@ use std::sync::Arc;
 use glam::Affine3A;
 
 use super::accessors::{Buffers, Components};
+use super::animations::animate;
 use super::document::QUANTIZATION;
 use super::error::Trouble;
 use super::instances::instances_of;
 use super::meshes::Meshes;
 use super::nodes::{check_rigid, nodes_of, role_of, wrong};
 use super::path::{FilePath, Moving, camera_of};
-use super::tracks::animate;
 use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// Frames of a path that the file does not give.

@@ -28,6 +28,7 @@
 //! more is refused. Nodes may be nested in any depth.
 
 mod accessors;
+mod animations;
 mod buffers;
 mod contents;
 mod document;
@@ -39,7 +40,7 @@ mod nodes;
 mod path;
 #[cfg(test)]
 mod tests;
-mod tracks;
+mod track;
 
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
 
 use super::error::Trouble;
-use super::tracks::{Track, Tracks};
+use super::track::{Track, Tracks};
 
 /// Translation, rotation and scale.
 type Pose = (Vec3, Quat, Vec3);

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::*;
-use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 use crate::drive::{Driver, grid_for, view_of};
 use crate::lit::Material;
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
 fn small_file() -> Vec<u8> {

@@ -11,6 +11,7 @@
 
 mod casters;
 mod cells;
+mod outermost;
 mod parallel;
 mod run;
 mod solid;

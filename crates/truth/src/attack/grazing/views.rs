@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3, Vec3};
 use super::super::dice::Dice;
 use super::super::ops::direction;
 use super::super::views::{Depth, Limits, TrueView, look_upright};
+use super::outermost::outermost;
 use super::solid::Start;
 use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
@@ -81,14 +82,6 @@ pub fn way(dice: &mut Dice) -> DVec3 {
 /// A turn by an angle about any axis, or about one of the world.
 pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
     DQuat::from_axis_angle(way(dice), angle)
-}
-
-/// The eye that is as far as may be from another, in a direction.
-pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
-    // Rounding may take it out by a little: some units in the last place are taken off, then more and more.
-    let shares = std::iter::once(1.0).chain((0..50).map(|i| 1.0 - 1e-16 * f64::from(1 << (i / 2)).powi(2)));
-    let places = shares.map(|share| eye + way * (reach * share));
-    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
 }
 
 /// Plays a scene with views of one place.

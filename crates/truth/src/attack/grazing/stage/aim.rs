@@ -5,8 +5,8 @@ use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use super::super::super::dice::Dice;
 use super::super::super::ops::turn;
+use super::super::outermost::outermost;
 use super::super::solid::{Solid, Start, exact};
-use super::super::views::outermost;
 use super::{Graze, Place, Stage, Target, Witness};
 
 /// Aims that no point in single precision is found for are given up after so many tries.

@@ -1,4 +1,4 @@
-//! Key-framed properties of nodes.
+//! Animations of files, as tracks of nodes.
 
 use glam::{Quat, Vec3};
 use gltf::animation::{Interpolation, Property};
@@ -6,77 +6,7 @@ use gltf::animation::{Interpolation, Property};
 use super::accessors::{Buffers, Components, unfit};
 use super::error::Trouble;
 use super::nodes::{Nodes, unit, wrong};
-
-/// A key-framed property of a node.
-#[derive(Debug, Clone)]
-pub(super) struct Track<T> {
-    pub(super) times: Vec<f32>,
-    pub(super) values: Vec<T>,
-    pub(super) interpolation: Interpolation,
-}
-
-pub(super) trait Mix: Copy {
-    fn mix(a: Self, b: Self, t: f32) -> Self;
-    /// The cubic Hermite spline of glTF: values, and tangents times the interval.
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self;
-}
-
-impl Mix for Vec3 {
-    fn mix(a: Self, b: Self, t: f32) -> Self {
-        a.lerp(b, t)
-    }
-
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
-        let [p, m, q, n] = hermite(t, dt);
-        a * p + out * m + b * q + into * n
-    }
-}
-
-impl Mix for Quat {
-    fn mix(a: Self, b: Self, t: f32) -> Self {
-        a.slerp(b, t)
-    }
-
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
-        let [p, m, q, n] = hermite(t, dt);
-        (a * p + out * m + b * q + into * n).normalize()
-    }
-}
-
-pub(super) fn hermite(t: f32, dt: f32) -> [f32; 4] {
-    let (t2, t3) = (t * t, t * t * t);
-    [2.0 * t3 - 3.0 * t2 + 1.0, dt * (t3 - 2.0 * t2 + t), 3.0 * t2 - 2.0 * t3, dt * (t3 - t2)]
-}
-
-impl<T: Mix> Track<T> {
-    pub(super) fn at(&self, time: f32) -> Option<T> {
-        let last = self.times.len().checked_sub(1)?;
-        let cubic = self.interpolation == Interpolation::CubicSpline;
-        let value = |i: usize| self.values.get(if cubic { 3 * i + 1 } else { i }).copied();
-        let next = self.times.partition_point(|&t| t <= time);
-        if next == 0 || next > last {
-            return value(next.min(last));
-        }
-        let (i, j) = (next - 1, next);
-        let dt = self.times[j] - self.times[i];
-        let t = if dt > 0.0 { ((time - self.times[i]) / dt).clamp(0.0, 1.0) } else { 0.0 };
-        let (a, b) = (value(i)?, value(j)?);
-        Some(match self.interpolation {
-            Interpolation::Step => a,
-            Interpolation::Linear => T::mix(a, b, t),
-            Interpolation::CubicSpline => {
-                T::spline(a, *self.values.get(3 * i + 2)?, *self.values.get(3 * j)?, b, t, dt)
-            }
-        })
-    }
-}
-
-#[derive(Debug, Clone, Default)]
-pub(super) struct Tracks {
-    pub(super) translation: Option<Track<Vec3>>,
-    pub(super) rotation: Option<Track<Quat>>,
-    pub(super) scale: Option<Track<Vec3>>,
-}
+use super::track::Track;
 
 /// Reads all animations onto their nodes; gives the length of the longest that is used. All play at once;
 /// what two of them animate follows the first.
