@@ -12,10 +12,11 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 13] = [
+const ROOTS: [&str; 14] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
+    "crates/truth/src",
     "crates/stage/src",
     "crates/points/src",
     "crates/points-view/src",

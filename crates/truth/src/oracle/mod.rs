@@ -18,6 +18,7 @@ mod rims;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 use glam::DVec3;
 use rayon::prelude::*;

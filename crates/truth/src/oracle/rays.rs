@@ -1,26 +1,20 @@
 //! Exact visibility along rays.
 
-use std::time::Duration;
-
 use glam::DVec3;
 use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::ray::{Ray, RayHit};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::frustum::{Frustum, Viewpoint};
-use super::geometry::{MeshCache, Primitive, primitive_count};
+use super::geometry::{MeshCache, primitive_count};
 use super::sample::Sampler;
-use casca_scenes::world::{Motion, Object, Shape};
+use super::tree::{Part, Place, REFITS, Tree};
+use casca_scenes::world::{Object, Shape};
 
 /// Hits this near the target, as a share of the way, do not hide it.
 const END: f64 = 1e-6;
-/// Refits of the moving part before it is built anew.
-const REFITS: u32 = 8;
 
 /// A point of an object that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,24 +37,6 @@ pub struct ProbeReport {
     pub seen: Vec<Sighting>,
 }
 
-/// A primitive and whose it is.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
-    pub(super) shape: Primitive,
-    pub(super) object: u32,
-    pub(super) triangle: u32,
-}
-
-/// A bounding volume hierarchy over the primitives of some objects.
-pub(super) struct Tree {
-    /// In the order of the leaves.
-    pub(super) parts: Vec<Part>,
-    bvh: Bvh2,
-    /// The greatest coordinate.
-    pub(super) scale: f64,
-    refits: u32,
-}
-
 /// Whether anything hides one point from another, by exact primitives in f64.
 ///
 /// Only objects that occlude are held. Solids hide only where a ray enters
@@ -72,163 +48,6 @@ pub struct RayOracle {
     /// By object: in which tree it is.
     place: Vec<Place>,
     pub(super) meshes: MeshCache,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
-    Nowhere,
-    Fixed,
-    Moving,
-}
-
-impl Place {
-    fn of(object: &Object) -> Self {
-        match (object.occludes, object.motion) {
-            (false, _) => Self::Nowhere,
-            (true, Motion::Static) => Self::Fixed,
-            (true, Motion::Dynamic { .. }) => Self::Moving,
-        }
-    }
-}
-
-impl Tree {
-    fn build(objects: &[Object], place: &[Place], wanted: Place, params: BvhBuildParams) -> Self {
-        let mut parts = Vec::new();
-        for (i, object) in objects.iter().enumerate() {
-            if place[i] != wanted {
-                continue;
-            }
-            for triangle in 0..primitive_count(&object.shape) as u32 {
-                let shape = Primitive::of(&object.shape, triangle);
-                if shape.is_sound() {
-                    parts.push(Part { shape, object: i as u32, triangle });
-                }
-            }
-        }
-        Self::of(parts, params)
-    }
-
-    /// A tree over sound parts.
-    pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
-        let scale = scale_of(&parts);
-        let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
-        let bvh = if boxes.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&boxes, params, &mut Duration::default())
-        };
-        let parts = bvh.primitive_indices.iter().map(|&i| parts[i as usize]).collect();
-        Self { parts, bvh, scale, refits: 0 }
-    }
-
-    /// Takes up new shapes of objects; the order of the tree stays as it is.
-    /// Returns false, with the tree unfit for use, if a shape is unsound.
-    fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
-        self.refits += 1;
-        let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
-            part.shape = Primitive::of(&objects[part.object as usize].shape, part.triangle);
-            !part.shape.is_sound()
-        });
-        if unsound.reduce(|| false, |a, b| a | b) {
-            return false;
-        }
-        self.scale = scale_of(&self.parts);
-        for node in &mut self.bvh.nodes {
-            if node.is_leaf() {
-                let from = node.first_index as usize;
-                let mut all = Aabb::empty();
-                for part in &self.parts[from..from + node.prim_count as usize] {
-                    all = all.union(&wide_box(&part.shape, self.scale));
-                }
-                node.set_aabb(all);
-            }
-        }
-        self.bvh.refit_all();
-        true
-    }
-
-    /// The ray in f32, with a unit direction, and its length. It may start
-    /// later than `origin`, where the tree begins.
-    fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
-        let length = step.length();
-        let sound = length > 0.0 && length.is_finite() && origin.is_finite();
-        if !sound || self.parts.is_empty() {
-            return None;
-        }
-        let direction = step / length;
-        let mut start = origin;
-        let mut way = length * end;
-        // Far away the coordinates of f32 are too coarse.
-        let reach = 2.0 * self.scale + 1e-3;
-        if start.abs().max_element() > reach {
-            let inverse = super::geometry::safe_inverse(direction);
-            let (a, b) = ((-reach - start) * inverse, (reach - start) * inverse);
-            let enter = a.min(b).max_element();
-            let leave = a.max(b).min_element();
-            if enter > leave || leave < 0.0 {
-                return None;
-            }
-            start += direction * enter;
-            way -= enter;
-        }
-        let way = way * (1.0 + 1e-5) + 1e-5 * reach;
-        let start = start.as_vec3a();
-        start.is_finite().then(|| Ray::new(start, direction.as_vec3a(), 0.0, way as f32))
-    }
-
-    /// The first part found that `hides` says hides.
-    pub(super) fn any(
-        &self,
-        origin: DVec3,
-        step: DVec3,
-        end: f64,
-        hides: impl Fn(&Part) -> bool,
-    ) -> Option<u32> {
-        let ray = self.ray(origin, step, end)?;
-        let mut found = None;
-        self.bvh.ray_traverse_miss(ray, |_, i| {
-            if hides(&self.parts[i]) {
-                found = Some(i as u32);
-                f32::NEG_INFINITY
-            } else {
-                f32::INFINITY
-            }
-        });
-        found
-    }
-
-    /// The first hit along the ray; `best` is the first so far.
-    pub(super) fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
-        let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
-        let length = step.length();
-        let shift = (origin - ray.origin.as_dvec3()).length();
-        let slack = 1e-5 * (self.scale + 1e-3);
-        self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
-            let part = &self.parts[i];
-            if let Some(t) = part.shape.enter(origin, step, false) {
-                let nearer = best.is_none_or(|(object, old)| t < old || (t == old && part.object < object));
-                if nearer {
-                    *best = Some((part.object, t));
-                }
-            }
-            // Nothing behind this needs to be looked at.
-            best.map_or(f32::INFINITY, |(_, t)| ((t * length - shift).max(0.0) * (1.0 + 1e-5) + slack) as f32)
-        });
-    }
-}
-
-fn scale_of(parts: &[Part]) -> f64 {
-    parts.iter().fold(0.0, |scale: f64, part| {
-        let (min, max) = part.shape.bounds();
-        scale.max(min.abs().max_element()).max(max.abs().max_element())
-    })
-}
-
-/// The box of a primitive, widened against rounding of f32 rays.
-fn wide_box(shape: &Primitive, scale: f64) -> Aabb {
-    let (min, max) = shape.bounds();
-    let margin = DVec3::splat(4e-6 * (scale + 1e-3));
-    Aabb::new((min - margin).as_vec3a(), (max + margin).as_vec3a())
 }
 
 /// How strictly a segment is tested.

@@ -5,6 +5,7 @@
 //! that direct light and each bounce can be looked at on their own. All rays go through the centres of pixels. Results do not depend on
 //! the number of threads.
 
+mod direct;
 mod emitters;
 mod scatter;
 #[cfg(test)]
@@ -21,7 +22,7 @@ use rayon::prelude::*;
 
 use super::frustum::Frustum;
 use super::geometry::Primitive;
-use super::rays::{Part, Tree};
+use super::tree::{Part, Tree};
 use casca_scenes::lit::{HdrImage, ImageError, Light, LitScene, LitTriangle, Material};
 use casca_scenes::world::Camera;
 use emitters::Emitters;
