@@ -18,8 +18,6 @@ use pictures::PICTURES;
 use session::{Frame, Session};
 use summary::Summary;
 
-/// Width over height of all pictures.
-const ASPECT: f32 = 16.0 / 9.0;
 /// Losses that are printed one by one.
 const LOSSES_SHOWN: usize = 10;
 

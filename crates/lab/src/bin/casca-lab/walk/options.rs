@@ -7,6 +7,9 @@ use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTH
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
+/// Width over height of all pictures.
+pub(super) const ASPECT: f32 = 16.0 / 9.0;
+
 /// Cells of a grid. So many take half a minute to fill and 2 GB.
 const MOST_CELLS: u64 = 1 << 30;
 

@@ -7,8 +7,7 @@ use casca_scenes::world::{Camera, World};
 use casca_truth::oracle::ItemBuffer;
 use glam::Vec3;
 
-use super::ASPECT;
-use super::options::{MethodName, Options};
+use super::options::{ASPECT, MethodName, Options};
 use crate::Failure;
 
 /// The files that a walk writes.

@@ -12,8 +12,7 @@ use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions};
 use glam::Vec3;
 
-use super::ASPECT;
-use super::options::{GridChoice, MethodName, Options};
+use super::options::{ASPECT, GridChoice, MethodName, Options};
 use super::pictures::{Shot, height_of};
 use crate::{Failure, progress};
 
