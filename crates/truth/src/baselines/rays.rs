@@ -149,12 +149,13 @@ impl RayBuffer {
             for x in 0..width {
                 let d = Vec3A::from(start + across * x as f32);
                 let length = d.length();
-                let ray = Ray::new(eye.into(), d / length, 0.0, f32::MAX);
-                let mut first = f32::INFINITY;
+                let (way, mut first) = (d / length, f32::INFINITY);
                 for (bvh, parts) in [&self.fixed, &moving] {
-                    if parts.is_empty() {
+                    // Far from the origin, single precision may tell no direction.
+                    if parts.is_empty() || !way.is_finite() {
                         continue;
                     }
+                    let ray = Ray::new(eye.into(), way, 0.0, f32::MAX);
                     bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
                         let t = parts[i].hit(&ray);
                         first = first.min(t);
