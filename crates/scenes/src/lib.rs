@@ -1,6 +1,6 @@
 //! Test scenes for casca's tests, benches, laboratory and viewer. Nothing here is part of the library's API.
 //!
-//! - [`world`]: what a test scene is: objects, their motion, a camera path.
+//! - [`world`]: test scenes: objects, their motion, a camera path.
 //! - [`generated`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`export`]: scenes written as such files.

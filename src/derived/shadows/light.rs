@@ -15,7 +15,7 @@ use crate::view::View;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
     pub(crate) kind: LightKind,
-    /// The layers of the objects that cast its shadows. A spot light's are those of its view, too.
+    /// The layers of the objects that cast its shadows.
     layers: u64,
 }
 
@@ -51,12 +51,8 @@ impl Light {
     ///
     /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's matter.
     #[must_use]
-    pub fn with_layers(mut self, mask: u64) -> Self {
-        self.layers = mask;
-        if let LightKind::Spot(view) = self.kind {
-            self.kind = LightKind::Spot(Box::new(view.with_layers(mask)));
-        }
-        self
+    pub fn with_layers(self, mask: u64) -> Self {
+        Self { layers: mask, ..self }
     }
 
     /// The layers of the objects that cast its shadows: see [`Light::with_layers`].
@@ -67,30 +63,55 @@ impl Light {
 
 /// A light whose numbers were checked.
 #[derive(Debug)]
-pub(super) enum Lamp {
-    Sun {
-        /// Axes at right angles, of which the last runs along the light.
-        axes: [DVec3; 3],
-        layers: u64,
-    },
-    Bulb {
-        at: DVec3,
-        range: f64,
-        layers: u64,
-    },
-    Spot(Box<View>),
+pub(super) struct Lamp {
+    rays: Rays,
+    layers: u64,
 }
 
 impl Lamp {
     pub(super) fn new(light: &Light) -> Result<Self, Error> {
-        let layers = light.layers;
-        match &light.kind {
+        Ok(Self { rays: Rays::new(&light.kind)?, layers: light.layers })
+    }
+
+    /// The part of a box that the light may reach; `None` if it reaches none of it.
+    pub(super) fn lit(&self, block: &Block) -> Option<Block> {
+        self.rays.lit(block)
+    }
+
+    /// All that the light may reach, of objects on its layers.
+    pub(super) fn whole_view(&self) -> View {
+        self.rays.whole_view().with_layers(self.layers)
+    }
+
+    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there are no boxes.
+    pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
+        Some(self.rays.view_of(pieces)?.with_layers(self.layers))
+    }
+}
+
+/// Where the rays of a light start, and which way they go.
+#[derive(Debug)]
+enum Rays {
+    Sun {
+        /// Axes at right angles, of which the last runs along the light.
+        axes: [DVec3; 3],
+    },
+    Bulb {
+        at: DVec3,
+        range: f64,
+    },
+    Spot(Box<View>),
+}
+
+impl Rays {
+    fn new(kind: &LightKind) -> Result<Self, Error> {
+        match kind {
             LightKind::Directional(direction) => {
                 const WHAT: &str = "the direction of the light";
                 finite3(WHAT, *direction)?;
                 let along = direction.as_dvec3().try_normalize().ok_or(Error::NoDirection { what: WHAT })?;
                 let (right, up) = along.any_orthonormal_pair();
-                Ok(Self::Sun { axes: [right, up, along], layers })
+                Ok(Self::Sun { axes: [right, up, along] })
             }
             LightKind::Point { position, range } => {
                 finite3("the position of the light", *position)?;
@@ -99,17 +120,17 @@ impl Lamp {
                     let what = "the range of the light";
                     return Err(Error::Setting { what, value: range, min: 0.0, max: f64::INFINITY });
                 }
-                Ok(Self::Bulb { at: position.as_dvec3(), range, layers })
+                Ok(Self::Bulb { at: position.as_dvec3(), range })
             }
             LightKind::Spot(view) => Ok(Self::Spot(view.clone())),
         }
     }
 
     /// The part of a box that the light may reach; `None` if it reaches none of it.
-    pub(super) fn lit(&self, block: &Block) -> Option<Block> {
+    fn lit(&self, block: &Block) -> Option<Block> {
         match self {
             Self::Sun { .. } => Some(*block),
-            Self::Bulb { at, range, .. } => {
+            Self::Bulb { at, range } => {
                 let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
                 if block.distance_from(*at) > reach {
                     return None;
@@ -123,26 +144,25 @@ impl Lamp {
     }
 
     /// All that the light may reach.
-    pub(super) fn whole_view(&self) -> View {
+    fn whole_view(&self) -> View {
         match self {
-            Self::Sun { axes, layers } => View::parallel(axes[2], SmallVec::new()).with_layers(*layers),
-            Self::Bulb { at, range, layers } => {
+            Self::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
+            Self::Bulb { at, range } => {
                 let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                let view = if reach.is_finite() {
+                if reach.is_finite() {
                     Self::between(*at, at - reach, at + reach)
                 } else {
                     View::around(*at, SmallVec::new())
-                };
-                view.with_layers(*layers)
+                }
             }
             Self::Spot(view) => (**view).clone(),
         }
     }
 
     /// A view with all rays of the light to some boxes; `None` if there are no boxes.
-    pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
+    fn view_of(&self, pieces: &[Block]) -> Option<View> {
         match self {
-            Self::Sun { axes, layers } => {
+            Self::Sun { axes } => {
                 let along = axes[2];
                 let reach = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
                 let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
@@ -153,12 +173,11 @@ impl Lamp {
                     planes.push(HalfSpace { normal: -axis, offset: max });
                 }
                 planes.push(HalfSpace { normal: -along, offset: reach.max.z });
-                Some(View::parallel(along, planes).with_layers(*layers))
+                Some(View::parallel(along, planes))
             }
-            Self::Bulb { at, layers, .. } => {
+            Self::Bulb { at, .. } => {
                 let around = pieces.iter().copied().reduce(join)?;
-                let view = Self::between(*at, around.min.min(*at), around.max.max(*at));
-                Some(view.with_layers(*layers))
+                Some(Self::between(*at, around.min.min(*at), around.max.max(*at)))
             }
             Self::Spot(view) => (!pieces.is_empty()).then(|| (**view).clone()),
         }

@@ -18,7 +18,7 @@ pub struct Lab<'a> {
     pub files: Vec<PathBuf>,
     /// The folder that charts and tables are written into.
     pub folder: PathBuf,
-    /// Is told what is being done.
+    /// Gets a message at each step.
     pub progress: &'a dyn Fn(&str),
 }
 

@@ -55,7 +55,7 @@ pub use looks::read_lit;
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its folder.
 ///
 /// # Errors
-/// Says what is wrong with a file that cannot be taken whole.
+/// The first fault of a file that cannot be taken whole.
 pub fn load(path: &Path) -> Result<World, ImportError> {
     open(path, read)
 }
