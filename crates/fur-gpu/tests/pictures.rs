@@ -150,7 +150,7 @@ fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
     let mut error = |layers| {
         let list = DrawList::new(&[(stand(), layers)], camera.eye, Vec::new());
         renderer.draw(&gpu, &canvas.picture(), &camera, &list, &sun).unwrap();
-        let pixels = casca_stage::canvas::halved(&canvas.read_picture(&gpu).unwrap(), canvas.size());
+        let pixels = casca_stage::image::halved(&canvas.read_picture(&gpu).unwrap(), canvas.size());
         let sum: f64 = truth.iter().zip(&pixels).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
         (sum / truth.len() as f64).sqrt() / 255.0
     };

@@ -6,9 +6,9 @@ use casca_fur::mesh::{Coat, Mesh, NormalRule, Vertex, center, continuous_normals
 use casca_fur::strands::Fur;
 use casca_fur_gpu::look::{Look, Mapping};
 use casca_fur_scenes::animals::Animal;
-use casca_lab::command_line::EXIT_CODES;
 use casca_scenes::import;
 use casca_scenes::world::Shape;
+use casca_stage::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::Vec3;
 
@@ -101,7 +101,7 @@ pub enum Map {
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    casca_stage::canvas::parse_size(text, SIDES)
+    casca_stage::image::parse_size(text, SIDES)
 }
 
 fn within<const MOST: u32>(text: &str) -> Result<f32, String> {

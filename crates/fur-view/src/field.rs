@@ -7,10 +7,10 @@ use casca_fur_gpu::records::Sun;
 use casca_fur_gpu::renderer::Renderer;
 use casca_fur_scenes::animals::Animal;
 use casca_fur_scenes::field::{Field, Hiding};
-use casca_lab::command_line::{Outcome, say};
 use casca_scenes::world::Camera;
-use casca_stage::canvas::write_png;
+use casca_stage::command_line::{Outcome, say};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
 
 use crate::choices::{Choices, Subject};
 use crate::one::{self, TO_SUN};

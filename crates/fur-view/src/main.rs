@@ -10,7 +10,7 @@ mod window;
 use std::error::Error;
 use std::process::ExitCode;
 
-use casca_lab::command_line::{Outcome, finish, make_folder, say};
+use casca_stage::command_line::{Outcome, finish, make_folder, say};
 use casca_stage::gpu::Gpu;
 use clap::Parser;
 

@@ -6,10 +6,11 @@ use casca_fur_gpu::fit::fit;
 use casca_fur_gpu::records::Block;
 use casca_fur_gpu::records::{DrawList, Stand, Sun};
 use casca_fur_gpu::renderer::Renderer;
-use casca_lab::command_line::say;
 use casca_scenes::world::Camera;
-use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::canvas::Canvas;
+use casca_stage::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
 use glam::{Affine3A, Vec3};
 
 use crate::choices::{Choices, Subject};

@@ -6,8 +6,9 @@ use casca_fur_gpu::error::FurGpuError;
 use casca_fur_gpu::records::{DrawList, Sun};
 use casca_fur_gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
-use casca_stage::canvas::{Canvas, halved};
+use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
+use casca_stage::image::halved;
 
 /// A picture and its size.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,12 +7,12 @@ use casca_fur::strands::Fur;
 use casca_fur_gpu::look::{Look, sky_pixel};
 use casca_fur_gpu::reference::{Reference, Tint};
 use casca_fur_gpu::renderer::Renderer;
-use casca_lab::command_line::{PathError, say};
-use casca_lab::pictures::palette::OTHERS;
-use casca_lab::pictures::{Axis, Line, lines};
 use casca_scenes::world::Camera;
-use casca_stage::canvas::write_png;
+use casca_stage::command_line::{PathError, say};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
+use casca_stage::pictures::palette::OTHERS;
+use casca_stage::pictures::{Axis, Line, lines};
 use glam::Vec3;
 
 use crate::choices::{Choices, Subject};

@@ -1,12 +1,10 @@
 //! Experiments, charts and pictures for casca, and the program `casca-lab`. Nothing here is part of the library's API.
 //!
-//! - [`command_line`]: what the command lines share.
 //! - `lab` (the feature `experiments`): the experiments of the report.
 //! - `pictures` (a feature): charts and views from above.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod command_line;
 #[cfg(feature = "experiments")]
 pub mod lab;
 #[cfg(feature = "pictures")]

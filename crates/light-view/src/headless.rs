@@ -3,16 +3,17 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_lab::command_line::{make_folder, say};
-use casca_lab::pictures::{Tile, sheet};
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::reach::Reach;
 use casca_light::renderer::{Renderer, Updated};
 use casca_scenes::lit::HdrImage;
 use casca_scenes::world::Camera;
-use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::canvas::Canvas;
+use casca_stage::command_line::{make_folder, say};
 use casca_stage::gpu::Gpu;
+use casca_stage::image::write_png;
+use casca_stage::pictures::{Tile, sheet};
 use casca_stage::timing::Clock;
 use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;

@@ -12,7 +12,7 @@ mod window;
 use std::error::Error;
 use std::process::ExitCode;
 
-use casca_lab::command_line::{Outcome, finish, say};
+use casca_stage::command_line::{Outcome, finish, say};
 use casca_stage::gpu::Gpu;
 use clap::Parser;
 

@@ -3,12 +3,12 @@
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-use casca_lab::command_line::EXIT_CODES;
 use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
 use casca_light::volume::RESOLUTIONS;
 use casca_scenes::lit::MOST_PIXELS;
+use casca_stage::command_line::EXIT_CODES;
 use clap::Parser;
 use clap::builder::RangedI64ValueParser;
 use glam::Vec3;
@@ -101,7 +101,7 @@ pub struct Options {
     #[arg(long, default_value = "target/light", requires = "headless")]
     pub out: PathBuf,
     /// Size of pictures and of the window, up to 8192x8192
-    #[arg(long, default_value = "1024x768", value_parser = |text: &str| casca_stage::canvas::parse_size(text, SIDES))]
+    #[arg(long, default_value = "1024x768", value_parser = |text: &str| casca_stage::image::parse_size(text, SIDES))]
     pub size: (u32, u32),
     /// Draws with a software adapter
     #[arg(long)]

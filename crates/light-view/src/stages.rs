@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use casca_lab::command_line::say;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings, Updated};
 use casca_stage::canvas::Canvas;
+use casca_stage::command_line::say;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
 

@@ -9,11 +9,11 @@ use casca_light::cones::ConeCount;
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings, Updated};
-use casca_light::timing::Clock;
 use casca_light::volume::Volume;
 use casca_scenes::lit::{Falloff, Kind, Light, LightKind, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 use common::{ball, draw, gpu, light, texels, wall_scene};
 use glam::{Affine3A, Vec3};
 

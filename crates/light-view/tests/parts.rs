@@ -3,8 +3,8 @@
 use std::f32::consts::TAU;
 
 use casca_light::cones::{Cone, ConeCount, MOST_CONES};
+use casca_light::device::held;
 use casca_light::error::{LightError, Part};
-use casca_light::kernel::held;
 use casca_light::reach::grown;
 use casca_light::volume::{BRICK, Volume};
 use casca_stage::gpu::Gpu;

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use casca_light::error::LightError;
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
-use casca_light::timing::Clock;
 use casca_scenes::lit::{Kind, LitObject, LitScene, Material};
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 use common::{ball, gpu, limited, touched_by_clipping};
 use glam::{Affine3A, Vec3};
 

@@ -6,11 +6,12 @@
 use std::ops::Range;
 
 use casca_stage::gpu::Gpu;
+use casca_stage::kernel::{Kernel, Lookup};
 use casca_stage::wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
 use crate::data::Triangle;
+use crate::device::{filled, shader, zeros};
 use crate::error::{LightError, Part};
-use crate::kernel::{Kernel, filled, shader, zeros};
 use crate::volume::{BRICK_CELLS, Volume};
 
 /// Bytes that the sums of a cell take: colours, normals with the count.
@@ -102,7 +103,7 @@ pub struct Layers {
 pub type BrickSurfaces = (u32, Vec<[u32; 4]>);
 
 /// What the kernels need from elsewhere, by binding.
-pub type Others<'a, 'b> = &'b dyn Fn(u32) -> BindingResource<'a>;
+pub type Others<'a, 'b> = Lookup<'a, 'b>;
 
 impl Layers {
     /// The layers of these triangles, of which the first `fixed` stay. Nothing is voxelized yet.
@@ -199,10 +200,10 @@ impl Layers {
             return;
         }
         self.voxelize.run_groups(gpu, encoder, layer.count.div_ceil(PAIRS), &|binding| match binding {
-            6 => layer.list.as_entire_binding(),
-            22 => layer.pairs.as_entire_binding(),
-            23 => layer.sums[0].as_entire_binding(),
-            24 => layer.sums[1].as_entire_binding(),
+            6 => Some(layer.list.as_entire_binding()),
+            22 => Some(layer.pairs.as_entire_binding()),
+            23 => Some(layer.sums[0].as_entire_binding()),
+            24 => Some(layer.sums[1].as_entire_binding()),
             other => others(other),
         });
     }
@@ -217,14 +218,14 @@ impl Layers {
         others: Others<'_, '_>,
     ) {
         self.merge.run_groups(gpu, encoder, count, &|binding| match binding {
-            6 => list.as_entire_binding(),
-            25 => self.fixed.sums[0].as_entire_binding(),
-            26 => self.fixed.sums[1].as_entire_binding(),
-            27 => self.moving.sums[0].as_entire_binding(),
-            28 => self.moving.sums[1].as_entire_binding(),
-            29 => self.tables[1].as_entire_binding(),
-            30 => self.surfaces.as_entire_binding(),
-            31 => self.occupancy.as_entire_binding(),
+            6 => Some(list.as_entire_binding()),
+            25 => Some(self.fixed.sums[0].as_entire_binding()),
+            26 => Some(self.fixed.sums[1].as_entire_binding()),
+            27 => Some(self.moving.sums[0].as_entire_binding()),
+            28 => Some(self.moving.sums[1].as_entire_binding()),
+            29 => Some(self.tables[1].as_entire_binding()),
+            30 => Some(self.surfaces.as_entire_binding()),
+            31 => Some(self.occupancy.as_entire_binding()),
             other => others(other),
         });
     }

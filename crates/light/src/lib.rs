@@ -9,14 +9,13 @@
 //! - [`error`]: why there is no light.
 //! - [`volume`]: the grid of voxels and its bricks.
 //! - [`data`]: triangles, materials and lights as the shaders take them.
-//! - [`kernel`]: compute passes and their bindings.
+//! - [`device`]: shaders and buffers.
 //! - [`cones`]: the cones for a hemisphere, and how they march.
 //! - [`layers`]: triangles into voxels, in a fixed and a moving layer.
 //! - [`reach`]: which bricks a picture can read: the culler's part.
 //! - [`shading`]: light in voxels, and the directional mips.
 //! - [`picture`]: the light of each pixel.
 //! - [`renderer`]: all passes, and which of them run again after a change.
-//! - `timing`: the time of each stage, from `casca-stage`.
 //! - [`culling`]: a scene of the library for a lit scene.
 //!
 //! Voxels and pictures are tested in `crates/light-view/tests`.
@@ -26,8 +25,8 @@
 pub mod cones;
 pub mod culling;
 pub mod data;
+pub mod device;
 pub mod error;
-pub mod kernel;
 pub mod layers;
 mod numeric;
 pub mod picture;
@@ -35,5 +34,3 @@ pub mod reach;
 pub mod renderer;
 pub mod shading;
 pub mod volume;
-
-pub use casca_stage::timing;

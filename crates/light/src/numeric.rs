@@ -1,4 +1,4 @@
-//! Every margin and constant, with its reason. `kernel` hands those of the shaders to WGSL.
+//! Every margin and constant, with its reason. `device` hands those of the shaders to WGSL.
 
 use std::ops::RangeInclusive;
 

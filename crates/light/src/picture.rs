@@ -4,13 +4,14 @@ use bytemuck::{Pod, Zeroable};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, ITEMS};
+use casca_stage::kernel::{Kernel, among, bind};
 use casca_stage::wgpu::{
     self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureUsages, TextureView,
 };
 use glam::{Mat4, Vec3};
 
+use crate::device::{filled, held, shader, zeros};
 use crate::error::{LightError, Part};
-use crate::kernel::{Kernel, bind, filled, held, shader, zeros};
 use crate::layers::Others;
 use crate::volume::Volume;
 
@@ -204,11 +205,11 @@ impl Picture {
         Ok(())
     }
 
-    fn resource<'a>(&'a self, binding: u32, others: Others<'a, '_>) -> BindingResource<'a> {
+    fn resource<'a>(&'a self, binding: u32, others: Others<'a, '_>) -> Option<BindingResource<'a>> {
         match binding {
-            50 => self.eye.as_entire_binding(),
-            51 => BindingResource::TextureView(&self.frame.items),
-            52 | 53 => self.frame.light.as_entire_binding(),
+            50 => Some(self.eye.as_entire_binding()),
+            51 => Some(BindingResource::TextureView(&self.frame.items)),
+            52 | 53 => Some(self.frame.light.as_entire_binding()),
             other => others(other),
         }
     }
@@ -248,7 +249,7 @@ impl Picture {
     /// Gathers the light of each pixel.
     pub fn gather<'a>(&'a self, gpu: &Gpu, encoder: &mut CommandEncoder, others: Others<'a, '_>) {
         let (x, y) = self.frame.size;
-        self.gather.run(gpu, encoder, (x.div_ceil(8), y.div_ceil(8)), &|b| self.resource(b, others));
+        self.gather.run_pixels(gpu, encoder, [x, y], &|b| self.resource(b, others));
     }
 
     /// Shows the light of the last picture as colours.
@@ -259,11 +260,8 @@ impl Picture {
                 Some((format, pipeline(gpu, &self.shader, ["screen_corner", "screen_colour"], format, None)));
         }
         let Some((_, screen)) = &self.screen else { return };
-        let own = |binding| match binding {
-            50 => self.eye.as_entire_binding(),
-            _ => self.frame.light.as_entire_binding(),
-        };
-        let group = bind(gpu, &screen.get_bind_group_layout(0), &[50, 53], &own);
+        let own = [(50, &self.eye), (53, &self.frame.light)];
+        let group = bind(gpu, &screen.get_bind_group_layout(0), &[50, 53], &among(&own));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target.colour,

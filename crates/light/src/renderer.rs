@@ -20,8 +20,8 @@ use glam::{Affine3A, Vec3};
 use crate::cones::MOST_CONES;
 pub use crate::cones::Settings;
 use crate::data::{Geometry, Light, Triangle, lights_of, materials_of, sound};
+use crate::device::filled;
 use crate::error::{LightError, Part};
-use crate::kernel::filled;
 use crate::layers::Layers;
 use crate::numeric::{LARGEST_HALF, MOST_SHADOW_PAIRS, STORAGE_BUFFERS, WIDEST_REFLECTION};
 use crate::picture::{Layer, Picture};
@@ -421,14 +421,13 @@ impl Renderer {
         self.picture.read(gpu)
     }
 
-    fn resource(&self, binding: u32) -> BindingResource<'_> {
-        let own = match binding {
-            5 => &self.lights,
-            20 => &self.triangles,
-            21 => &self.materials,
-            _ => &self.uniform,
-        };
-        let other = self.layers.resource(binding).or_else(|| self.shading.resource(binding));
-        other.unwrap_or_else(|| own.as_entire_binding())
+    fn resource(&self, binding: u32) -> Option<BindingResource<'_>> {
+        match binding {
+            0 => Some(self.uniform.as_entire_binding()),
+            5 => Some(self.lights.as_entire_binding()),
+            20 => Some(self.triangles.as_entire_binding()),
+            21 => Some(self.materials.as_entire_binding()),
+            other => self.layers.resource(other).or_else(|| self.shading.resource(other)),
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! Light in voxels, and the six directional mips (thesis 2.2 to 2.5; digest S4 to S7).
 
 use casca_stage::gpu::Gpu;
+use casca_stage::kernel::Kernel;
 use casca_stage::wgpu::{
     self, BindingResource, Buffer, BufferUsages, CommandEncoder, Extent3d, TextureUsages, TextureView,
 };
 
+use crate::device::{filled, held, shader, zeros};
 use crate::error::{LightError, Part};
-use crate::kernel::{Kernel, filled, held, shader, zeros};
 use crate::layers::Others;
 use crate::volume::{BRICK, BRICK_CELLS, LEVELS, Volume};
 
@@ -182,10 +183,10 @@ impl Shading {
         others: Others<'_, '_>,
     ) {
         kernel.run_groups(gpu, encoder, groups * list.count, &|binding| match binding {
-            6 => list.buffer.as_entire_binding(),
-            40 => self.direct.as_entire_binding(),
-            41 => self.bounced.as_entire_binding(),
-            42 => BindingResource::TextureView(&self.base),
+            6 => Some(list.buffer.as_entire_binding()),
+            40 => Some(self.direct.as_entire_binding()),
+            41 => Some(self.bounced.as_entire_binding()),
+            42 => Some(BindingResource::TextureView(&self.base)),
             other => others(other),
         });
     }
@@ -204,11 +205,11 @@ impl Shading {
             for (direction, (_, levels)) in self.mips.iter().enumerate() {
                 let at = level as usize - 1;
                 self.reduce.run_groups(gpu, encoder, texels.div_ceil(64), &|binding| match binding {
-                    6 => list.buffer.as_entire_binding(),
-                    43 => self.plans[direction * LEVELS as usize + at].as_entire_binding(),
-                    44 if level == 1 => BindingResource::TextureView(&self.base),
-                    44 => BindingResource::TextureView(&levels[at - 1]),
-                    45 => BindingResource::TextureView(&levels[at]),
+                    6 => Some(list.buffer.as_entire_binding()),
+                    43 => Some(self.plans[direction * LEVELS as usize + at].as_entire_binding()),
+                    44 if level == 1 => Some(BindingResource::TextureView(&self.base)),
+                    44 => Some(BindingResource::TextureView(&levels[at - 1])),
+                    45 => Some(BindingResource::TextureView(&levels[at])),
                     other => others(other),
                 });
             }

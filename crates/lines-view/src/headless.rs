@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use casca_lines::gpu::clock::Clock;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
-use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
+use casca_stage::timing::Clock;
 use casca_stage::window::Done;
 use clap::ValueEnum;
 use glam::Vec3;

@@ -107,7 +107,7 @@ pub struct Options {
     #[arg(long, conflicts_with = "headless")]
     pub time: bool,
     /// Size of the picture or window
-    #[arg(long, default_value = "1024x768", value_parser = |t: &str| casca_stage::canvas::parse_size(t, 1..=MOST_PIXELS))]
+    #[arg(long, default_value = "1024x768", value_parser = |t: &str| casca_stage::image::parse_size(t, 1..=MOST_PIXELS))]
     pub size: (u32, u32),
     /// The window closes after so many frames
     #[arg(long)]

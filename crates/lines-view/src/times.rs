@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use casca_lines::gpu::clock::Clock;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
@@ -11,6 +10,7 @@ use casca_lines::sets::LineSet;
 use casca_lines::view::View;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::timing::Clock;
 use casca_stage::window::Done;
 
 use crate::headless::BACKGROUND;

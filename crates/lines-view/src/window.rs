@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
-use casca_lines::gpu::clock::Clock;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
@@ -13,6 +12,7 @@ use casca_stage::egui::emath::Numeric;
 use casca_stage::egui::{Align2, Slider, SliderClamping};
 use casca_stage::fly::{Fly, way};
 use casca_stage::panel::{Panel, controls};
+use casca_stage::timing::Clock;
 use casca_stage::window::{self, Demo, Done, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;

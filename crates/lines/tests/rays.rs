@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use casca_lines::buffers::Fragment;
-use casca_lines::gpu::clock::Clock;
 use casca_lines::gpu::culling::Seen;
 use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
@@ -15,6 +14,7 @@ use casca_lines::sets::random::Random;
 use casca_lines::view::View;
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::timing::Clock;
 use casca_truth::oracle::RayOracle;
 use glam::{Affine3A, DVec3, Vec3, vec3};
 

@@ -7,7 +7,7 @@
 //! - [`lit`]: scenes with materials and lights.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`measure`]: what benches and the laboratory share.
-//! - [`path_error`]: files and folders that cannot be had.
+//! - [`name`]: a scene on a command line, by its name or file.
 
 pub mod drive;
 pub mod export;
@@ -15,5 +15,5 @@ pub mod generated;
 pub mod import;
 pub mod lit;
 pub mod measure;
-pub mod path_error;
+pub mod name;
 pub mod world;

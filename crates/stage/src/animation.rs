@@ -8,7 +8,7 @@ use std::path::Path;
 use color_quant::NeuQuant;
 use png::{BlendOp, Compression, DisposeOp, Encoder, Filter};
 
-use crate::canvas::PngError;
+use crate::image::PngError;
 
 /// Colours of an animation: flat colours need no more, and the file stays small.
 const COLOURS: usize = 64;

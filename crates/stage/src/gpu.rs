@@ -20,10 +20,8 @@ const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
 /// Why nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// The machine has no adapter that serves.
-    #[error(
-        "no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do ({0})"
-    )]
+    /// The machine has no adapter that serves; with the words of the graphics library.
+    #[error("no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do")]
     NoAdapter(String),
     /// The adapter gives no device.
     #[error("the graphics adapter gives no device: {0}")]
@@ -35,6 +33,14 @@ pub enum GpuError {
         bytes: u64,
         /// The largest buffer that shaders can be given.
         most: u64,
+    },
+    /// The device refused commands.
+    #[error("the graphics device refused {stage}: {why}")]
+    Refused {
+        /// The stage.
+        stage: &'static str,
+        /// The device's words.
+        why: String,
     },
     /// A picture cannot be read back.
     #[error("the picture cannot be read back: {0}")]
@@ -139,14 +145,16 @@ impl Gpu {
         self.with_room(limits, || self.queue.write_buffer(buffer, 0, bytes))
     }
 
-    /// Does what may take so many bytes of at most so many. Without a scope, a device that is out of memory ends the program.
+    /// Does what may take so many bytes of at most so many.
     fn with_room<T>(&self, [bytes, most]: [u64; 2], work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        self.try_room(work).ok_or(GpuError::NoRoom { bytes, most })
+    }
+
+    /// Does what takes memory of the device; `None` if it has none left. Without this, a device that is out of memory ends the program.
+    pub fn try_room<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let done = work();
-        match pollster::block_on(scope.pop()) {
-            Some(_) => Err(GpuError::NoRoom { bytes, most }),
-            None => Ok(done),
-        }
+        pollster::block_on(scope.pop()).is_none().then_some(done)
     }
 
     /// A buffer for reading back.

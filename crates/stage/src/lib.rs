@@ -1,24 +1,54 @@
 //! The parts that programs which show casca at work have in common. Nothing here knows the library.
 //!
 //! - [`animation`]: pictures in a row, as one animated PNG.
-//! - [`gpu`]: the graphics device, and reading textures back.
-//! - [`canvas`]: pictures and item buffers without a window.
+//! - [`command_line`]: exit codes, folders and files that are tried before the work.
 //! - [`compare`]: two pictures, pixel by pixel.
-//! - [`window`]: a window and its loop.
-//! - [`fly`]: a camera that is flown with keys and mouse.
-//! - [`panel`]: text and images over a picture.
-//! - [`timing`]: the time of each stage of a frame.
+//! - [`image`]: sizes, halves and PNG files of pictures.
+//! - [`path_error`]: files and folders that cannot be had.
+//!
+//! With the feature `charts`:
+//!
+//! - `pictures`: charts as SVG, and sheets of pictures.
+//!
+//! With the feature `gpu`:
+//!
+//! - `gpu`: the graphics device, and reading textures back.
+//! - `canvas`: pictures and item buffers without a window.
+//! - `kernel`: compute passes and what they are bound to.
+//! - `timing`: the time of each stage of a frame.
+//!
+//! With the feature `window`:
+//!
+//! - `window`: a window and its loop.
+//! - `fly`: a camera that is flown with keys and mouse.
+//! - `panel`: text and images over a picture.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
 pub mod animation;
+#[cfg(feature = "gpu")]
 pub mod canvas;
+pub mod command_line;
 pub mod compare;
+#[cfg(feature = "window")]
 pub mod fly;
+#[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod image;
+#[cfg(feature = "gpu")]
+pub mod kernel;
+#[cfg(feature = "window")]
 pub mod panel;
+pub mod path_error;
+#[cfg(feature = "charts")]
+pub mod pictures;
+#[cfg(feature = "gpu")]
 pub mod timing;
+#[cfg(feature = "window")]
 pub mod window;
 
 // One version of each for all programs.
-pub use {egui, wgpu, winit};
+#[cfg(feature = "gpu")]
+pub use wgpu;
+#[cfg(feature = "window")]
+pub use {egui, winit};

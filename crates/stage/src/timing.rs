@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use wgpu::{BufferUsages, CommandEncoder, Features};
+use wgpu::{BufferUsages, CommandEncoder, ErrorFilter, Features};
 
 use crate::gpu::{Gpu, GpuError};
 
@@ -27,39 +27,63 @@ impl Clock {
         self.stages.as_deref().unwrap_or_default()
     }
 
+    /// Adds the time of work on the processor.
+    pub fn add(&mut self, name: &'static str, time: Duration) {
+        if let Some(stages) = &mut self.stages {
+            stages.push((name, time));
+        }
+    }
+
     /// Submits the commands of a stage.
     ///
     /// # Errors
-    /// The device is lost.
+    /// The device is lost, out of memory, or refuses the commands.
     pub fn stage(
         &mut self,
         gpu: &Gpu,
         name: &'static str,
         record: impl FnOnce(&mut CommandEncoder),
     ) -> Result<(), GpuError> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let Some(stages) = &mut self.stages else {
-            record(&mut encoder);
-            gpu.queue.submit([encoder.finish()]);
-            return Ok(());
+            return checked(gpu, name, || {
+                let mut encoder = gpu.device.create_command_encoder(&Default::default());
+                record(&mut encoder);
+                gpu.queue.submit([encoder.finish()]);
+            });
         };
         gpu.wait()?;
         let stamps = has_timestamps(gpu).then(|| Stamps::new(gpu));
         let start = Instant::now();
-        if let Some(stamps) = &stamps {
-            stamps.write(&mut encoder, 0);
-        }
-        record(&mut encoder);
-        if let Some(stamps) = &stamps {
-            stamps.write(&mut encoder, 1);
-            encoder.resolve_query_set(&stamps.set, 0..2, &stamps.buffer, 0);
-        }
-        gpu.queue.submit([encoder.finish()]);
+        checked(gpu, name, || {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            if let Some(stamps) = &stamps {
+                stamps.write(&mut encoder, 0);
+            }
+            record(&mut encoder);
+            if let Some(stamps) = &stamps {
+                stamps.write(&mut encoder, 1);
+                encoder.resolve_query_set(&stamps.set, 0..2, &stamps.buffer, 0);
+            }
+            gpu.queue.submit([encoder.finish()]);
+        })?;
         gpu.wait()?;
         let waited = start.elapsed();
         let measured = stamps.map(|stamps| stamps.read(gpu)).transpose()?.flatten();
         stages.push((name, measured.unwrap_or(waited)));
         Ok(())
+    }
+}
+
+/// Does what the device may refuse. Without scopes, a device that is out of memory ends the program.
+fn checked(gpu: &Gpu, stage: &'static str, work: impl FnOnce()) -> Result<(), GpuError> {
+    let memory = gpu.device.push_error_scope(ErrorFilter::OutOfMemory);
+    let valid = gpu.device.push_error_scope(ErrorFilter::Validation);
+    work();
+    // The inner scope ends first.
+    let failed = [pollster::block_on(valid.pop()), pollster::block_on(memory.pop())];
+    match failed.into_iter().flatten().next() {
+        Some(why) => Err(GpuError::Refused { stage, why: why.to_string() }),
+        None => Ok(()),
     }
 }
 

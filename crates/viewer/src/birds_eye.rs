@@ -2,9 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use casca_lab::pictures::palette::{self, rgba};
 use casca_scenes::world::{Camera, Object, Shape};
 use casca_stage::panel::Entry;
+use casca_stage::pictures::palette::{self, rgba};
 use glam::DVec3;
 
 use crate::camera_fit::{Margins, Solid, fitted};

@@ -5,11 +5,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use casca::internals::QueryInternals;
-use casca_lab::command_line::{make_folder, say};
 use casca_scenes::world::Camera;
 use casca_stage::animation::write_animation;
-use casca_stage::canvas::{Canvas, halved, write_png};
+use casca_stage::canvas::Canvas;
+use casca_stage::command_line::{make_folder, say};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::{halved, write_png};
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::Color;
 

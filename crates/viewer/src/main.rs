@@ -7,8 +7,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName, finish, make_folder, say};
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::{EXIT_CODES, Outcome, finish, make_folder, say};
 use casca_stage::gpu::Gpu;
 use casca_viewer::overlays::Layer;
 use casca_viewer::playback::{Method, Playback};
@@ -67,7 +68,7 @@ struct Options {
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    casca_stage::canvas::parse_size(text, SIDES)
+    casca_stage::image::parse_size(text, SIDES)
 }
 
 fn parse_layer(text: &str) -> Result<Layer, String> {

@@ -4,9 +4,9 @@ use std::thread::{self, JoinHandle};
 
 use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
 use casca::{Method, Query, Scene};
-use casca_lab::pictures::palette::{self, rgba};
 use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
+use casca_stage::pictures::palette::{self, rgba};
 use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
 
 use crate::camera_fit::{Solid, in_view};

@@ -8,11 +8,12 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_lab::command_line::make_folder;
 use casca_scenes::world::Object;
-use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::canvas::Canvas;
+use casca_stage::command_line::make_folder;
 use casca_stage::compare::{Shot, marked};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
 
 use crate::draw::{Painter, coloured};
 use crate::playback::{Method, Playback};

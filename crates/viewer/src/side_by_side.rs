@@ -3,10 +3,11 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_stage::canvas::{Canvas, write_png};
+use casca_stage::canvas::Canvas;
 use casca_stage::compare::{MARK, Shot, marked};
 use casca_stage::egui::{self, Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
 use casca_stage::panel::Panel;
 
 use crate::playback::Method;

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::time::Instant;
 
 use casca::internals::QueryInternals;
-use casca_lab::command_line::SceneName;
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
 use casca_scenes::world::{Camera, FRAME_SECONDS};
 use casca_stage::canvas::{Canvas, Target};
 use casca_stage::fly::{Fly, way};

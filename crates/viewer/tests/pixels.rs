@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use casca_lab::command_line::SceneName;
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::compare::Shot;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::lines::{Axis, Line, lines};
+use super::PictureError;
 use super::palette::{EXACT, FRUSTUM, POINT};
-use super::{PictureError, error};
+use super::{Axis, Line, lines};
 
 /// One frame of a walk, for the chart.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,7 @@ pub struct FrameCounts {
 /// If the file cannot be written.
 pub fn chart(path: &Path, title: &str, frames: &[FrameCounts]) -> Result<(), PictureError> {
     if frames.is_empty() {
-        return Err(error(path)("there are no frames".to_owned()));
+        return Err(PictureError::at(path)("there are no frames".to_owned()));
     }
     let of = |label: &str, style, value: fn(&FrameCounts) -> usize| {
         let points = frames.iter().enumerate().map(|(i, f)| (i as f64, value(f) as f64));

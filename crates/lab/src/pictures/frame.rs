@@ -5,9 +5,9 @@ use std::path::Path;
 use casca::internals::OcclusionImage;
 use plotters::style::RGBColor;
 
+use super::PictureError;
 use super::palette::{HIDDEN, LOST, OPEN_PIXEL, QUIET, SPARE, TEXT, VISIBLE};
 use super::raster::Canvas;
-use super::{PictureError, error};
 use casca_scenes::world::{Camera, Object, Shape};
 use casca_truth::oracle::{ItemBuffer, NONE};
 
@@ -154,7 +154,7 @@ fn finding(kept: usize, lost: usize, hidden: usize, spare: usize) -> String {
 /// If the file cannot be written, or there are no buffers.
 pub fn buffers(path: &Path, title: &str, images: &[OcclusionImage]) -> Result<(), PictureError> {
     if images.is_empty() {
-        return Err(error(path)("there are no buffers".to_owned()));
+        return Err(PictureError::at(path)("there are no buffers".to_owned()));
     }
     let scale = |i: &OcclusionImage| (560 / i.width.max(i.height).max(1)).max(1);
     let width = images.iter().map(|i| i.width * scale(i) + 24).sum::<usize>().max(900);

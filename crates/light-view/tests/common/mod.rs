@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use casca_light::picture::Layer;
 use casca_light::renderer::Renderer;
-use casca_light::timing::Clock;
 use casca_light::volume::Volume;
 use casca_scenes::lit::{Kind, Light, LightKind, LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
 use casca_stage::wgpu;
 use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::{Affine3A, DVec3, Quat, UVec3, Vec3};

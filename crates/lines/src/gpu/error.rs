@@ -11,17 +11,9 @@ use crate::view::ViewError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinesGpuError {
-    /// There is no adapter, no room, or the device is lost.
+    /// There is no adapter, no room, the device is lost or refuses commands.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The device refused commands.
-    #[error("the graphics device refused {stage}: {why}")]
-    Refused {
-        /// The stage.
-        stage: &'static str,
-        /// The device's words.
-        why: String,
-    },
     /// The columns need more memory than the adapter has in one buffer.
     #[error(
         "{what} of {width} x {height} columns need {bytes} bytes, and the adapter has {most} in one buffer: \

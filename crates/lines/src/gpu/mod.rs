@@ -8,18 +8,16 @@
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
 //! - [`settings`]: what is computed.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
-//! - [`clock`]: the time of each stage.
 //!
 //! The results are those of the processor's version but for rounding: [`numeric`] says where that decides and how far.
 
-pub mod clock;
 pub mod culling;
 pub mod error;
-mod kernel;
 pub mod lens;
 pub mod numeric;
 pub mod renderer;
 pub mod set;
 pub mod settings;
+mod shader;
 #[cfg(test)]
 mod tests;

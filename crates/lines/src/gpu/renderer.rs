@@ -3,18 +3,19 @@
 use bytemuck::{Pod, Zeroable};
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::kernel::{Bound, Kernel, among, bind, filled};
+use casca_stage::timing::Clock;
 use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat};
 use glam::Vec3;
 
 use crate::buffers::Fragment;
-use crate::gpu::clock::Clock;
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::kernel::{Bound, Kernel, bind, filled, shader};
 use crate::gpu::lens::GpuLens;
 use crate::gpu::numeric::FARTHEST;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
+use crate::gpu::shader::shader;
 use crate::occlusion::sector_of;
 use crate::samples::SampleSets;
 use crate::slabs::Slices;
@@ -150,13 +151,11 @@ impl Renderer {
         clock.stage(gpu, "columns", |encoder| {
             [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
             let bound = [(0, &frame.grid_lens), (5, &read_list), (6, &frame.bits), (7, &frame.lengths)];
-            self.columns.run_chunks(gpu, encoder, read.len(), &[&set[..], &bound[..]].concat());
-            Ok(())
+            self.columns.run_groups(gpu, encoder, read.len(), &among(&[&set[..], &bound[..]].concat()));
         })?;
         clock.stage(gpu, "walls", |encoder| {
             let bound = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
-            self.walls.run_pixels(gpu, encoder, view.size(), &bound);
-            Ok(())
+            self.walls.run_pixels(gpu, encoder, view.size(), &among(&bound));
         })?;
         clock.stage(gpu, "nearest lines", |encoder| {
             [&frame.nearest, &frame.owners].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
@@ -169,11 +168,10 @@ impl Renderer {
                     (9, &frame.owners),
                     (10, &frame.walls),
                 ];
-                self.draw.run_chunks(gpu, encoder, drawn.len(), &[&set[..], &bound[..]].concat());
+                self.draw.run_groups(gpu, encoder, drawn.len(), &among(&[&set[..], &bound[..]].concat()));
             }
             let bound = [(0, &frame.lens), (9, &frame.owners), (12, &frame.fragments)];
-            self.resolve.run_pixels(gpu, encoder, view.size(), &[&set[..], &bound[..]].concat());
-            Ok(())
+            self.resolve.run_pixels(gpu, encoder, view.size(), &among(&[&set[..], &bound[..]].concat()));
         })?;
         clock.stage(gpu, "occlusion", |encoder| {
             let bound = [
@@ -185,9 +183,9 @@ impl Renderer {
                 (16, &ao),
                 (17, &frame.occlusion),
             ];
-            self.estimate.run_pixels(gpu, encoder, view.size(), &bound);
-            Ok(())
-        })
+            self.estimate.run_pixels(gpu, encoder, view.size(), &among(&bound));
+        })?;
+        Ok(())
     }
 
     /// Paints the last frame, and the background alone if there is none: before the first, and after one that the device had no room
@@ -220,7 +218,7 @@ impl Renderer {
                 })],
                 ..Default::default()
             });
-            let Some(frame) = &self.frame else { return Ok(()) };
+            let Some(frame) = &self.frame else { return };
             let bound: [Bound<'_>; 5] = [
                 (0, &frame.lens),
                 (10, &frame.walls),
@@ -228,12 +226,12 @@ impl Renderer {
                 (17, &frame.occlusion),
                 (18, &look),
             ];
-            let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &bound);
+            let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &among(&bound));
             pass.set_pipeline(&self.picture);
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
-            Ok(())
-        })
+        })?;
+        Ok(())
     }
 
     /// The words of all columns, row by row: bit 0 of the first is the nearest slice.

@@ -6,8 +6,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::kernel::filled;
 use crate::sets::LineSet;
+use casca_stage::kernel::filled;
 
 /// Segments of a workgroup.
 const CHUNK: u32 = 64;

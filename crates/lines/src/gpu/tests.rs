@@ -2,11 +2,11 @@
 
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
+use casca_stage::timing::Clock;
 use glam::{DVec3, Vec3, vec3};
 use proptest::prelude::*;
 
 use crate::buffers::LineBuffer;
-use crate::gpu::clock::Clock;
 use crate::gpu::culling::{Culling, Seen};
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::{Reach, view_of_scene};

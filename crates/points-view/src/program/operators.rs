@@ -215,5 +215,5 @@ fn parse_angle(text: &str) -> Result<f32, String> {
 
 /// A size such as 1280x720.
 pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    casca_stage::canvas::parse_size(text, 1..=MAX_SIDE)
+    casca_stage::image::parse_size(text, 1..=MAX_SIDE)
 }

@@ -4,9 +4,10 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use casca_stage::canvas::{Canvas, Target, write_png};
+use casca_stage::canvas::{Canvas, Target};
 use casca_stage::fly::{Fly, way};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
 use casca_stage::window::{self, Demo, Screen, WindowOptions};
 use casca_stage::winit::keyboard::KeyCode;
 use clap::Args;

@@ -24,8 +24,8 @@ use gltf::json::{self, Accessor, Animation, Buffer, Index, Node, Root, Scene, Va
 use serde_json::json;
 use serde_json::value::to_raw_value;
 
-use crate::path_error::PathError;
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, World};
+use casca_stage::path_error::PathError;
 
 /// How often the triangles of a ball are cut.
 const CUTS: u32 = 2;

@@ -1,11 +1,13 @@
 //! A walking camera, and the ways to answer its frames side by side.
 
-use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
 use casca_lab::lab::LabError;
 use casca_lab::lab::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
 use casca_scenes::generated::SceneOptions;
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::{EXIT_CODES, Outcome, say};
 use clap::{Parser, value_parser};
 
+use crate::limits::{FRAMES, WIDTHS};
 use crate::progress;
 use crate::report::files_in;
 

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, say, try_writing};
 use casca_scenes::export;
 use casca_scenes::generated::{self, SceneKind, SceneOptions};
+use casca_stage::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
 use crate::Failure;
+use crate::limits::FRAMES;
 
 /// The options.
 #[derive(Debug, Parser)]

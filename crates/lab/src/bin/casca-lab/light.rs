@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome};
 use casca_lab::lab::LabError;
 use casca_lab::lab::light::{HEAD, light};
+use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::page::Page;

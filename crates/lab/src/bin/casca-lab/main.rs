@@ -12,6 +12,7 @@ mod coherence;
 mod level;
 #[cfg(feature = "light")]
 mod light;
+mod limits;
 #[cfg(feature = "experiments")]
 mod lines;
 #[cfg(feature = "experiments")]
@@ -35,7 +36,7 @@ mod walk;
 use std::error::Error;
 use std::process::ExitCode;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome, finish};
+use casca_stage::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use casca_lab::command_line::{make_folder, say, try_writing_into};
 use casca_lab::lab::{Block, Lab, LabError, Section, write};
+use casca_stage::command_line::{make_folder, say, try_writing_into};
 
 use crate::progress;
 

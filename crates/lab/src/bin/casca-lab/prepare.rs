@@ -10,10 +10,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{FileError, MeshOptions, TriMesh};
-use casca_lab::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use casca_scenes::import;
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Mesh, Shape};
+use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName};
 use casca_lab::lab::reach::{Effort, ReachScore, measure, section};
 use casca_lab::lab::{HEAD, LabError};
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::page::Page;

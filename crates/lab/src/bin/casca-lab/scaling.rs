@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome};
 use casca_lab::lab::{HEAD, LabError, Reach, scaling_to};
+use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::page::Page;

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{
-    EXIT_CODES, FRAMES, MOST_SAMPLES, Outcome, PathError, SceneName, say, try_writing,
-};
 use casca_lab::lab::LabError;
 use casca_lab::lab::sight::{Effort, measure, table};
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::{Parser, value_parser};
 
+use crate::limits::{FRAMES, MOST_SAMPLES};
 use crate::progress;
 
 /// The options.

@@ -6,14 +6,14 @@
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{
-    EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, say, try_writing_into,
-};
 use casca_lab::lab::LabError;
 use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
 use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing_into};
 use clap::{Parser, value_parser};
 
+use crate::limits::{FRAMES, WIDTHS};
 use crate::progress;
 
 /// What is written.

@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 
 use casca::{CellOptions, MAX_CELLS_PER_AXIS, Method, PointOptions, Query};
-use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTHS};
+use casca_scenes::name::SceneName;
+use casca_stage::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
+
+use crate::limits::{FRAMES, MOST_SAMPLES, WIDTHS};
 
 /// Width over height of all pictures.
 pub(super) const ASPECT: f32 = 16.0 / 9.0;

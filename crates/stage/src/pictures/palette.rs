@@ -100,9 +100,9 @@ pub const HIDDEN: RGBColor = RGBColor(0, 158, 115);
 /// Visible, but lost by the method.
 pub const LOST: RGBColor = RGBColor(213, 94, 0);
 /// Hidden, but drawn.
-pub(super) const SPARE: RGBColor = RGBColor(240, 228, 66);
+pub const SPARE: RGBColor = RGBColor(240, 228, 66);
 /// Visible, and found by the method.
-pub(super) const VISIBLE: RGBColor = RGBColor(130, 140, 160);
+pub const VISIBLE: RGBColor = RGBColor(130, 140, 160);
 /// An object that is drawn, in a view from above.
 pub const DRAWN: RGBColor = RGBColor(230, 159, 0);
 /// An object in the frustum that is culled, in a view from above.
@@ -120,7 +120,7 @@ pub const HIDDEN_CELL: RGBColor = RGBColor(150, 205, 235);
 /// A cell that may be seen.
 pub const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
 /// A cell with objects in it that the walk did not come to.
-pub(super) const UNVISITED_CELL: RGBColor = RGBColor(205, 205, 205);
+pub const UNVISITED_CELL: RGBColor = RGBColor(205, 205, 205);
 /// A temporal bounding volume.
 pub const VOLUME: RGBColor = RGBColor(175, 60, 130);
 /// The camera.
@@ -128,11 +128,11 @@ pub const CAMERA: RGBColor = RGBColor(213, 94, 0);
 /// Where the camera goes.
 pub const WALK: RGBColor = RGBColor(0, 114, 178);
 /// An open pixel of an occlusion buffer.
-pub(super) const OPEN_PIXEL: RGBColor = RGBColor(240, 228, 66);
+pub const OPEN_PIXEL: RGBColor = RGBColor(240, 228, 66);
 /// Titles and labels.
-pub(super) const TEXT: RGBColor = RGBColor(30, 30, 34);
+pub const TEXT: RGBColor = RGBColor(30, 30, 34);
 /// Words that matter less.
-pub(super) const QUIET: RGBColor = RGBColor(95, 95, 102);
+pub const QUIET: RGBColor = RGBColor(95, 95, 102);
 
 /// A colour of the palette with an opacity, for pictures that a graphics device draws.
 pub const fn rgba(color: RGBColor, opacity: u8) -> [u8; 4] {
@@ -140,7 +140,7 @@ pub const fn rgba(color: RGBColor, opacity: u8) -> [u8; 4] {
 }
 
 /// Black or white, whichever stands out against a colour.
-pub(super) fn text_on(color: RGBColor) -> RGBColor {
+pub fn text_on(color: RGBColor) -> RGBColor {
     let light = 0.299 * f64::from(color.0) + 0.587 * f64::from(color.1) + 0.114 * f64::from(color.2);
     if light > 140.0 { RGBColor(0, 0, 0) } else { RGBColor(255, 255, 255) }
 }

@@ -7,25 +7,27 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::PictureError;
 use super::palette::{Marker, QUIET, Style, TEXT};
-use super::{PictureError, error};
 
 /// Fonts of the reader's machine; the reader's program sets the text.
-pub(super) const FONT: &str = "Inter, Helvetica, Arial, sans-serif";
+pub const FONT: &str = "Inter, Helvetica, Arial, sans-serif";
 
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+/// The page, or a part of it.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// Nothing, or why nothing is drawn.
+pub type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 /// Pixels from one line of a legend to the next.
 const LEGEND_LINE: i32 = 26;
 
 /// Draws an SVG of this size on white ground.
-pub(super) fn save(
+pub fn save(
     path: &Path,
     size: (u32, u32),
     draw: impl FnOnce(&Area<'_>) -> Drawn,
 ) -> Result<(), PictureError> {
-    let fail = error(path);
+    let fail = PictureError::at(path);
     if path.extension().is_none_or(|e| e != "svg") {
         return Err(fail("charts are written as .svg".to_owned()));
     }
@@ -41,24 +43,17 @@ pub(super) fn save(
 }
 
 /// The size of text on the page, which plotters divides by 1.24.
-pub(super) fn font(size: f64) -> FontDesc<'static> {
+pub fn font(size: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::Name(FONT), size * 1.24, FontStyle::Normal)
 }
 
 /// The greatest width that text of this size has in the usual fonts, in pixels.
-pub(super) fn width_of(text: &str, size: f64) -> i32 {
+pub fn width_of(text: &str, size: f64) -> i32 {
     (text.chars().count() as f64 * size * 0.58).ceil() as i32
 }
 
 /// Text whose middle is at this height.
-pub(super) fn text(
-    area: &Area<'_>,
-    at: (i32, i32),
-    size: f64,
-    color: RGBColor,
-    anchor: HPos,
-    text: &str,
-) -> Drawn {
+pub fn text(area: &Area<'_>, at: (i32, i32), size: f64, color: RGBColor, anchor: HPos, text: &str) -> Drawn {
     let style = font(size).color(&color).pos(Pos::new(anchor, VPos::Center));
     Ok(area.draw_text(text, &style, at)?)
 }
@@ -80,7 +75,7 @@ fn wrap(text: &str, size: f64, room: i32) -> Vec<String> {
 
 /// What a legend shows before a label.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Sample {
+pub enum Sample {
     /// A line with its mark.
     Line(Style),
     /// A mark alone.
@@ -96,13 +91,13 @@ pub(super) enum Sample {
 }
 
 /// The head of a chart: its finding, its quantities, and the legend.
-pub(super) struct Head {
+pub struct Head {
     title: Vec<String>,
     subtitle: Vec<String>,
     /// Samples and labels with their places.
     keys: Vec<(Sample, String, i32, i32)>,
     /// Pixels from the top to where the drawing may start.
-    pub(super) height: i32,
+    pub height: i32,
 }
 
 const TITLE: f64 = 20.0;
@@ -112,7 +107,7 @@ const LEFT: i32 = 20;
 
 impl Head {
     /// A head for a picture so many pixels wide.
-    pub(super) fn new(width: u32, title: &str, subtitle: &str, keys: Vec<(Sample, String)>) -> Self {
+    pub fn new(width: u32, title: &str, subtitle: &str, keys: Vec<(Sample, String)>) -> Self {
         let room = width as i32 - 2 * LEFT;
         // Bold letters are wider.
         let title = wrap(title, TITLE * 1.08, room);
@@ -132,7 +127,11 @@ impl Head {
         Self { title, subtitle, keys: placed, height }
     }
 
-    pub(super) fn draw(&self, area: &Area<'_>) -> Drawn {
+    /// Draws it at the top of a page.
+    ///
+    /// # Errors
+    /// Those of the drawing library.
+    pub fn draw(&self, area: &Area<'_>) -> Drawn {
         let mut y = 28;
         for line in &self.title {
             let style = FontDesc::new(FontFamily::Name(FONT), TITLE * 1.24, FontStyle::Bold).color(&TEXT);
@@ -167,7 +166,7 @@ impl Head {
 }
 
 /// A line through points of the page.
-pub(super) fn path(area: &Area<'_>, points: &[(i32, i32)], style: &Style) -> Drawn {
+pub fn path(area: &Area<'_>, points: &[(i32, i32)], style: &Style) -> Drawn {
     if points.len() < 2 {
         return Ok(());
     }
@@ -190,7 +189,7 @@ fn corners(at: (i32, i32), count: usize, reach: [f64; 2], turn: f64) -> Vec<(i32
 }
 
 /// A mark on the page, `r` pixels from its middle to its border: filled, or only its outline on white.
-pub(super) fn mark(area: &Area<'_>, at: (i32, i32), r: i32, style: &Style, filled: bool) -> Drawn {
+pub fn mark(area: &Area<'_>, at: (i32, i32), r: i32, style: &Style, filled: bool) -> Drawn {
     use std::f64::consts::PI;
     let wide = f64::from(r);
     let outline = match style.marker {
@@ -219,7 +218,7 @@ pub(super) fn mark(area: &Area<'_>, at: (i32, i32), r: i32, style: &Style, fille
 }
 
 /// A number in as few digits as tell it.
-pub(super) fn short(v: f64) -> String {
+pub fn short(v: f64) -> String {
     let trimmed = |text: String| match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
@@ -238,7 +237,7 @@ pub(super) fn short(v: f64) -> String {
 }
 
 /// Values to label on a logarithmic axis: four at least, if the range has room for as many round ones.
-pub(super) fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
+pub fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
     const STEPS: [&[f64]; 4] = [
         &[1.0],
         &[1.0, 3.0],

@@ -7,10 +7,10 @@ use std::path::Path;
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use plotters::style::RGBColor;
 
-use super::{PictureError, error};
+use super::PictureError;
 
 /// An RGB picture.
-pub(super) struct Canvas {
+pub struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<u8>,
@@ -18,7 +18,7 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// A picture of one colour.
-    pub(super) fn new(width: usize, height: usize, color: RGBColor) -> Self {
+    pub fn new(width: usize, height: usize, color: RGBColor) -> Self {
         let pixels = [color.0, color.1, color.2].repeat(width * height);
         Self { width, height, pixels }
     }
@@ -37,12 +37,12 @@ impl Canvas {
     }
 
     /// Sets a pixel.
-    pub(super) fn set(&mut self, x: usize, y: usize, color: RGBColor) {
+    pub fn set(&mut self, x: usize, y: usize, color: RGBColor) {
         self.mix(x as i64, y as i64, color, 1.0);
     }
 
     /// Fills a rectangle.
-    pub(super) fn rect(&mut self, (x, y): (usize, usize), (width, height): (usize, usize), color: RGBColor) {
+    pub fn rect(&mut self, (x, y): (usize, usize), (width, height): (usize, usize), color: RGBColor) {
         for row in y..y + height {
             (x..x + width).for_each(|column| self.set(column, row, color));
         }
@@ -60,17 +60,17 @@ impl Canvas {
     }
 
     /// A disc.
-    pub(super) fn disc(&mut self, at: (f32, f32), r: f32, color: RGBColor) {
+    pub fn disc(&mut self, at: (f32, f32), r: f32, color: RGBColor) {
         self.shape(at, r, color, |dx, dy| dx.hypot(dy) - r);
     }
 
     /// A square on its tip.
-    pub(super) fn diamond(&mut self, at: (f32, f32), r: f32, color: RGBColor) {
+    pub fn diamond(&mut self, at: (f32, f32), r: f32, color: RGBColor) {
         self.shape(at, r, color, |dx, dy| (dx.abs() + dy.abs() - r) * 0.7);
     }
 
     /// A cross of two slanting bars.
-    pub(super) fn cross(&mut self, at: (f32, f32), r: f32, width: f32, color: RGBColor) {
+    pub fn cross(&mut self, at: (f32, f32), r: f32, width: f32, color: RGBColor) {
         self.shape(at, r, color, |dx, dy| {
             let (a, b) = ((dx + dy).abs() * 0.7, (dx - dy).abs() * 0.7);
             (a.min(b) - width).max(a.max(b) - r)
@@ -78,7 +78,7 @@ impl Canvas {
     }
 
     /// Text from the left, with its middle at this height; returns where it ends.
-    pub(super) fn text(&mut self, at: (f32, f32), size: f32, color: RGBColor, text: &str) -> f32 {
+    pub fn text(&mut self, at: (f32, f32), size: f32, color: RGBColor, text: &str) -> f32 {
         let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else { return at.0 };
         let font = font.into_scaled(PxScale::from(size));
         let baseline = at.1 + (font.ascent() + font.descent()) * 0.5;
@@ -102,7 +102,7 @@ impl Canvas {
     }
 
     /// Writes the picture.
-    pub(super) fn save(&self, path: &Path) -> Result<(), PictureError> {
+    pub fn save(&self, path: &Path) -> Result<(), PictureError> {
         let write = || -> Result<(), png::EncodingError> {
             let file = BufWriter::new(File::create(path)?);
             let mut encoder = png::Encoder::new(file, self.width as u32, self.height as u32);
@@ -111,7 +111,7 @@ impl Canvas {
             writer.write_image_data(&self.pixels)?;
             writer.finish()
         };
-        write().map_err(|e| error(path)(e.to_string()))
+        write().map_err(|e| PictureError::at(path)(e.to_string()))
     }
 }
 

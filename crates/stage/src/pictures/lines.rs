@@ -79,7 +79,7 @@ impl Axis {
 }
 
 /// Width of charts, and height without the head, in pixels.
-pub(super) const SIZE: (u32, u32) = (1000, 480);
+pub const SIZE: (u32, u32) = (1000, 480);
 
 /// Marks on a line; longer ones have a mark at some points only.
 const MARKS: usize = 18;

@@ -1,25 +1,12 @@
-//! What the command lines share: scenes by name or file, the limits of what they take,
-//! places that are tried before the work and not after it, and exit codes.
+//! What command lines share: exit codes, and places that are tried before the work and not after it.
 
 use std::fmt::Display;
 use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use std::str::FromStr;
 
-use casca_scenes::generated::{self, SceneKind, SceneOptions};
-use casca_scenes::import::{self, ImportError};
-pub use casca_scenes::path_error::PathError;
-use casca_scenes::world::World;
-
-/// Frames that can be walked: as many as a file may give.
-pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
-/// Widths of item buffers in pixels. The largest takes 2 GB.
-pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
-/// Rays to one object, at most.
-pub const MOST_SAMPLES: i64 = 10_000;
+pub use crate::path_error::PathError;
 
 /// What the programs exit with, for their `--help`. Code 2 is given by clap.
 pub const EXIT_CODES: &str = "Exit codes:
@@ -103,57 +90,10 @@ pub fn say(line: impl Display) {
     let _ = writeln!(io::stdout(), "{line}");
 }
 
-/// A scene on a command line.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SceneName {
-    /// A procedural one.
-    Built(SceneKind),
-    /// A glTF 2.0 file.
-    File(PathBuf),
-}
-
-impl FromStr for SceneName {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        if let Ok(kind) = name.parse() {
-            return Ok(Self::Built(kind));
-        }
-        let ending = Path::new(name).extension().unwrap_or_default();
-        if ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf") {
-            return Ok(Self::File(PathBuf::from(name)));
-        }
-        let kinds = SceneKind::names();
-        Err(format!("neither a procedural scene ({kinds}) nor a .glb or .gltf file"))
-    }
-}
-
-impl SceneName {
-    /// Tries whether a file can be taken, before work that comes first. Costs loading it.
-    ///
-    /// # Errors
-    /// As [`import::load`].
-    pub fn check(&self) -> Result<(), ImportError> {
-        match self {
-            Self::Built(_) => Ok(()),
-            Self::File(path) => import::load(path).map(|_| ()),
-        }
-    }
-
-    /// Builds or loads the scene. A file has its own seed and frames.
-    ///
-    /// # Errors
-    /// As [`import::load`].
-    pub fn open(&self, options: &SceneOptions) -> Result<World, ImportError> {
-        match self {
-            Self::Built(kind) => Ok(generated::build(*kind, options)),
-            Self::File(path) => import::load(path),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
 
     /// A folder of its own for a test.
@@ -199,27 +139,6 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.join("new/deep")).unwrap().count(), 0);
         assert!(!folder.join("frame.png").exists());
         assert!(make_folder(Path::new("")).is_ok());
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn scenes_are_told_by_name_or_ending_and_missing_files_are_found_by_trying() {
-        assert_eq!("city".parse(), Ok(SceneName::Built(SceneKind::City)));
-        assert_eq!("a b/X.GLB".parse(), Ok(SceneName::File(PathBuf::from("a b/X.GLB"))));
-        for bad in ["", "house", "house.obj", ".glb"] {
-            let said = bad.parse::<SceneName>().unwrap_err();
-            assert!(said.contains("crowd") && said.contains(".gltf"), "{said}");
-        }
-        assert!(SceneName::Built(SceneKind::City).check().is_ok());
-        let folder = folder("scenes.glb");
-        let file = folder.join("none.glb");
-        for bad in [file.clone(), folder.clone()] {
-            let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();
-            assert!(said.starts_with(&format!("{}: cannot be read", bad.display())), "{said}");
-        }
-        std::fs::write(&file, "no scene").unwrap();
-        let said = SceneName::File(file.clone()).check().unwrap_err().to_string();
-        assert!(said.starts_with(&format!("{}: is not a valid", file.display())), "{said}");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

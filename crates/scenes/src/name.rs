@@ -1,0 +1,91 @@
+//! A scene on a command line: a procedural one by its name, or a file.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::generated::{self, SceneKind, SceneOptions};
+use crate::import::{self, ImportError};
+use crate::world::World;
+
+/// A scene on a command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneName {
+    /// A procedural one.
+    Built(SceneKind),
+    /// A glTF 2.0 file.
+    File(PathBuf),
+}
+
+impl FromStr for SceneName {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        if let Ok(kind) = name.parse() {
+            return Ok(Self::Built(kind));
+        }
+        let ending = Path::new(name).extension().unwrap_or_default();
+        if ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf") {
+            return Ok(Self::File(PathBuf::from(name)));
+        }
+        let kinds = SceneKind::names();
+        Err(format!("neither a procedural scene ({kinds}) nor a .glb or .gltf file"))
+    }
+}
+
+impl SceneName {
+    /// Tries whether a file can be taken, before work that comes first. Costs loading it.
+    ///
+    /// # Errors
+    /// As [`import::load`].
+    pub fn check(&self) -> Result<(), ImportError> {
+        match self {
+            Self::Built(_) => Ok(()),
+            Self::File(path) => import::load(path).map(|_| ()),
+        }
+    }
+
+    /// Builds or loads the scene. A file has its own seed and frames.
+    ///
+    /// # Errors
+    /// As [`import::load`].
+    pub fn open(&self, options: &SceneOptions) -> Result<World, ImportError> {
+        match self {
+            Self::Built(kind) => Ok(generated::build(*kind, options)),
+            Self::File(path) => import::load(path),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own for a test.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("casca-scene-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn scenes_are_told_by_name_or_ending_and_missing_files_are_found_by_trying() {
+        assert_eq!("city".parse(), Ok(SceneName::Built(SceneKind::City)));
+        assert_eq!("a b/X.GLB".parse(), Ok(SceneName::File(PathBuf::from("a b/X.GLB"))));
+        for bad in ["", "house", "house.obj", ".glb"] {
+            let said = bad.parse::<SceneName>().unwrap_err();
+            assert!(said.contains("crowd") && said.contains(".gltf"), "{said}");
+        }
+        assert!(SceneName::Built(SceneKind::City).check().is_ok());
+        let folder = folder("scenes.glb");
+        let file = folder.join("none.glb");
+        for bad in [file.clone(), folder.clone()] {
+            let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();
+            assert!(said.starts_with(&format!("{}: cannot be read", bad.display())), "{said}");
+        }
+        std::fs::write(&file, "no scene").unwrap();
+        let said = SceneName::File(file.clone()).check().unwrap_err().to_string();
+        assert!(said.starts_with(&format!("{}: is not a valid", file.display())), "{said}");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

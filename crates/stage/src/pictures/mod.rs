@@ -1,0 +1,32 @@
+//! Charts of lines and bars, and sheets of pictures with captions.
+//!
+//! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. All colours and marks
+//! are those of [`palette`].
+
+mod bars;
+mod lines;
+pub mod palette;
+pub mod raster;
+mod sheet;
+pub mod svg;
+
+use std::path::Path;
+
+pub use bars::{Bar, bars};
+pub use lines::{Axis, Line, lines};
+pub use sheet::{Tile, sheet};
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot draw {path}: {why}")]
+pub struct PictureError {
+    path: String,
+    why: String,
+}
+
+impl PictureError {
+    /// The picture at `path` was not made; the reason comes after.
+    pub fn at(path: &Path) -> impl Fn(String) -> Self + '_ {
+        move |why| Self { path: path.display().to_string(), why }
+    }
+}
