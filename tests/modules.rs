@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 14] = [
+const ROOTS: [&str; 13] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -24,7 +24,6 @@ const ROOTS: [&str; 14] = [
     "crates/light-view/src",
     "crates/lines/src",
     "crates/fur/src",
-    "crates/fur-gpu/src",
     "crates/fur-view/src",
     "crates/lines-view/src",
 ];

@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
-use casca_fur_gpu::culling::{Demand, Herd, Way, camera_at};
-use casca_fur_gpu::records::Sun;
-use casca_fur_gpu::renderer::Renderer;
+use crate::herd::{Demand, Herd, Way, camera_at};
+use casca_fur::gpu::records::Sun;
+use casca_fur::gpu::renderer::Renderer;
 use casca_fur_scenes::animals::Animal;
 use casca_fur_scenes::field::{Field, Hiding};
 use casca_scenes::world::Camera;

@@ -2,6 +2,8 @@
 
 mod choices;
 mod field;
+mod fit;
+mod herd;
 mod one;
 mod shots;
 mod study;

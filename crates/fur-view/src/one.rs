@@ -2,10 +2,10 @@
 
 use std::error::Error;
 
-use casca_fur_gpu::fit::fit;
-use casca_fur_gpu::records::Block;
-use casca_fur_gpu::records::{DrawList, Stand, Sun};
-use casca_fur_gpu::renderer::Renderer;
+use crate::fit::fit;
+use casca_fur::gpu::records::Block;
+use casca_fur::gpu::records::{DrawList, Stand, Sun};
+use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::say;

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use casca_fur_gpu::error::FurGpuError;
-use casca_fur_gpu::records::{DrawList, Sun};
-use casca_fur_gpu::renderer::Renderer;
+use casca_fur::gpu::error::FurGpuError;
+use casca_fur::gpu::records::{DrawList, Sun};
+use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;

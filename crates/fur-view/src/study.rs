@@ -2,11 +2,11 @@
 
 use std::error::Error;
 
+use casca_fur::gpu::look::{Look, sky_pixel};
+use casca_fur::gpu::reference::{Reference, Tint};
+use casca_fur::gpu::renderer::Renderer;
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
-use casca_fur_gpu::look::{Look, sky_pixel};
-use casca_fur_gpu::reference::{Reference, Tint};
-use casca_fur_gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::command_line::{PathError, say};
 use casca_stage::gpu::{COLOUR, Gpu};

@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
-use casca_fur_gpu::culling::{Demand, Way, camera_at};
-use casca_fur_gpu::records::{DrawList, Sun};
-use casca_fur_gpu::renderer::Renderer;
+use crate::herd::{Demand, Way, camera_at};
+use casca_fur::gpu::records::{DrawList, Sun};
+use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Slider, SliderClamping};

@@ -1,7 +1,7 @@
 //! Fur on any closed mesh, drawn as layers (shells), and what a visibility culler saves on it.
 //!
 //! After B. P. Evangelista, "Real-time rendering of fur on arbitrary meshes obtained from real objects" (Master's thesis in
-//! Portuguese, UFMG 2009), with the errors of the thesis mended. This crate is the processor's part: no window, no graphics.
+//! Portuguese, UFMG 2009), with the errors of the thesis mended. Without the feature `gpu` it is the processor's part: no window, no graphics.
 //!
 //! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, simplification.
 //! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without singularities, for shaders and rays.
@@ -9,9 +9,13 @@
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
 //! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many layers each object gets.
 //!
-//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls; `casca-fur-gpu` draws them.
+//! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit the same strands.
+//!
+//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls.
 
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod maps;
 pub mod mesh;
 mod numeric;

@@ -8,7 +8,7 @@ use casca_stage::gpu::GpuError;
 pub enum FurGpuError {
     /// The fur or the mesh is refused.
     #[error(transparent)]
-    Fur(#[from] casca_fur::Error),
+    Fur(#[from] crate::Error),
     /// The species of a field have different furs.
     #[error(
         "the species of the field have different furs, but a renderer draws one: give all species the same"

@@ -1,18 +1,12 @@
-//! Fur on the graphics processor: meshes of `casca-fur` drawn as shells, in one draw for all layers of all objects that share a
-//! mesh, and a ray-traced reference of the same strands.
+//! Fur on the graphics processor: meshes drawn as shells, in one draw for all layers of all objects
+//! that share a mesh, and a ray-traced reference of the same strands.
 //!
 //! - [`renderer`]: shells, skins, ground and walls, and the shadow map of the sun.
 //! - [`look`]: the strands, how fragments find them, and how light falls on them.
 //! - [`records`]: places of objects, and lists of what to draw.
 //! - [`mod@reference`]: the same strands as tubes, hit by rays.
-//! - [`culling`]: a field of animals as a scene of casca, and four ways to choose the animals to draw.
-//! - [`fit`]: lines through measured times.
-#![deny(missing_docs)]
-#![forbid(unsafe_code)]
 
-pub mod culling;
 pub mod error;
-pub mod fit;
 pub mod look;
 mod numeric;
 pub mod records;

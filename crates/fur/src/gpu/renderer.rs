@@ -1,6 +1,6 @@
 //! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
 
-use casca_fur::mesh::Mesh;
+use crate::mesh::Mesh;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
@@ -9,9 +9,9 @@ use casca_stage::wgpu::{
     vertex_attr_array,
 };
 
-use crate::error::FurGpuError;
-use crate::look::{Corner, Look, LookRecord, SKY, corners_of};
-use crate::records::{Block, DrawList, Frame, SHADOW_SIZE, Sun};
+use crate::gpu::error::FurGpuError;
+use crate::gpu::look::{Corner, Look, LookRecord, SKY, corners_of};
+use crate::gpu::records::{Block, DrawList, Frame, SHADOW_SIZE, Sun};
 
 /// The shaders, in the order in which they use each other.
 pub(crate) const SHADERS: &str =

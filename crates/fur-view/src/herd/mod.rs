@@ -10,9 +10,14 @@ use casca_fur_scenes::field::{Field, Hiding, Kind};
 use casca_scenes::world::Camera;
 use glam::Vec3;
 
-use crate::error::FurGpuError;
-use crate::numeric::FRACTION_RAYS;
-use crate::records::{Block, DrawList, Stand};
+#[cfg(test)]
+mod tests;
+
+use casca_fur::gpu::error::FurGpuError;
+use casca_fur::gpu::records::{Block, DrawList, Stand};
+
+/// Rays that estimate which share of an animal is seen: errors of some 0.1, about a layer in ten.
+const FRACTION_RAYS: u32 = 16;
 
 /// How the animals to draw are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Constants of the crate, each with its reason.
+//! Constants of the pictures, each with its reason.
 
 /// Where pixels are wider than this share of the spacing of strands, strands begin to give way to their mean...
 pub(crate) const FINE: f32 = 0.6;
@@ -19,9 +19,6 @@ pub(crate) const TUBES: u32 = 10;
 /// Boxes of the reference's hierarchy are wider by this share of their coordinates, and hits count as so much farther, so that
 /// rays in single precision lose nothing.
 pub(crate) const WIDER: f64 = 4e-6;
-
-/// Rays that estimate which share of an animal is seen: errors of some 0.1, about a layer in ten.
-pub(crate) const FRACTION_RAYS: u32 = 16;
 
 /// The highlight of bald skin, for the reference; the same as in the shader. Eyes and noses look dull without one.
 pub(crate) const WET: f32 = 0.7;

@@ -1,12 +1,12 @@
 //! The shaders' rules against those of casca-fur, point by point.
 
-use casca_fur::shading::kajiya_kay;
-use casca_fur::strands::{Fur, hash};
+use crate::shading::kajiya_kay;
+use crate::strands::{Fur, hash};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{self, BufferUsages};
 use glam::{Vec3, Vec4};
 
-use crate::look::Look;
+use crate::gpu::look::Look;
 
 const STRANDS: &str = include_str!("strands.wgsl");
 const POINTS: &str = "
@@ -78,7 +78,7 @@ const ROUNDING: f32 = 1e-5;
 fn shaders_find_the_strands_that_the_processor_finds() {
     let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
     // Evenly spread over a ball, at all heights and lengths.
-    let number = |i: u32, k: u32| casca_fur::strands::unit(hash([i, k, 0, 0])[0]);
+    let number = |i: u32, k: u32| crate::strands::unit(hash([i, k, 0, 0])[0]);
     let points: Vec<[Vec4; 2]> = (0..20_000)
         .map(|i| {
             let way = Vec3::from_array([0, 1, 2].map(|k| number(i, k) - 0.5)).normalize_or(Vec3::Y);

@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
-use casca_fur::Error;
-use casca_fur::mesh::Mesh;
-use casca_fur::shading::{Directions, Material};
-use casca_fur::strands::{Root, roots};
+use crate::Error;
+use crate::mesh::Mesh;
+use crate::shading::{Directions, Material};
+use crate::strands::{Root, roots};
 use casca_scenes::world::Camera;
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
@@ -16,8 +16,8 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use crate::look::{Look, SKY, stored};
-use crate::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
+use crate::gpu::look::{Look, SKY, stored};
+use crate::gpu::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a tube with round ends.
 struct Tube {

@@ -1,14 +1,14 @@
 //! How fur looks: its strands, its layers, and how it is lit.
 
+use crate::Error;
+use crate::maps::blue_noise;
+use crate::mesh::Mesh;
+use crate::shading::Material;
+use crate::strands::{Fur, MAX_PER_CELL};
 use bytemuck::{Pod, Zeroable};
-use casca_fur::Error;
-use casca_fur::maps::blue_noise;
-use casca_fur::mesh::Mesh;
-use casca_fur::shading::Material;
-use casca_fur::strands::{Fur, MAX_PER_CELL};
 use glam::Vec3;
 
-use crate::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
+use crate::gpu::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
 
 /// How a fragment finds its strand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,7 +134,7 @@ pub(crate) struct Corner {
 }
 
 pub(crate) fn corners_of(mesh: &Mesh) -> Vec<Corner> {
-    let corner = |(v, c): (&casca_fur::mesh::Vertex, &casca_fur::mesh::Coat)| Corner {
+    let corner = |(v, c): (&crate::mesh::Vertex, &crate::mesh::Coat)| Corner {
         position: v.position.to_array(),
         normal: v.normal.to_array(),
         coat: c.color.extend(c.length).to_array(),
