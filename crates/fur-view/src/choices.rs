@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use casca_fur::gpu::look::{Look, Mapping};
 use casca_fur::mesh::{Coat, Mesh, NormalRule, Vertex, center, continuous_normals, weld};
 use casca_fur::strands::Fur;
-use casca_fur_scenes::animals::Animal;
+use casca_scenes::fur::animals::Animal;
 use casca_scenes::import;
 use casca_scenes::world::Shape;
 use casca_stage::command_line::EXIT_CODES;

@@ -11,7 +11,7 @@
 //!
 //! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit the same strands.
 //!
-//! The crate `casca-fur-scenes` generates furry animals and fields of them among walls.
+//! `casca_scenes::fur` generates furry animals and fields of them among walls.
 
 mod error;
 #[cfg(feature = "gpu")]

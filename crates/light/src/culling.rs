@@ -3,7 +3,8 @@
 use casca::{Aabb, Error, Query, Sight, View};
 use casca_scenes::drive::Driver;
 use casca_scenes::lit::LitScene;
-use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_scenes::world::{Motion, Object, Shape};
+use casca_stage::camera::Camera;
 use glam::{Affine3A, Vec3};
 
 use crate::volume::Volume;

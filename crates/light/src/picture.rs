@@ -1,7 +1,7 @@
 //! The light of each pixel: a visibility buffer as G-buffer, cones from it, and the colours of a screen (thesis 2.4; digest S8 and S9).
 
 use bytemuck::{Pod, Zeroable};
-use casca_scenes::world::Camera;
+use casca_stage::camera::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, ITEMS};
 use casca_stage::kernel::{Kernel, among, bind};

@@ -10,7 +10,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use casca_scenes::lit::{self, LitScene};
-use casca_scenes::world::Camera;
+use casca_stage::camera::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;

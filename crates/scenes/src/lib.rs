@@ -1,6 +1,7 @@
 //! Test scenes for casca's tests, benches, laboratory and viewer. Nothing here is part of the library's API.
 //!
 //! - [`world`]: test scenes: objects, their motion, a camera path.
+//! - `fur`, behind the feature of that name: furry animals, and fields of them.
 //! - [`generated`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`export`]: scenes written as such files.
@@ -11,6 +12,8 @@
 
 pub mod drive;
 pub mod export;
+#[cfg(feature = "fur")]
+pub mod fur;
 pub mod generated;
 pub mod import;
 pub mod lit;

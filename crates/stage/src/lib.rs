@@ -1,6 +1,7 @@
 //! The parts that programs which show casca at work have in common. Nothing here knows the library.
 //!
 //! - [`animation`]: pictures in a row, as one animated PNG.
+//! - [`camera`]: an eye and its matrices.
 //! - [`command_line`]: exit codes, folders and files that are tried before the work.
 //! - [`compare`]: two pictures, pixel by pixel.
 //! - [`image`]: sizes, halves and PNG files of pictures.
@@ -26,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod animation;
+pub mod camera;
 #[cfg(feature = "gpu")]
 pub mod canvas;
 pub mod command_line;

@@ -5,8 +5,8 @@ use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
 use casca_fur::mesh::Mesh;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
-use casca_fur_scenes::animals::LEVELS;
-use casca_fur_scenes::field::{Field, Hiding, Kind};
+use casca_scenes::fur::animals::LEVELS;
+use casca_scenes::fur::field::{Field, Hiding, Kind};
 use casca_scenes::world::Camera;
 use glam::Vec3;
 

@@ -3,7 +3,7 @@ use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::strands::Fur;
-use casca_fur_scenes::field::{Field, Hiding};
+use casca_scenes::fur::field::{Field, Hiding};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use glam::Vec3;

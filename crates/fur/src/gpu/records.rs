@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use casca_scenes::world::Camera;
+use casca_stage::camera::Camera;
 use glam::{Affine3A, Mat4, Vec3};
 
 /// The camera and the light of one frame.

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::mesh::Mesh;
 use crate::shading::{Directions, Material};
 use crate::strands::{Root, roots};
-use casca_scenes::world::Camera;
+use casca_stage::camera::Camera;
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;

@@ -1,7 +1,7 @@
 //! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
 
 use crate::mesh::Mesh;
-use casca_scenes::world::Camera;
+use casca_stage::camera::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::wgpu::{

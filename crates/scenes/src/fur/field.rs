@@ -10,7 +10,7 @@ use glam::{Affine3A, Quat, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::animals::Animal;
+use crate::fur::animals::Animal;
 
 /// What an object of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
