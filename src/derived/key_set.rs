@@ -59,7 +59,7 @@ pub struct KeySet {
 impl KeySet {
     /// The objects of a result.
     pub fn of(pvs: &Pvs) -> Self {
-        let mut entries: Vec<(u32, u32)> = pvs.iter().map(|id| (id.slot, id.generation)).collect();
+        let mut entries: Vec<(u32, u32)> = pvs.iter().map(|id| (id.slot().get(), id.generation())).collect();
         entries.sort_unstable();
         Self { entries }
     }

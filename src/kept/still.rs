@@ -13,6 +13,8 @@
 //!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
 //!   are. New ones are in the scene's journal, and are tested once ([`crate::kept::watch`]).
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
@@ -35,7 +37,7 @@ struct InSight {
 /// A dynamic object whose box is in sight before static occluders.
 #[derive(Debug, Clone, Copy)]
 struct Mover {
-    slot: u32,
+    slot: Slot,
     /// Whether its place is known.
     located: bool,
 }
@@ -67,8 +69,8 @@ impl Stamp {
     }
 
     /// The slots of the static objects that changed since, in order; `None` as for [`Stamp::changes`].
-    pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<u32>> {
-        let mut slots: Vec<u32> = self.changes(scene)?.map(|change| change.slot).collect();
+    pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<Slot>> {
+        let mut slots: Vec<Slot> = self.changes(scene)?.map(|change| change.slot).collect();
         slots.sort_unstable();
         slots.dedup();
         Some(slots)
@@ -110,7 +112,7 @@ impl Still {
     /// it is a copy of.
     pub(super) fn find(mut query: Box<Query>, scene: &Scene, view: View, stamp: Stamp) -> Self {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
-        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
         let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
         let mut offered = Offered::default();
@@ -159,25 +161,25 @@ impl Still {
             return;
         }
         let Some(slots) = self.stamp.changed_slots(scene) else { return };
-        let changed = |slot: u32| slots.binary_search(&slot).is_ok();
+        let changed = |slot: Slot| slots.binary_search(&slot).is_ok();
         let mut changes = Changes::default();
         let gone = self.stamp.changes(scene).into_iter().flatten();
         let gone = gone.filter(|change| self.offered.has(change.slot));
         changes.gone.extend(gone.filter_map(|change| change.occluder));
         self.offered.forget(&slots);
-        self.objects.retain(|object| !changed(object.id.slot));
-        let is_there = |slot: &u32| scene.living_at(*slot).is_some_and(Object::is_static);
+        self.objects.retain(|object| !changed(object.id.slot()));
+        let is_there = |slot: &Slot| scene.living_at(*slot).is_some_and(Object::is_static);
         changes.fresh.extend(slots.iter().copied().filter(is_there));
         self.stamp = Stamp::of(scene);
         if changes.fresh.is_empty() && changes.gone.is_empty() {
             return;
         }
-        changes.known.extend(self.objects.iter().map(|object| object.id.slot));
+        changes.known.extend(self.objects.iter().map(|object| object.id.slot()));
         self.opened += self.query.follow(scene, &self.view, &changes, &self.offered);
-        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         self.objects.extend(self.query.pvs().iter().map(in_sight));
         self.offered.append(&self.query.drawn().offered);
-        let hides = |&slot: &u32| scene.object(slot).occluder().is_some();
+        let hides = |&slot: &Slot| scene.object(slot).occluder().is_some();
         if changes.fresh.iter().any(hides) {
             let drawn = self.query.drawn();
             self.objects.retain(|object| !drawn.hides(&object.block));
@@ -196,14 +198,14 @@ impl Still {
         self.draw_movers(scene, &movers);
         let (overlay, drawn) = (&self.overlay, self.query.drawn());
         let covered = overlay.drawn() > 0;
-        let hidden = |slot: u32| covered && overlay.hides_bounds(scene.object(slot).bounds());
-        let hidden_mover = |slot: u32| {
+        let hidden = |slot: Slot| covered && overlay.hides_bounds(scene.object(slot).bounds());
+        let hidden_mover = |slot: Slot| {
             if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
         };
         pvs.stats.occluders_drawn += overlay.drawn();
         pvs.stats.objects_tested += self.objects.len() as u32;
         for InSight { id, block } in &self.objects {
-            if view.may_see_volume(block) && !hidden(id.slot) {
+            if view.may_see_volume(block) && !hidden(id.slot()) {
                 pvs.push(*id);
             }
         }
@@ -231,7 +233,7 @@ impl Still {
     }
 
     /// A dynamic object, if a view may see its box before static occluders where it is now.
-    fn find_mover(&self, view: &View, slot: u32, object: &Object, stats: &mut Stats) -> Option<Mover> {
+    fn find_mover(&self, view: &View, slot: Slot, object: &Object, stats: &mut Stats) -> Option<Mover> {
         if object.is_unlocated() || object.is_hidden_unreported() {
             return Some(Mover { slot, located: false });
         }

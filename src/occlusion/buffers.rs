@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use casca_slots::Slot;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -190,7 +191,7 @@ impl OcclusionBuffers {
     /// Draws an occluder. Returns whether it hides more than before.
     ///
     /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.
-    pub(crate) fn draw(&mut self, solid: Solid, owner: u32) -> bool {
+    pub(crate) fn draw(&mut self, solid: Solid, owner: Slot) -> bool {
         let index = self.shadows.len() as u32;
         let mut changed = false;
         let mut used = false;
@@ -226,12 +227,12 @@ impl OcclusionBuffers {
 
     /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
     /// its owner.
-    pub(crate) fn shows(&self, point: DVec3, owner: u32) -> bool {
+    pub(crate) fn shows(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
     /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it: then any examination finds it.
-    pub(crate) fn shows_plainly(&self, point: DVec3, owner: u32) -> bool {
+    pub(crate) fn shows_plainly(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
     }
 
@@ -295,7 +296,7 @@ mod tests {
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
             let Some(solid) = Solid::block(occluder, None, 0.0) else { continue };
-            buffers.draw(solid, 0);
+            buffers.draw(solid, Slot::new(0));
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
                 if buffers.test(&Target::block(b, None)) != Verdict::Hidden {

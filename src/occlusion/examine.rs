@@ -7,6 +7,7 @@
 //! pixels do not depend on the targets that asked for them. So the order of targets does not matter, until a budget of
 //! the whole query is used up.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -76,7 +77,7 @@ pub(crate) struct Examination<'a, F> {
 
 impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
     /// Whether a target is hidden for certain. `owner` is its object.
-    pub(crate) fn hides(&mut self, target: &Target, owner: u32) -> bool {
+    pub(crate) fn hides(&mut self, target: &Target, owner: Slot) -> bool {
         if self.buffers.is_close(target.bounds()) {
             return false;
         }
@@ -237,7 +238,7 @@ mod tests {
             let occluders: Vec<Block> = (0..60).map(|_| block_at(&mut random, (2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
                 let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
-                buffers.draw(solid.clone(), i as u32);
+                buffers.draw(solid.clone(), Slot::new(i as u32));
             }
             magnifier.begin(&buffers);
             let mut budget = Budget { squares: 1 << 20, patches: 0 };
@@ -252,7 +253,7 @@ mod tests {
                     effort,
                     budget: &mut budget,
                 };
-                let proven = examination.hides(&target, u32::MAX);
+                let proven = examination.hides(&target, Slot::new(u32::MAX));
                 assert!(proven || !coarse, "{block:?}");
                 if !proven {
                     continue;

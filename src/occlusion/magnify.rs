@@ -8,6 +8,8 @@
 //! for them. The tiles are kept for the rest of the query, for all targets. They follow from the occluders drawn
 //! alone: which target asks first decides about none of them, unless the budget ends.
 
+use casca_slots::Slot;
+
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::coverage::Coverage;
@@ -141,7 +143,7 @@ impl FineFace {
 
     /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects of those that hid more
     /// than before.
-    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<u32>) {
+    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<Slot>) {
         let place = self.places[self.place(buffer.window(), (x, y))];
         let Some(group) = self.groups.get_mut(place as usize) else { return };
         let bit = 1 << place_in_group(x, y);
@@ -174,7 +176,7 @@ impl FineFace {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct UsedFinely {
     /// The objects of convex occluders.
-    pub(crate) solids: Vec<u32>,
+    pub(crate) solids: Vec<Slot>,
     /// Numbers of patches in the order of first drawing.
     pub(crate) patches: Vec<u32>,
 }

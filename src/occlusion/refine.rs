@@ -5,6 +5,7 @@
 //! otherwise it is cut into four. The budget counts directions and squares, not time, so that results are the same on
 //! all machines.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::numeric::occlusion::below;
@@ -45,7 +46,7 @@ pub(crate) struct Contest<'a> {
 
 impl Contest<'_> {
     /// The objects of the occluders.
-    pub(crate) fn owners(&self) -> impl Iterator<Item = u32> {
+    pub(crate) fn owners(&self) -> impl Iterator<Item = Slot> {
         self.candidates.iter().map(|candidate| candidate.drawn.owner)
     }
 }
@@ -139,7 +140,7 @@ pub(crate) struct Search<'a> {
     pub(crate) buffer: &'a FaceBuffer,
     pub(crate) target: &'a FaceTarget,
     /// The object of the target, whose own occluder does not hide it.
-    pub(crate) owner: u32,
+    pub(crate) owner: Slot,
     /// Directions and squares that may still be examined.
     pub(crate) squares: u32,
     /// How often a square may be halved.
@@ -154,7 +155,7 @@ impl<'a> Search<'a> {
     pub(crate) fn new(
         buffer: &'a FaceBuffer,
         target: &'a FaceTarget,
-        owner: u32,
+        owner: Slot,
         squares: u32,
         depth: u32,
     ) -> Self {

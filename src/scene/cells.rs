@@ -1,5 +1,6 @@
 //! Objects in the matrices I and O: their cells, written, erased and moved.
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::geometry::Block;
@@ -67,9 +68,9 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
 
 impl Scene {
     /// Writes an object that is in no matrix into I and O.
-    pub(super) fn list(&mut self, slot: u32) {
+    pub(super) fn list(&mut self, slot: Slot) {
         let grid = self.grid;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         object.apply(Event::Listed);
         let block = object.bounds.block();
         let span = Span::of(&grid, &block);
@@ -101,9 +102,9 @@ impl Scene {
     }
 
     /// Erases a listed object from I and O.
-    pub(super) fn unlist(&mut self, slot: u32) {
+    pub(super) fn unlist(&mut self, slot: Slot) {
         let grid = self.grid;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         let in_cells = std::mem::take(&mut object.in_cells);
         let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
@@ -129,22 +130,22 @@ impl Scene {
     }
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
-    pub(super) fn relist(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+    pub(super) fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         if !self.move_cells(slot, &bounds, occluder.as_ref()) {
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);
-            self.slots.object_mut(slot).bounds = bounds;
+            self.slots[slot].bounds = bounds;
             self.list(slot);
             return;
         }
-        self.slots.object_mut(slot).bounds = bounds;
+        self.slots[slot].bounds = bounds;
         self.exchange_occluder(slot, occluder);
     }
 
     /// Moves the cells of a small dynamic object in the matrices; false, without a change, for others.
-    fn move_cells(&mut self, slot: u32, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
+    fn move_cells(&mut self, slot: Slot, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
         let grid = self.grid;
-        let object = self.slots.object(slot);
+        let object = &self.slots[slot];
         let in_cells = object.in_cells && !self.always.contains(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
@@ -164,7 +165,7 @@ impl Scene {
                 self.overhang.insert(&bounds.block(), &after.cells, slot);
             }
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
-            let object = self.slots.object(slot);
+            let object = &self.slots[slot];
             if let Some(part) = object.opacity {
                 let (before, moving) = (object.occluder(), &mut self.opacity.part_mut(part).moving);
                 if moved.opaque(before, occluder, &grid) {
@@ -180,8 +181,8 @@ impl Scene {
     }
 
     /// Gives an object another occluder, in no matrix.
-    pub(super) fn exchange_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
-        let object = self.slots.object_mut(slot);
+    pub(super) fn exchange_occluder(&mut self, slot: Slot, occluder: Option<Occluder>) {
+        let object = &mut self.slots[slot];
         let motion = object.motion;
         // Only triangles that are drawn where they are share positions with others.
         let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();

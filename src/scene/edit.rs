@@ -1,5 +1,6 @@
 //! Changing the objects of a scene.
 
+use casca_slots::Slot;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
@@ -26,7 +27,8 @@ impl Scene {
         desc.check()?;
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
+        let object = Object::new(desc, placed, self.now, self.moves);
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
         self.revision += 1;
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
@@ -62,8 +64,8 @@ impl Scene {
         if occluder.is_none() && object.given_occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
-        self.slots.object_mut(id.slot).placed = None;
-        self.report(id.slot, bounds, occluder);
+        self.slots[id.slot()].placed = None;
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
@@ -102,16 +104,16 @@ impl Scene {
         let occluder = object.given_occluder().cloned();
         let Some(placed) = &object.placed else {
             check_pair(&bounds, occluder.as_ref())?;
-            self.report(id.slot, bounds, occluder);
+            self.report(id.slot(), bounds, occluder);
             return Ok(());
         };
         check_pair(&bounds, placed.occluder.as_ref())?;
         let world = bounds.placed(placed.transform)?;
         check_pair(&world, None)?;
-        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+        if let Some(placed) = &mut self.slots[id.slot()].placed {
             placed.bounds = bounds;
         }
-        self.report(id.slot, world, occluder);
+        self.report(id.slot(), world, occluder);
         Ok(())
     }
 
@@ -125,8 +127,8 @@ impl Scene {
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
         let bounds = self.bounds(id)?.clone();
         check_pair(&bounds, occluder.as_ref())?;
-        self.slots.object_mut(id.slot).placed = None;
-        self.report(id.slot, bounds, occluder);
+        self.slots[id.slot()].placed = None;
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
@@ -166,10 +168,10 @@ impl Scene {
             None => instances_at(object.bounds(), object.given_occluder(), transform)?
                 .ok_or(Error::NotPlaced(id))?,
         };
-        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+        if let Some(placed) = &mut self.slots[id.slot()].placed {
             placed.transform = transform;
         }
-        self.report(id.slot, bounds, occluder);
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
@@ -201,7 +203,7 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
         self.find(id)?;
-        self.slots.object_mut(id.slot).user_data = user_data;
+        self.slots[id.slot()].user_data = user_data;
         Ok(())
     }
 
@@ -220,25 +222,25 @@ impl Scene {
         let is_static = object.is_static();
         self.revision += 1;
         if is_static {
-            self.note_static(id.slot);
+            self.note_static(id.slot());
         } else {
             // A view may show it from now on that passed over its volume.
-            self.journal.push(id.slot, self.slots.len());
+            self.journal.push(id.slot(), self.slots.len());
         }
-        self.change_layers(id.slot, mask);
+        self.change_layers(id.slot(), mask);
         Ok(())
     }
 
     /// Takes over the static objects in some slots of another scene, of which this one is a copy. What was there before is
     /// taken out.
-    pub(crate) fn follow_static(&mut self, from: &Self, slots: &[u32]) {
+    pub(crate) fn follow_static(&mut self, from: &Self, slots: &[Slot]) {
         for &slot in slots {
             if self.slots.get(slot).is_some() {
                 self.take_out(slot);
             }
             let Some(object) = from.living_at(slot).filter(|object| object.is_static()) else { continue };
             let occluder = object.given_occluder().cloned();
-            self.slots.take_over(from.id(slot), object.unlisted());
+            self.slots.take_over(from.id(slot).0, object.unlisted());
             self.note_static(slot);
             self.exchange_occluder(slot, occluder);
             self.list(slot);
@@ -252,7 +254,7 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
         self.find(id)?;
-        self.take_out(id.slot);
+        self.take_out(id.slot());
         Ok(())
     }
 
@@ -273,7 +275,7 @@ impl Scene {
     /// # }
     /// ```
     pub fn clear(&mut self) {
-        for slot in (0..self.slots.count() as u32).rev() {
+        for slot in Slot::below(self.slots.count()).rev() {
             if self.slots.get(slot).is_some() {
                 self.take_out(slot);
             }

@@ -1,5 +1,6 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;
@@ -28,8 +29,8 @@ pub const MOST_NEW_VOLUMES: usize = 2048;
 struct Seen(Vec<u64>);
 
 impl Seen {
-    fn contains(&self, slot: u32) -> bool {
-        self.0[slot as usize / 64] >> (slot % 64) & 1 != 0
+    fn contains(&self, slot: Slot) -> bool {
+        self.0[slot.index() / 64] >> (slot.index() % 64) & 1 != 0
     }
 }
 
@@ -72,7 +73,7 @@ impl Scene {
         let asked = if self.listed_on_expiry > 0 { self.listed.as_slice().len() } else { 0 };
         for i in 0..asked {
             let slot = self.listed.as_slice()[i];
-            let object = self.slots.object_mut(slot);
+            let object = &mut self.slots[slot];
             let on_expiry = object.on_expiry();
             let Some(mover) = object.mover().filter(|m| on_expiry && m.reported != self.now) else {
                 continue;
@@ -115,7 +116,7 @@ impl Scene {
         for &id in views.iter().flat_map(|p| &p.revealed) {
             if self.find(id).is_ok_and(|object| object.is_hidden()) {
                 report.revealed += 1;
-                self.reveal(id.slot, seen.contains(id.slot));
+                self.reveal(id.slot(), seen.contains(id.slot()));
             }
         }
         report.hidden = self.hide_unseen(&seen);
@@ -131,7 +132,7 @@ impl Scene {
         seen.resize(self.slots.count().div_ceil(64), 0);
         for id in views.iter().flat_map(|p| &p.visible) {
             if self.find(*id).is_ok() {
-                seen[id.slot as usize / 64] |= 1 << (id.slot % 64);
+                seen[id.index() / 64] |= 1 << (id.index() % 64);
             }
         }
         Seen(seen)
@@ -144,15 +145,15 @@ impl Scene {
         unseen.clear();
         for &slot in self.listed.as_slice() {
             if seen.contains(slot) {
-                let mover = self.slots.object_mut(slot).mover();
+                let mover = self.slots[slot].mover();
                 mover.into_iter().for_each(|mover| mover.seen_in = self.frame);
             } else {
                 unseen.push(slot);
             }
         }
         if unseen.len() > MOST_NEW_VOLUMES {
-            let first = self.next_to_hide;
-            unseen.sort_unstable_by_key(|slot| slot.wrapping_sub(first));
+            let first = self.next_to_hide.get();
+            unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));
         }
         let mut hidden = 0;
         for &slot in &unseen {
@@ -160,7 +161,7 @@ impl Scene {
                 break;
             }
             hidden += usize::from(self.try_hide(slot));
-            self.next_to_hide = slot + 1;
+            self.next_to_hide = slot.next();
         }
         self.unseen = unseen;
         hidden

@@ -3,6 +3,8 @@
 
 use std::collections::VecDeque;
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 
 /// More new volumes than this and than objects are not kept: then it is cheaper to test all again.
@@ -14,7 +16,7 @@ pub(super) const MOST_STATIC: usize = 2048;
 /// A static object came, went or changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StaticChange {
-    pub(crate) slot: u32,
+    pub(crate) slot: Slot,
     /// Around the occluder that it had before.
     pub(crate) occluder: Option<Block>,
 }

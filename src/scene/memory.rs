@@ -40,7 +40,8 @@ impl Scene {
             opacity: self.opacity.bytes(),
             ids: self.ids.bytes(),
             tbvs: self.volumes.bytes(),
-            objects: self.slots.bytes()
+            objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
+                + self.slots.bytes()
                 + self.listed.bytes()
                 + self.always.bytes()
                 + self.overhang.bytes()
@@ -49,7 +50,7 @@ impl Scene {
                 + self.journal.bytes()
                 + self.static_changes.bytes()
                 + self.seen.capacity() * size_of::<u64>()
-                + self.unseen.capacity() * size_of::<u32>()
+                + self.unseen.capacity() * size_of::<casca_slots::Slot>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),
         }

@@ -2,7 +2,7 @@
 //!
 //! # Where an object is
 //!
-//! Every object is stored in a slot ([`slots`]) and is in one of four states ([`state`], with the table of
+//! Every object is stored in a [`Slot`] and is in one of four states ([`state`], with the table of
 //! transitions):
 //! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects always are.
 //! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal bounding volume. Only the
@@ -32,7 +32,6 @@
 mod cells;
 mod containing;
 mod edit;
-mod expiry;
 mod frame;
 mod journal;
 mod memory;
@@ -44,8 +43,6 @@ mod opaque;
 mod outer;
 mod rims;
 mod shift;
-mod slot_set;
-mod slots;
 mod solids;
 mod state;
 mod transitions;
@@ -53,6 +50,7 @@ mod validity;
 mod volume;
 mod volumes;
 
+use casca_slots::{ExpiryQueue, Slot, SlotSet, Slots};
 use glam::{DVec3, IVec3};
 
 use crate::error::Error;
@@ -62,11 +60,9 @@ use crate::id::ObjectId;
 use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
-use crate::scene::expiry::ExpiryQueue;
 use crate::scene::journal::Journal;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
-use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
@@ -76,7 +72,6 @@ pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
 pub(crate) use opacity::{LayerOpacity, OpacityPart};
-pub(crate) use slot_set::SlotSet;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
@@ -105,7 +100,7 @@ pub(crate) use slot_set::SlotSet;
 #[derive(Clone)]
 pub struct Scene {
     grid: Grid,
-    slots: Slots,
+    slots: Slots<Object>,
     /// O and Os, with the boxes of static opaque cells that are drawn like solids.
     opacity: Opacity,
     /// The patches of all surfaces, and where those of static objects touch.
@@ -121,7 +116,7 @@ pub struct Scene {
     overhang: Outer,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
-    next_to_hide: u32,
+    next_to_hide: Slot,
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
     /// The clock, in seconds.
@@ -133,13 +128,13 @@ pub struct Scene {
     revision: u64,
     moves: u64,
     /// The objects that were put into a volume, or whose layers changed there.
-    journal: Journal<u32>,
+    journal: Journal<Slot>,
     /// The static objects that came, went or changed.
     static_changes: Journal<StaticChange>,
     /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
     /// object that moves.
     seen: Vec<u64>,
-    unseen: Vec<u32>,
+    unseen: Vec<Slot>,
     moved: Moved,
 }
 
@@ -162,7 +157,7 @@ impl Scene {
             always: SlotSet::default(),
             overhang: Outer::default(),
             expiries: ExpiryQueue::default(),
-            next_to_hide: 0,
+            next_to_hide: Slot::new(0),
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
@@ -236,7 +231,7 @@ impl Scene {
     }
 
     /// The box of an object's volume, for a hidden object.
-    pub(crate) fn volume_block(&self, slot: u32) -> Block {
+    pub(crate) fn volume_block(&self, slot: Slot) -> Block {
         self.volumes.block(&self.grid, slot)
     }
 
@@ -247,7 +242,7 @@ impl Scene {
 
     /// The objects that every query tests.
     #[inline]
-    pub(crate) fn always(&self) -> &[u32] {
+    pub(crate) fn always(&self) -> &[Slot] {
         self.always.as_slice()
     }
 
@@ -265,13 +260,13 @@ impl Scene {
 
     /// All objects with their slots, in the order of these.
     #[inline]
-    pub(crate) fn living(&self) -> impl Iterator<Item = (u32, &Object)> {
-        self.slots.living()
+    pub(crate) fn living(&self) -> impl Iterator<Item = (Slot, &Object)> {
+        self.slots.iter()
     }
 
     /// Whether a slot contains an object that is in a volume.
     #[inline]
-    pub(crate) fn is_hidden(&self, slot: u32) -> bool {
+    pub(crate) fn is_hidden(&self, slot: Slot) -> bool {
         self.slots.get(slot).is_some_and(Object::is_hidden)
     }
 
@@ -283,25 +278,25 @@ impl Scene {
 
     /// The object of a slot, if it contains one.
     #[inline]
-    pub(crate) fn living_at(&self, slot: u32) -> Option<&Object> {
+    pub(crate) fn living_at(&self, slot: Slot) -> Option<&Object> {
         self.slots.get(slot)
     }
 
     /// The object of a slot that is known to contain one.
     #[inline]
-    pub(crate) fn object(&self, slot: u32) -> &Object {
-        self.slots.object(slot)
+    pub(crate) fn object(&self, slot: Slot) -> &Object {
+        &self.slots[slot]
     }
 
     /// The id of the object in a slot.
     #[inline]
-    pub(crate) fn id(&self, slot: u32) -> ObjectId {
-        self.slots.id(slot)
+    pub(crate) fn id(&self, slot: Slot) -> ObjectId {
+        ObjectId(self.slots.id(slot))
     }
 
     /// The object that an id names.
     pub(crate) fn find(&self, id: ObjectId) -> Result<&Object, Error> {
-        self.slots.find(id)
+        self.slots.find(id.0).ok_or(Error::UnknownObject(id))
     }
 
     /// Tells scenes apart.
@@ -321,13 +316,13 @@ impl Scene {
     }
 
     /// The volumes that are new.
-    pub(crate) fn journal(&self) -> &Journal<u32> {
+    pub(crate) fn journal(&self) -> &Journal<Slot> {
         &self.journal
     }
 
     /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown place.
-    pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (u32, &Object)> {
-        let elsewhere = |slot: &u32| !self.listed.contains(*slot) && !self.object(*slot).is_static();
+    pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (Slot, &Object)> {
+        let elsewhere = |slot: &Slot| !self.listed.contains(*slot) && !self.object(*slot).is_static();
         let elsewhere = self.always.as_slice().iter().copied().filter(elsewhere);
         self.listed.as_slice().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
     }

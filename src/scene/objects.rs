@@ -1,5 +1,6 @@
 //! Reading the objects of a scene: one by its id, or all of them.
 
+use casca_slots::Slot;
 use glam::{Affine3A, DVec3};
 
 use crate::error::Error;
@@ -138,7 +139,7 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn key(&self, id: ObjectId) -> Result<u64, Error> {
         self.find(id)?;
-        Ok(u64::from(id.generation) << 32 | u64::from(id.slot))
+        Ok(u64::from(id.generation()) << 32 | u64::from(id.slot().get()))
     }
 
     /// The id that a [key](Scene::key) of this scene stands for. Costs one look-up.
@@ -160,7 +161,7 @@ impl Scene {
     /// # Errors
     /// Refuses a key that names no object of this scene, such as that of one that was removed.
     pub fn id_from_key(&self, key: u64) -> Result<ObjectId, Error> {
-        let (slot, generation) = (key as u32, (key >> 32) as u32);
+        let (slot, generation) = (Slot::new(key as u32), (key >> 32) as u32);
         let living = self.slots.of_generation(slot, generation);
         living.map(|_| self.id(slot)).ok_or(Error::UnknownKey(key))
     }

@@ -1,5 +1,6 @@
 //! Other coordinates for the whole scene: an origin that follows the camera through a large world.
 
+use casca_slots::{AT_ONCE, Expiry, Slot, SlotSet};
 use glam::{Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
@@ -9,11 +10,9 @@ use crate::matrix::ids::IdMatrix;
 use crate::numeric::mesh::SINGLE;
 use crate::object::{Bounds, Occluder, Placed};
 use crate::scene::Scene;
-use crate::scene::expiry::{AT_ONCE, Expiry};
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
-use crate::scene::slot_set::SlotSet;
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::volume::Tbv;
 
@@ -124,9 +123,9 @@ impl Scene {
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it where it was.
-    fn place_shifted(&mut self, slot: u32, shape: Shifted, offset: Vec3) {
+    fn place_shifted(&mut self, slot: Slot, shape: Shifted, offset: Vec3) {
         let Shifted { bounds, occluder, placed } = shape;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         object.placed = placed.map(Box::new);
         object.bounds = bounds;
         object.moved = self.moves;
@@ -147,7 +146,7 @@ impl Scene {
     }
 
     /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still inside.
-    fn shift_volume(&mut self, slot: u32, hidden: Hidden, offset: Vec3) {
+    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
         let is_outer = self.volumes.is_outer(slot);
         let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
         let object = self.object(slot);
@@ -176,12 +175,12 @@ impl Scene {
     }
 
     /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported, and its report is due.
-    fn lose(&mut self, slot: u32, enclosed: bool) {
+    fn lose(&mut self, slot: Slot, enclosed: bool) {
         if enclosed {
             self.volumes.remove(slot);
         }
-        let generation = self.slots.id(slot).generation;
-        self.slots.object_mut(slot).apply(Event::Revealed);
+        let generation = self.slots.id(slot).generation();
+        self.slots[slot].apply(Event::Revealed);
         self.always.insert(slot);
         self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
     }

@@ -4,6 +4,7 @@
 //! fills alone, and those that it fills together with solids that share the cell. Cells that only several solids fill
 //! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
 
+use casca_slots::Slot;
 use glam::IVec3;
 use smallvec::SmallVec;
 
@@ -25,7 +26,7 @@ const MOST_MEMBERS: usize = 1024;
 /// A static solid whose cells are added or taken away.
 #[derive(Clone, Copy)]
 struct Own {
-    slot: u32,
+    slot: Slot,
     /// Where its cells are: it is joined with others there only.
     part: OpacityPart,
 }
@@ -34,7 +35,7 @@ struct Own {
 type Near<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
 
 /// Static solids that are in no lists of cells, because they are too large for these.
-type Large = SmallVec<[u32; 8]>;
+type Large = SmallVec<[Slot; 8]>;
 
 /// The mask of cells of one brick.
 pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
@@ -77,20 +78,20 @@ impl Scene {
     }
 
     /// The occluder of an object, if that is static and its cells are in a part of the opacity.
-    fn static_solid(&self, slot: u32, part: OpacityPart) -> Option<&Occluder> {
+    fn static_solid(&self, slot: Slot, part: OpacityPart) -> Option<&Occluder> {
         let object = self.object(slot);
         object.occluder().filter(|_| object.is_static() && object.opacity == Some(part))
     }
 
     /// As [`Scene::static_solid`], but none for a solid itself.
-    fn other_solid(&self, other: u32, own: Own) -> Option<&Occluder> {
+    fn other_solid(&self, other: Slot, own: Own) -> Option<&Occluder> {
         if other == own.slot { None } else { self.static_solid(other, own.part) }
     }
 
     /// Other static solids that are in no lists of cells and may touch a solid.
     fn large_solids(&self, occluder: &Occluder, own: Own) -> Large {
         let around = occluder.block();
-        let meets = |&s: &u32| {
+        let meets = |&s: &Slot| {
             let solid = self.other_solid(s, own).filter(|_| !self.object(s).in_cells);
             solid.is_some_and(|o| o.block().meets(&around))
         };
@@ -130,7 +131,7 @@ impl Scene {
     }
 
     /// Adds the cells that a static solid makes opaque, alone and together with others.
-    pub(super) fn add_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+    pub(super) fn add_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let me = Own { slot, part };
         self.mark_rims(part, occluder);
         self.opacity.part_mut(part).fixed.add(occluder, &self.grid);
@@ -159,7 +160,7 @@ impl Scene {
 
     /// Takes away the cells that a static solid made opaque, except those inside the union of others. The object is
     /// in no list of cells any more.
-    pub(super) fn remove_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+    pub(super) fn remove_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let own = Own { slot, part };
         let large = self.large_solids(occluder, own);
         let cleared = self.clear_solid(own, occluder, &large);
@@ -189,7 +190,7 @@ impl Scene {
                 let (lo, hi) = (page << 6i32, (page << 6i32) + 63);
                 self.opacity.part_mut(own.part).fused.clear_block(lo, hi);
                 let (min, max) = grid.range_bounds(lo, hi);
-                let near = |&s: &u32| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
+                let near = |&s: &Slot| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
                 if !self.ids.pages().page_is_empty(page) || large.iter().any(near) {
                     piece.bricks(|brick, mask| {
                         if self.solids_near(brick, own, large) {

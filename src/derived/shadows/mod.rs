@@ -236,7 +236,7 @@ impl Query {
             (true, Some(view)) => {
                 mask(scene, &view, pieces, &mut scratch.mask);
                 let found = self.run(scene, &view).visible();
-                out.extend(found.iter().filter(|id| may_shade(&scratch.mask, scene.object(id.slot))));
+                out.extend(found.iter().filter(|id| may_shade(&scratch.mask, scene.object(id.slot()))));
             }
         }
         self.shadows = scratch;

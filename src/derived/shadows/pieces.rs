@@ -41,7 +41,7 @@ pub(super) fn find_pieces(
         }
         for block in visible_boxes(object, &sight) {
             let Some(block) = lit(lamps, &block).filter(|block| sight.may_see(block)) else { continue };
-            parts.push(Part { size: size(&block), slot: id.slot, block });
+            parts.push(Part { size: size(&block), slot: id.slot(), block });
         }
     }
     let mut cuts = 0;

@@ -5,6 +5,7 @@ mod frustum;
 mod receivers;
 pub(crate) mod search;
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
@@ -24,7 +25,7 @@ pub(crate) struct Drawn {
     /// Index into the list of shadows.
     pub(crate) solid: u32,
     /// The object that it was drawn for.
-    pub(crate) owner: u32,
+    pub(crate) owner: Slot,
 }
 
 /// A convex occluder in the list of a bin.

@@ -1,5 +1,6 @@
 //! Searching a face for open pixels.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
@@ -63,7 +64,7 @@ impl FaceBuffer {
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
     /// its owner.
-    pub(crate) fn shows(&self, p: DVec3, owner: u32) -> bool {
+    pub(crate) fn shows(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             // Patches alone leave open few pixels that they hide, magnified.
@@ -73,7 +74,7 @@ impl FaceBuffer {
     }
 
     /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
-    pub(crate) fn shows_plainly(&self, p: DVec3, owner: u32) -> bool {
+    pub(crate) fn shows_plainly(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             !self.patch_may_hide(pixel, below(near))
@@ -101,7 +102,7 @@ impl FaceBuffer {
     }
 
     /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
-    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: u32) -> bool {
+    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: Slot) -> bool {
         solids.iter().all(|listed| {
             if f64::from(listed.near) <= near || !listed.rect.contains(u, v) {
                 return true;
@@ -157,7 +158,7 @@ mod tests {
         buffer.clear(Some(Rect::FACE), 64);
         // Covers u < 0 but for a little.
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
-        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, 0);
+        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, Slot::new(0));
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
             Target::block(Block { min: c - h, max: c + h }, None)
@@ -182,9 +183,10 @@ mod tests {
             count == 3
         });
         assert_eq!(count, 3, "the search stops when told");
-        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0), 1));
-        assert!(buffer.shows(DVec3::new(-1.0, 0.0, 3.9), 1), "before the wall");
-        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0), 1), "behind the wall");
-        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0), 1), "behind the eye");
+        let other = Slot::new(1);
+        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0), other));
+        assert!(buffer.shows(DVec3::new(-1.0, 0.0, 3.9), other), "before the wall");
+        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0), other), "behind the wall");
+        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0), other), "behind the eye");
     }
 }

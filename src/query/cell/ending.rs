@@ -3,6 +3,8 @@
 //! A direction mask only ever grows. So an object or a volume whose directions it covers is not found any more, nor is
 //! one that was found, or whose cells the walk has passed: the search for one that remains goes through the slots once.
 
+use casca_slots::Slot;
+
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::query::cell::Walk;
@@ -28,11 +30,11 @@ impl Walk<'_> {
         if !self.meets_beyond(&Side::ALL[index], m) {
             return false;
         }
-        while (self.remaining.slots[index] as usize) < self.scene.slot_count() {
+        while self.remaining.slots[index].index() < self.scene.slot_count() {
             if self.remaining.budget <= 0 || self.may_find(self.remaining.slots[index], index, m) {
                 return true;
             }
-            self.remaining.slots[index] += 1;
+            self.remaining.slots[index] = self.remaining.slots[index].next();
         }
         false
     }
@@ -50,7 +52,7 @@ impl Walk<'_> {
     }
 
     /// Whether the object in a slot, or its volume, may be found on a side beyond shell `m`.
-    fn may_find(&mut self, slot: u32, index: usize, m: i32) -> bool {
+    fn may_find(&mut self, slot: Slot, index: usize, m: i32) -> bool {
         self.remaining.budget -= 1;
         let Some(cells) = self.cells_to_find(slot) else { return false };
         let cells = CellBox { lo: cells.lo - self.shells.cell, hi: cells.hi - self.shells.cell };
@@ -76,7 +78,7 @@ impl Walk<'_> {
 
     /// The cells by which the walk may find an object: those of its volume, or its own. `None` if it was found, or is
     /// not found by cells.
-    fn cells_to_find(&self, slot: u32) -> Option<CellBox> {
+    fn cells_to_find(&self, slot: Slot) -> Option<CellBox> {
         if self.marks.is_decided(slot) {
             return None;
         }

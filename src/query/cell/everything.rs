@@ -1,5 +1,7 @@
 //! Views from which nothing is taken to be hidden: objects are compared with the frustum, and no cells are visited.
 
+use casca_slots::Slot;
+
 use crate::query::cell::Walk;
 
 /// An entry of the list of all that the frustum meets, in the order in which it is found.
@@ -49,7 +51,7 @@ impl Walk<'_> {
     }
 
     /// Whether the frustum, or the widened frustum of a walk, may meet a volume.
-    fn may_see_volume_of(&self, slot: u32) -> bool {
+    fn may_see_volume_of(&self, slot: Slot) -> bool {
         let volumes = self.scene.volumes();
         let (cells, v) = (volumes.cells(slot), self.shells.cell);
         let meets = || match volumes.is_outer(slot) {

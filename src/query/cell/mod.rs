@@ -13,6 +13,10 @@ mod side;
 mod side_cells;
 mod spans;
 
+use casca_slots::Slot;
+use glam::IVec3;
+use smallvec::SmallVec;
+
 use crate::matrix::bits::BitMatrix;
 use crate::method::CellOptions;
 use crate::pvs::{Pvs, Stats};
@@ -26,8 +30,6 @@ use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
-use glam::IVec3;
-use smallvec::SmallVec;
 
 /// An eye that may be this far outside its cell, in cells, gets no occlusion.
 const UNCERTAIN_EYE: f64 = 0.2;
@@ -128,7 +130,7 @@ impl<'a> Walk<'a> {
     /// Records the cells of the frustum, if cells are recorded, where everything was found without them.
     fn record_frustum(&mut self) {
         if self.record.is_some() {
-            (0..self.scene.slot_count() as u32).for_each(|slot| _ = self.marks.decide(slot));
+            Slot::below(self.scene.slot_count()).for_each(|slot| _ = self.marks.decide(slot));
             self.walk_shells(None);
         }
     }

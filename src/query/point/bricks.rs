@@ -1,5 +1,6 @@
 //! The walk over bricks.
 
+use casca_slots::Slot;
 use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
@@ -112,7 +113,7 @@ impl Walk<'_> {
         }
         self.scratch.bricks = bricks;
         // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
-        for slot in 0..self.scene.slot_count() as u32 {
+        for slot in Slot::below(self.scene.slot_count()) {
             if self.scene.is_hidden(slot) {
                 self.test_volume(slot);
             }
@@ -285,7 +286,7 @@ impl Walk<'_> {
     }
 
     /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is hidden.
-    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<u32>, volumes: bool) {
+    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<Slot>, volumes: bool) {
         let scene = self.scene;
         let has_fused = self.has_fused(brick);
         if open.len() >= WORTH_TESTING || has_fused || volumes {

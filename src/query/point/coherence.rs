@@ -14,6 +14,8 @@
 //! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an object in the set, and
 //! hides nothing.
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 use crate::occlusion::examine::Budget;
 use crate::occlusion::pixels::PixelRect;
@@ -41,7 +43,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Whether an object of which only the slot is known has an occluder that may be drawn.
-    fn may_draw(&self, slot: u32) -> bool {
+    fn may_draw(&self, slot: Slot) -> bool {
         self.scene.living_at(slot).is_some_and(|object| {
             object.occluder().is_some()
                 && object.is_shown(self.view)
@@ -52,7 +54,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
-    fn draw_patches_of(&mut self, patches: &mut [(u32, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
+    fn draw_patches_of(&mut self, patches: &mut [(Slot, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
         if patches.is_empty() || !self.view.is_ordered() {
             return;
         }
@@ -76,7 +78,7 @@ impl<'a> Walk<'a> {
     fn collect_some(
         &mut self,
         source: &Source<'a>,
-        patches: &[(u32, u32)],
+        patches: &[(Slot, u32)],
         wanted: &impl Fn(&Self, &Block) -> bool,
         batch: &mut Batch<'a>,
     ) {
@@ -101,14 +103,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes for a result that is kept that it may rest on the occluder of an object.
-    fn note_offered(&mut self, slot: u32) {
+    fn note_offered(&mut self, slot: Slot) {
         if self.fixed_only {
             self.scratch.offered.push(slot);
         }
     }
 
     /// Draws the occluder of an object in sight, unless it waits.
-    pub(super) fn offer(&mut self, slot: u32) {
+    pub(super) fn offer(&mut self, slot: Slot) {
         self.note_offered(slot);
         let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
         match role {
@@ -119,7 +121,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes that a solid was drawn, and whether it hid more than before.
-    pub(super) fn drew_solid(&mut self, slot: u32, changed: bool) {
+    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
         if changed {
             self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
         }
@@ -129,7 +131,7 @@ impl<'a> Walk<'a> {
     }
 
     /// How a patch takes part in this run, by its place and its number in the scene. Patches that wait are listed.
-    pub(super) fn role(&mut self, slot: u32, patch: u32, number: u32) -> Role {
+    pub(super) fn role(&mut self, slot: Slot, patch: u32, number: u32) -> Role {
         if !self.coherent {
             return Role::Fresh;
         }
@@ -170,8 +172,8 @@ impl<'a> Walk<'a> {
         suspicious.clear();
         candidates.retain(|candidate| {
             let coherence = &self.scratch.coherence;
-            let slot = candidate.id.slot;
-            if coherence.saw(slot) && !coherence.is_turn(slot) {
+            let slot = candidate.id.slot();
+            if coherence.saw(slot) && !coherence.is_turn(slot.get()) {
                 self.stats.occlusion_tests += 1;
                 return !candidate.block.is_some_and(|block| self.hides(&block));
             }
@@ -183,7 +185,7 @@ impl<'a> Walk<'a> {
             seen
         });
         suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot).is_ok();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot()).is_ok();
         if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
             self.begin_examinations();
             candidates.retain(|candidate| !(is_suspicious(candidate) && self.examine(candidate, left)));
@@ -250,19 +252,19 @@ impl<'a> Walk<'a> {
         self.pvs.visible.iter().for_each(|id| coherence.seen[id.index()] = run);
         let usage = |useful: bool| Recall { run, usage: if useful { Usage::Useful } else { Usage::Idle } };
         for &slot in &coherence.waiting_solids {
-            coherence.solids[slot as usize] = usage(false);
+            coherence.solids[slot.index()] = usage(false);
         }
         for &(slot, changed) in &coherence.drawn_solids {
             let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
-            coherence.solids[slot as usize] = usage(useful);
+            coherence.solids[slot.index()] = usage(useful);
         }
         for &slot in self.scratch.magnifier.used.solids.iter().filter(|&&slot| slot != NOBODY) {
-            coherence.solids[slot as usize] = usage(true);
+            coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();
         let solids = &coherence.solids;
-        let is_useful = |slot: &u32| solids[*slot as usize].usage == Usage::Useful;
+        let is_useful = |slot: &Slot| solids[slot.index()].usage == Usage::Useful;
         coherence.useful_solids.extend(coherence.drawn_solids.iter().map(|drawn| drawn.0).filter(is_useful));
         self.remember_patches(&mut coherence, usage);
         self.scratch.coherence = coherence;
@@ -270,7 +272,7 @@ impl<'a> Walk<'a> {
 
     fn remember_patches(&self, coherence: &mut Coherence, usage: impl Fn(bool) -> Recall) {
         let scene = self.scene;
-        let numbers = |slot: u32, patch: u32| {
+        let numbers = |slot: Slot, patch: u32| {
             let place = scene.seams().place(slot);
             let next = self.source(slot).map_or(patch + 1, |s| s.surface.patches[patch as usize].next);
             place.base + patch..place.base + next

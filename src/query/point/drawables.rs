@@ -1,5 +1,6 @@
 //! Patches made ready to be drawn: placed, and turned to the eye.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
@@ -13,7 +14,7 @@ use crate::query::point::Walk;
 /// The surface of an object.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
-    pub(super) slot: u32,
+    pub(super) slot: Slot,
     pub(super) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.
     pub(super) placement: Option<&'a Placement>,
@@ -40,7 +41,7 @@ impl Source<'_> {
 
 impl<'a> Walk<'a> {
     /// The surface of an object, if it has one.
-    pub(super) fn source(&self, slot: u32) -> Option<Source<'a>> {
+    pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
         let scene = self.scene;
         let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
@@ -48,7 +49,7 @@ impl<'a> Walk<'a> {
     }
 
     /// A patch of an object's surface ready to be drawn, if it can be.
-    pub(super) fn drawable(&self, slot: u32, patch: u32) -> Option<Drawable<'a>> {
+    pub(super) fn drawable(&self, slot: Slot, patch: u32) -> Option<Drawable<'a>> {
         let source = self.source(slot)?;
         self.drawable_in(&source, patch, &source.block(patch))
     }

@@ -12,6 +12,7 @@
 //!
 //! Open pixels are not refined, since the lists of occluders in the buffers name some that are gone.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
@@ -23,9 +24,9 @@ use crate::query::point::offered::Offered;
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     /// The slots of static objects that came or changed.
-    pub(crate) fresh: Vec<u32>,
+    pub(crate) fresh: Vec<Slot>,
     /// The slots of the objects in the set that stayed as they are.
-    pub(crate) known: Vec<u32>,
+    pub(crate) known: Vec<Slot>,
     /// Around the occluders that are gone, those that changed among them.
     pub(crate) gone: SmallVec<[Block; 4]>,
 }
@@ -66,7 +67,7 @@ impl Walk<'_> {
     }
 
     /// Draws occluders over the buffers of an earlier run, and gives how many.
-    pub(crate) fn draw_over(mut self, slots: impl Iterator<Item = u32>) -> u32 {
+    pub(crate) fn draw_over(mut self, slots: impl Iterator<Item = Slot>) -> u32 {
         slots.for_each(|slot| self.draw(slot));
         self.draw_all_patches(i32::MAX);
         self.stats.occluders_drawn

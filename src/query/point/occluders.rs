@@ -1,5 +1,7 @@
 //! Drawing convex occluders and boxes of opaque cells.
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
 use crate::grid::cell_box::CellBox;
@@ -15,7 +17,7 @@ use crate::query::start::rays_start_in_occluder;
 pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 
 /// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more pixels than this. Narrower
 /// rims hide less than the pixels that the outlines of patches touch.
@@ -23,7 +25,7 @@ const MOST_RIM: f64 = 3.0;
 
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
-    pub(super) fn draw(&mut self, slot: u32) {
+    pub(super) fn draw(&mut self, slot: Slot) {
         if !self.view.is_ordered() {
             return;
         }
@@ -61,7 +63,7 @@ impl Walk<'_> {
     }
 
     /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
-    fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
+    fn draw_convex_mesh(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
         let origin = buffers.origin();
         if buffers.uncertainty() > 0.0 {
@@ -93,7 +95,7 @@ impl Walk<'_> {
     /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box around the mesh.
     /// Returns whether it covers nearly the same pixels, so that the triangles need not be drawn. Larger solids are drawn
     /// beside the triangles: they close pixels that outlines of patches touch, and hide some of those patches.
-    fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
+    fn draw_inner_solid(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
         let buffers = &self.scratch.buffers;
@@ -118,14 +120,14 @@ impl Walk<'_> {
     }
 
     /// Whether an object is drawn as a solid and, beside it, as patches.
-    pub(super) fn has_patches_beside_solid(&self, slot: u32) -> bool {
+    pub(super) fn has_patches_beside_solid(&self, slot: Slot) -> bool {
         let Some(occluder) = self.scene.object(slot).occluder() else { return false };
         occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.rim))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
     /// Teller 1997). For parallel rays, the area of that ball's disc.
-    pub(super) fn solid_angle(&self, slot: u32) -> f64 {
+    pub(super) fn solid_angle(&self, slot: Slot) -> f64 {
         let Some(occluder) = self.scene.object(slot).occluder() else { return 0.0 };
         let (block, buffers) = (occluder.block(), &self.scratch.buffers);
         let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;

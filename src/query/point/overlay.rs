@@ -1,5 +1,7 @@
 //! More occluders, drawn over a copy of the buffers of a query.
 
+use casca_slots::Slot;
+
 use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::pvs::Pvs;
@@ -27,7 +29,7 @@ impl Overlay {
         base: &PointScratch,
         scene: &Scene,
         view: &View,
-        mut slots: impl Iterator<Item = u32>,
+        mut slots: impl Iterator<Item = Slot>,
     ) {
         self.drawn = 0;
         let Some(first) = slots.next() else { return };

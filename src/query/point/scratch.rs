@@ -1,5 +1,6 @@
 //! The memory of the point method.
 
+use casca_slots::Slot;
 use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
@@ -40,7 +41,7 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Waiting {
     /// Object and patch.
-    pub(super) listed: Vec<(u32, u32)>,
+    pub(super) listed: Vec<(Slot, u32)>,
     /// The number of patches in those listed.
     pub(super) count: u64,
 }
@@ -60,7 +61,7 @@ pub(crate) struct PointScratch {
     /// Bricks of a shell with temporal bounding volumes that are not hidden.
     pub(super) volumes: Vec<IVec3>,
     /// Undecided objects of a brick.
-    pub(super) open: Vec<u32>,
+    pub(super) open: Vec<Slot>,
     /// Objects of a shell.
     pub(super) objects: Vec<Candidate>,
     /// Numbers that sort them by distance, with the place of each.
@@ -73,7 +74,7 @@ pub(crate) struct PointScratch {
     pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
-    pub(super) patches: Vec<(u32, u32)>,
+    pub(super) patches: Vec<(Slot, u32)>,
     /// The objects of which an occluder hid more than before.
     pub(super) useful: Marks,
     pub(super) magnifier: Magnifier,

@@ -1,5 +1,6 @@
 //! Drawing surfaces of triangles, patch by patch.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
@@ -32,7 +33,7 @@ enum Next {
 
 impl<'a> Walk<'a> {
     /// Lists an object's surface for drawing, by the shell that it begins in.
-    pub(super) fn list_surface(&mut self, slot: u32) {
+    pub(super) fn list_surface(&mut self, slot: Slot) {
         if let Some(source) = self.source(slot)
             && !source.surface.patches.is_empty()
         {
@@ -42,7 +43,7 @@ impl<'a> Walk<'a> {
 
     /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count` is the number of patches in
     /// it, with itself.
-    fn wait(&mut self, shell: usize, slot: u32, patch: u32, count: u32) {
+    fn wait(&mut self, shell: usize, slot: Slot, patch: u32, count: u32) {
         let waiting = &mut self.scratch.waiting;
         if waiting.len() <= shell {
             waiting.resize_with(shell + 1, Waiting::default);
@@ -124,10 +125,11 @@ impl<'a> Walk<'a> {
         let PointScratch { buffers, patches, useful, .. } = &mut *self.scratch;
         for &index in buffers.useful_patches() {
             let drawable = &batch.drawables[index as usize];
-            let slot = match drawable.again {
+            let owner = match drawable.again {
                 true => self.scene.seams().owner(drawable.number),
-                false => patches[drawable.id as usize].0,
+                false => Some(patches[drawable.id as usize].0),
             };
+            let Some(slot) = owner else { continue };
             self.stats.occluders_useful += u32::from(useful.decide(slot));
         }
     }
@@ -144,7 +146,7 @@ impl<'a> Walk<'a> {
 
     /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
     /// `m` wait.
-    fn collect(&mut self, slot: u32, whole: u32, m: usize, batch: &mut Batch<'a>) {
+    fn collect(&mut self, slot: Slot, whole: u32, m: usize, batch: &mut Batch<'a>) {
         let Some(source) = self.source(slot) else { return };
         let patches = &source.surface.patches;
         let first = batch.drawables.len();
@@ -245,9 +247,9 @@ impl<'a> Walk<'a> {
                 if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
-                let slot = self.scene.seams().owner(twin);
+                let owner = self.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
-                let Some(again) = self.drawable(slot, drawn.whole) else {
+                let Some(again) = owner.and_then(|slot| self.drawable(slot, drawn.whole)) else {
                     self.scratch.drawn.fill(twin..twin + 1, whole);
                     continue;
                 };

@@ -1,5 +1,6 @@
 //! Temporal bounding volumes: tested like objects, and opened when they are in sight.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
@@ -71,7 +72,7 @@ impl Walk<'_> {
     }
 
     /// Reveals a volume that is in sight.
-    pub(super) fn test_volume(&mut self, slot: u32) {
+    pub(super) fn test_volume(&mut self, slot: Slot) {
         if self.fixed_only || self.marks.is_revealed(slot) {
             return;
         }
@@ -82,7 +83,7 @@ impl Walk<'_> {
     }
 
     /// Marks the volume of an object as revealed, and finds the object.
-    fn reveal(&mut self, slot: u32) {
+    fn reveal(&mut self, slot: Slot) {
         if !self.marks.reveal(slot) || !self.scene.object(slot).is_shown(self.view) {
             return;
         }

@@ -1,5 +1,6 @@
 //! One run of the cell method on a scene: which objects the cells in sight hold.
 
+use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
 use crate::bits::BitGrid;
@@ -25,9 +26,9 @@ pub(crate) struct CellScratch {
 struct Found {
     marks: Marks,
     /// The slots of visible objects, each with the shell where it was found.
-    visible: Vec<(i32, u32)>,
+    visible: Vec<(i32, Slot)>,
     /// The slots of objects in volumes that are in sight.
-    revealed: Vec<u32>,
+    revealed: Vec<Slot>,
     /// Whether the view bounds nothing.
     everywhere: bool,
     tested: u32,
@@ -108,7 +109,7 @@ impl Found {
     }
 
     /// Decides an object one of whose cells is in sight.
-    fn decide(&mut self, scene: &Scene, sight: &Sight, slot: u32, shell: i32) {
+    fn decide(&mut self, scene: &Scene, sight: &Sight, slot: Slot, shell: i32) {
         let Some(object) = scene.object(slot) else { return };
         if !self.marks.decide(slot) {
             return;
@@ -120,7 +121,7 @@ impl Found {
     }
 
     /// A volume came into sight.
-    fn reveal(&mut self, slot: u32) {
+    fn reveal(&mut self, slot: Slot) {
         if self.marks.reveal(slot) {
             self.revealed.push(slot);
         }

@@ -24,6 +24,7 @@ mod target;
 mod walk;
 mod wall;
 
+use casca_slots::Slot;
 use glam::{DVec2, Vec2};
 
 use crate::geometry::Shape;
@@ -131,7 +132,7 @@ impl Sight {
 fn push_visible<'a>(
     region: Region,
     scene: &Scene,
-    objects: impl Iterator<Item = (u32, &'a Object)>,
+    objects: impl Iterator<Item = (Slot, &'a Object)>,
     pvs: &mut Pvs,
 ) {
     for (slot, object) in objects {

@@ -1,5 +1,6 @@
 //! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their occluders.
 
+use casca_slots::Slot;
 use glam::IVec2;
 
 use crate::geometry::Shape;
@@ -17,7 +18,7 @@ use crate::view::View;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Walk {
     /// The slots of the objects in cells in sight, those of near shells first.
-    pub(crate) found: Vec<u32>,
+    pub(crate) found: Vec<Slot>,
     /// The sides of their occluders.
     pub(crate) walls: Vec<Wall>,
     /// The directions into solids whose border the eye is on.
@@ -125,8 +126,8 @@ impl Walk {
     }
 
     /// Takes notice of an object, once, and of its occluder.
-    fn find(&mut self, slot: u32, scene: &Scene, circle: &Circle, stats: &mut Stats) {
-        let mark = &mut self.marks[slot as usize];
+    fn find(&mut self, slot: Slot, scene: &Scene, circle: &Circle, stats: &mut Stats) {
+        let mark = &mut self.marks[slot.index()];
         if std::mem::replace(mark, self.number) == self.number {
             return;
         }

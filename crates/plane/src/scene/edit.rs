@@ -1,5 +1,7 @@
 //! Changes of a scene: objects come, move and go.
 
+use casca_slots::Slot;
+
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::id::ObjectId;
@@ -21,10 +23,11 @@ impl Scene {
     /// objects without speed that are reported on expiry, and more than 2^31 objects.
     pub fn insert(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
-        let slot = self.slots.insert(Object::new(desc, self.now))?;
+        let object = Object::new(desc, self.now);
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
         self.revision += 1;
         self.list(slot);
-        Ok(self.slots.id(slot))
+        Ok(self.id(slot))
     }
 
     /// Moves an object or changes its shape: all of it, in world units. For an object that is reported on expiry this is the report, also
@@ -44,7 +47,7 @@ impl Scene {
     ) -> Result<(), Error> {
         let bounds = bounds.into();
         check_pair(&bounds, occluder.as_ref())?;
-        if occluder.is_none() && self.slots.find(id)?.occluder.is_some() {
+        if occluder.is_none() && self.find(id)?.occluder.is_some() {
             return Err(Error::OccluderMissing(id));
         }
         self.replace(id, bounds, occluder)
@@ -66,8 +69,8 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
-        self.slots.find(id)?;
-        if let Some(object) = self.slots.get_mut(id.slot) {
+        self.find(id)?;
+        if let Some(object) = self.slots.get_mut(id.slot()) {
             object.user_data = user_data;
         }
         Ok(())
@@ -79,16 +82,16 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
-        self.slots.find(id)?;
-        self.take_out(id.slot);
-        self.slots.remove(id.slot);
+        self.find(id)?;
+        self.take_out(id.slot());
+        self.slots.remove(id.slot());
         self.revision += 1;
         Ok(())
     }
 
     /// Takes all objects out. Their ids are refused from now on; the grid and the clock stay.
     pub fn clear(&mut self) {
-        let living: Vec<u32> = self.slots.living().map(|(slot, _)| slot).collect();
+        let living: Vec<Slot> = self.slots.iter().map(|(slot, _)| slot).collect();
         // In reverse, so that the slots are given out again in their order.
         for slot in living.into_iter().rev() {
             self.take_out(slot);
@@ -98,15 +101,15 @@ impl Scene {
     }
 
     fn replace(&mut self, id: ObjectId, bounds: Shape, occluder: Option<Shape>) -> Result<(), Error> {
-        self.slots.find(id)?;
-        self.report(id.slot, bounds, occluder);
+        self.find(id)?;
+        self.report(id.slot(), bounds, occluder);
         self.revision += 1;
         Ok(())
     }
 
     /// Enters an object that is in no matrix into the lists of its cells, or into the list of those that are in none, and fills the cells
     /// inside its occluder.
-    pub(super) fn list(&mut self, slot: u32) {
+    pub(super) fn list(&mut self, slot: Slot) {
         let Some(object) = self.slots.get(slot) else { return };
         let (dynamic, on_expiry) = (object.mover.is_some(), object.on_expiry());
         if self.is_outer(&object.bounds) {
@@ -123,7 +126,7 @@ impl Scene {
     }
 
     /// Undoes [`Scene::list`].
-    pub(super) fn unlist(&mut self, slot: u32) {
+    pub(super) fn unlist(&mut self, slot: Slot) {
         self.unfill(slot);
         let Some(object) = self.slots.get(slot) else { return };
         if object.mover.is_some() {
@@ -139,14 +142,14 @@ impl Scene {
     }
 
     /// Adds an object to the list of those that are in no cells.
-    fn push_outer(&mut self, slot: u32) {
+    fn push_outer(&mut self, slot: Slot) {
         self.outer.push(slot);
         let place = self.outer.len() as u32;
         self.slots.get_mut(slot).into_iter().for_each(|object| object.outer = place);
     }
 
     /// Takes an object out of that list; false if it is not in it.
-    fn take_outer(&mut self, slot: u32) -> bool {
+    fn take_outer(&mut self, slot: Slot) -> bool {
         let place = self.slots.get_mut(slot).map_or(0, |object| std::mem::take(&mut object.outer));
         let Some(place) = place.checked_sub(1) else { return false };
         self.outer.swap_remove(place as usize);
@@ -160,7 +163,7 @@ impl Scene {
     }
 
     /// Makes the cells inside the occluder of an object opaque.
-    fn fill(&mut self, slot: u32) {
+    fn fill(&mut self, slot: Slot) {
         let Some(object) = self.slots.get_mut(slot) else { return };
         let Some(occluder) = &object.occluder else { return };
         let opacity = if object.mover.is_some() { &mut self.moving } else { &mut self.fixed };
@@ -169,7 +172,7 @@ impl Scene {
     }
 
     /// Undoes [`Scene::fill`], if it was done.
-    pub(super) fn unfill(&mut self, slot: u32) {
+    pub(super) fn unfill(&mut self, slot: Slot) {
         let Some(object) = self.slots.get_mut(slot).filter(|object| object.fills) else { return };
         object.fills = false;
         let Some(occluder) = &object.occluder else { return };

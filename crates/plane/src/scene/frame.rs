@@ -1,5 +1,7 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
+use casca_slots::Slot;
+
 use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
@@ -23,8 +25,8 @@ pub struct FrameReport {
 struct Seen(Vec<u64>);
 
 impl Seen {
-    fn contains(&self, slot: u32) -> bool {
-        self.0[slot as usize / 64] >> (slot % 64) & 1 != 0
+    fn contains(&self, slot: Slot) -> bool {
+        self.0[slot.index() / 64] >> (slot.index() % 64) & 1 != 0
     }
 }
 
@@ -50,11 +52,11 @@ impl Scene {
         let entries: Vec<_> = std::iter::from_fn(|| self.expiries.pop_until(until)).collect();
         for entry in entries {
             if self.expire(entry, backwards) {
-                due.push(self.slots.id(entry.slot));
+                due.push(self.id(entry.slot));
             }
         }
         self.miss_unreported(&mut due);
-        due.sort_unstable_by_key(|id| id.slot);
+        due.sort_unstable_by_key(|id| id.slot());
         due.dedup();
         self.revision += u64::from(!due.is_empty());
         Ok(due)
@@ -73,7 +75,7 @@ impl Scene {
             };
             // An object that the last frame showed is reported unasked.
             if mover.seen_in != frame {
-                due.push(self.slots.id(slot));
+                due.push(self.id(slot));
             }
             if matches!(mover.state, State::Listed) {
                 self.revision += 1;
@@ -104,9 +106,9 @@ impl Scene {
         self.viewers.extend(eyes.map(|view| self.grid.cell_of(view.eye())));
         let seen = self.seen_by(&views);
         for &id in views.iter().flat_map(|pvs| pvs.revealed.iter().chain(&pvs.visible)) {
-            if self.slots.find(id).is_ok_and(|object| object.hidden().is_some()) {
+            if self.find(id).is_ok_and(|object| object.hidden().is_some()) {
                 report.revealed += 1;
-                self.reveal(id.slot, seen.contains(id.slot));
+                self.reveal(id.slot(), seen.contains(id.slot()));
             }
         }
         report.hidden = self.hide_unseen(&seen);
@@ -123,8 +125,8 @@ impl Scene {
         seen.clear();
         seen.resize(self.slots.count().div_ceil(64), 0);
         for id in views.iter().flat_map(|pvs| &pvs.visible) {
-            if self.slots.find(*id).is_ok() {
-                seen[id.slot as usize / 64] |= 1 << (id.slot % 64);
+            if self.find(*id).is_ok() {
+                seen[id.index() / 64] |= 1 << (id.index() % 64);
             }
         }
         Seen(seen)
