@@ -11,7 +11,7 @@ use crate::error::FileError;
 use crate::geometry::Sphere;
 use crate::grid::GridSpec;
 use crate::mesh::instance::Instance;
-use crate::mesh::surface::NONE;
+use crate::mesh::surface::PatchIndex;
 use crate::mesh::{Facing, MeshOptions, TriMesh};
 use crate::object::ObjectDesc;
 use crate::query::Query;
@@ -276,7 +276,7 @@ fn refuses_nonsense_with_a_right_checksum() {
     let [whole_patch, one, two_patch] = [8, 84, 160].map(|at| patches + at);
     let (nan, inf) = (f32::NAN.to_le_bytes(), f32::INFINITY.to_le_bytes());
     let (nan64, two) = (f64::NAN.to_le_bytes(), 2f64.to_le_bytes());
-    let none = NONE.to_le_bytes();
+    let none = u32::MAX.to_le_bytes();
     let (counts, first) = (parts + 8, parts + 14);
     let vertices = usize::from(whole[counts]);
     let faces = first + 24 * vertices;
@@ -284,7 +284,7 @@ fn refuses_nonsense_with_a_right_checksum() {
     // The first open side, and one with a patch beyond.
     let alone = u32::from_le_bytes(*whole[open + 8..].first_chunk().unwrap()) as usize;
     let mesh = corner();
-    let beyond = mesh.surface.sides.iter().position(|s| s.twin != NONE).unwrap();
+    let beyond = mesh.surface.sides.iter().position(|s| s.twin != PatchIndex::NONE).unwrap();
     let twin = |side: usize| sides + 8 + 33 * side + 28;
     let other = 2 - u32::from(mesh.surface.patches[1].last as usize <= alone);
     let own = (1 + u32::from(mesh.surface.patches[1].last as usize <= beyond)).to_le_bytes();
@@ -391,7 +391,7 @@ fn refuses_groups_nested_without_end() {
         for side in 0..u64::from_le_bytes(*made[sides..].first_chunk().unwrap()) as usize {
             let twin = sides + 8 + 33 * side + 28;
             let number = u32::from_le_bytes(*made[twin..].first_chunk().unwrap());
-            if number != NONE {
+            if number != PatchIndex::NONE.get() {
                 made[twin..twin + 4].copy_from_slice(&(number + deep).to_le_bytes());
             }
         }

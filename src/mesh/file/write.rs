@@ -66,12 +66,12 @@ impl TriMesh {
             put3(out, side.from);
             put3(out, side.to);
             out.extend(side.slack.to_le_bytes());
-            out.extend(side.twin.to_le_bytes());
+            out.extend(side.twin.get().to_le_bytes());
             out.push(u8::from(side.opposite));
         }
         count(out, patches.len());
-        for (patch, number) in patches.iter().zip(1..) {
-            let inside = patch.next - number;
+        for (at, patch) in self.surface.indexed() {
+            let inside = at.after().up_to(patch.next);
             let sides = if inside == 0 { patch.last - patch.first } else { 0 };
             out.extend(sides.to_le_bytes());
             out.extend(inside.to_le_bytes());

@@ -5,6 +5,7 @@ use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::chain::{Straight, lone_outline};
 use crate::mesh::surface::grow::Patches;
+use crate::mesh::surface::index::PatchIndex;
 use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
 use crate::mesh::surface::tree::{Border, Node, Tree};
 use crate::mesh::surface::weld::Welded;
@@ -151,7 +152,18 @@ pub(crate) fn gather(
         let Node { normal, slab: (lo, hi), sine, min, max, .. } = tree.nodes[node as usize];
         let last = surface.sides.len() as u32;
         let slack = slack(&surface.sides[first as usize..]);
-        surface.patches.push(Patch { first, last, next: 0, sine, normal, lo, hi, min, max, slack });
+        surface.patches.push(Patch {
+            first,
+            last,
+            next: PatchIndex::FIRST,
+            sine,
+            normal,
+            lo,
+            hi,
+            min,
+            max,
+            slack,
+        });
     }
     close_ranges(&mut surface.patches, &tree, &order);
     surface.find_rims();
@@ -189,7 +201,7 @@ fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
         place[node as usize] = at as u32;
         patches[at].next = match tree.parts(node).last() {
             Some(&last) => patches[place[last as usize] as usize].next,
-            None => at as u32 + 1,
+            None => PatchIndex::new(at as u32 + 1),
         };
     }
 }
@@ -207,6 +219,7 @@ impl Surface {
             }
             Beside::More => (NONE, false),
         };
+        let twin = PatchIndex::new(twin);
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
         self.sides.push(Side { from, to, slack, twin, opposite });
     }

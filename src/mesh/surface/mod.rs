@@ -20,10 +20,12 @@ mod chain;
 mod facets;
 mod gather;
 mod grow;
+mod index;
 mod patch;
 pub(crate) mod seams;
 mod tree;
 mod weld;
 
-pub(crate) use patch::{NONE, Outline, Patch, Rules, Side, Surface, slack};
+pub(crate) use index::{PatchIndex, PatchNumber};
+pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use weld::{Topology, Welded, key};

@@ -6,7 +6,8 @@ use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::heap::in_tree;
-use crate::mesh::surface::patch::{NONE, Surface};
+use crate::mesh::surface::index::{PatchIndex, PatchNumber};
+use crate::mesh::surface::patch::Surface;
 use crate::mesh::surface::weld::key;
 
 /// The ends of an open edge in order, and a number that tells its chain from others.
@@ -18,14 +19,14 @@ struct Open {
     slot: Slot,
     side: u32,
     /// Number of its patch.
-    number: u32,
+    number: PatchNumber,
     /// Whether the patch runs along it from its lesser end.
     upwards: bool,
 }
 
 /// A link of an object's side that comes, or goes: object, side, number of the other patch and whether
 /// the two run in opposite directions.
-type Change = (Slot, u32, Option<(u32, bool)>);
+type Change = (Slot, u32, Option<(PatchNumber, bool)>);
 
 /// Up to this many changes of an object's links are made one by one; more are merged into the list.
 const FEW: usize = 4;
@@ -34,10 +35,10 @@ const FEW: usize = 4;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
     /// Number of its first patch, if it has any.
-    pub(crate) base: u32,
+    pub(crate) base: PatchNumber,
     /// Its open sides that run along one of another object: side, number of the other patch, and
     /// whether the two run in opposite directions. In order of sides.
-    pub(crate) links: Vec<(u32, u32, bool)>,
+    pub(crate) links: Vec<(u32, PatchNumber, bool)>,
 }
 
 /// Numbers the patches of all surfaces, and joins static ones.
@@ -45,24 +46,24 @@ pub(crate) struct Place {
 pub(crate) struct Seams {
     places: Vec<Place>,
     /// The ranges of numbers ever given, in order: the first number of each, and the object.
-    ranges: Vec<(u32, Slot)>,
+    ranges: Vec<(PatchNumber, Slot)>,
     /// All numbers ever given are smaller.
-    end: u32,
+    end: PatchNumber,
     /// Ranges given back, by the logarithm of their length.
-    free: Vec<Vec<u32>>,
+    free: Vec<Vec<PatchNumber>>,
     /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
     /// Thousands may share one.
-    open: BTreeMap<(Chain, Slot, u32), (u32, bool)>,
+    open: BTreeMap<(Chain, Slot, u32), (PatchNumber, bool)>,
 }
 
 impl Seams {
     /// All numbers are smaller.
     pub(crate) fn patches(&self) -> usize {
-        self.end as usize
+        self.end.index()
     }
 
     /// The object that has a patch.
-    pub(crate) fn owner(&self, number: u32) -> Option<Slot> {
+    pub(crate) fn owner(&self, number: PatchNumber) -> Option<Slot> {
         let after = self.ranges.partition_point(|r| r.0 <= number);
         after.checked_sub(1).map(|at| self.ranges[at].1)
     }
@@ -93,9 +94,8 @@ impl Seams {
             }
             None => {
                 // The last number means none.
-                let Some(end) = self.end.checked_add(1 << class).filter(|&end| end < NONE) else {
-                    return false;
-                };
+                let end = self.end.get().checked_add(1 << class).map(PatchNumber::new);
+                let Some(end) = end.filter(|&end| end < PatchNumber::NONE) else { return false };
                 self.ranges.push((self.end, slot));
                 std::mem::replace(&mut self.end, end)
             }
@@ -177,11 +177,15 @@ impl Seams {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.ranges.capacity() * size_of::<(u32, Slot)>()
+        self.ranges.capacity() * size_of::<(PatchNumber, Slot)>()
             + self.places.capacity() * size_of::<Place>()
-            + self.places.iter().map(|p| p.links.capacity() * size_of::<(u32, u32, bool)>()).sum::<usize>()
-            + self.free.iter().map(|list| list.capacity() * size_of::<u32>()).sum::<usize>()
-            + in_tree::<((Chain, Slot, u32), (u32, bool))>(self.open.len())
+            + self
+                .places
+                .iter()
+                .map(|p| p.links.capacity() * size_of::<(u32, PatchNumber, bool)>())
+                .sum::<usize>()
+            + self.free.iter().map(|list| list.capacity() * size_of::<PatchNumber>()).sum::<usize>()
+            + in_tree::<((Chain, Slot, u32), (PatchNumber, bool))>(self.open.len())
     }
 }
 
@@ -198,22 +202,22 @@ fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
 }
 
 /// The open sides of a surface.
-fn opens(slot: Slot, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain, Open)> {
-    let mut patch = 0;
+fn opens(slot: Slot, surface: &Surface, base: PatchNumber) -> impl Iterator<Item = (Chain, Open)> {
+    let mut patch = PatchIndex::FIRST;
     surface.open.iter().map(move |&(index, chain)| {
         // Sides are in the order of their patches. Groups of those have no sides of their own.
-        let before = |i: u32| {
-            let p = &surface.patches[i as usize];
-            p.next > i + 1 || p.last <= index
+        let before = |i: PatchIndex| {
+            let p = surface.patch(i);
+            p.next > i.after() || p.last <= index
         };
         while before(patch) {
-            patch += 1;
+            patch = patch.after();
         }
         let side = &surface.sides[index as usize];
         let ends = [key(side.from), key(side.to)];
         let upwards = ends[0] <= ends[1];
         let ends = if upwards { ends } else { [ends[1], ends[0]] };
-        ((ends, chain), Open { slot, side: index, number: base + patch, upwards })
+        ((ends, chain), Open { slot, side: index, number: base.of(patch), upwards })
     })
 }
 
@@ -239,7 +243,7 @@ mod tests {
     }
 
     /// The links of each object, found anew: where just two open sides have the same chain.
-    fn links(seams: &Seams, there: &[(Slot, &Surface)]) -> Vec<Vec<(u32, u32, bool)>> {
+    fn links(seams: &Seams, there: &[(Slot, &Surface)]) -> Vec<Vec<(u32, PatchNumber, bool)>> {
         let mut all: Vec<(Chain, Open)> = Vec::new();
         for &(slot, surface) in there {
             all.extend(opens(slot, surface, seams.place(slot).base));
@@ -296,13 +300,13 @@ mod tests {
         let mut seams = Seams::default();
         assert!(seams.insert(Slot::new(0), &small, true) && seams.insert(Slot::new(1), &small, true));
         seams.remove(Slot::new(0), &small, true);
-        seams.end = NONE - 1;
+        seams.end = PatchNumber::new(u32::MAX - 1);
         assert!(!seams.insert(Slot::new(2), &large, true), "no numbers are left");
         assert!(seams.insert(Slot::new(3), &small, true), "those of object 0 are");
         assert!(!seams.insert(Slot::new(4), &small, true));
         assert_eq!(
             (seams.place(Slot::new(3)).base, seams.owner(seams.place(Slot::new(3)).base)),
-            (0, Some(Slot::new(3)))
+            (PatchNumber::new(0), Some(Slot::new(3)))
         );
     }
 

@@ -366,13 +366,13 @@ mod tests {
             let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
             let surface = Surface::new(&corners, &triangles, &rules);
             let projector = Projector::new(&buffer, Viewpoint { origin: eye, limit: 0.01, reach: 0.0 });
-            for (patch, _) in (0..).zip(&surface.patches).filter(|(i, p)| p.next == i + 1) {
+            for (patch, _) in surface.indexed().filter(|(i, p)| p.next == i.after()) {
                 let drawable = Drawable {
                     surface: &surface,
                     placement: placement.as_ref(),
                     patch,
                     id: 0,
-                    number: patch,
+                    number: crate::mesh::surface::PatchNumber::new(patch.get()),
                     links: &[],
                     block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
                     normal: DVec3::X,

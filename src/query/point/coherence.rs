@@ -17,6 +17,7 @@
 use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::examine::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
@@ -54,7 +55,11 @@ impl<'a> Walk<'a> {
     }
 
     /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
-    fn draw_patches_of(&mut self, patches: &mut [(Slot, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
+    fn draw_patches_of(
+        &mut self,
+        patches: &mut [(Slot, PatchIndex)],
+        wanted: impl Fn(&Self, &Block) -> bool,
+    ) {
         if patches.is_empty() || !self.view.is_ordered() {
             return;
         }
@@ -78,24 +83,24 @@ impl<'a> Walk<'a> {
     fn collect_some(
         &mut self,
         source: &Source<'a>,
-        patches: &[(Slot, u32)],
+        patches: &[(Slot, PatchIndex)],
         wanted: &impl Fn(&Self, &Block) -> bool,
         batch: &mut Batch<'a>,
     ) {
         let (surface, base) = (source.surface, source.place.base);
-        let mut at = 0;
+        let mut at = PatchIndex::FIRST;
         for &(_, patch) in patches {
             // Groups come before their parts: those that end before the patch are passed by, the others contain it.
-            while at < patch && (at as usize) < surface.patches.len() {
-                let next = surface.patches[at as usize].next;
+            while at < patch && at.index() < surface.patches.len() {
+                let next = surface.patch(at).next;
                 if next > patch {
-                    self.went_into(base + at);
+                    self.went_into(base.of(at));
                 }
-                at = if next > patch { at + 1 } else { next };
+                at = if next > patch { at.after() } else { next };
             }
-            let Some(whole) = surface.patches.get(patch as usize).filter(|_| at == patch) else { continue };
+            let Some(whole) = surface.patches.get(patch.index()).filter(|_| at == patch) else { continue };
             at = whole.next;
-            let drawn = self.scratch.drawn.get(base + patch).epoch == self.marks.epoch();
+            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.marks.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
             }
@@ -131,7 +136,7 @@ impl<'a> Walk<'a> {
     }
 
     /// How a patch takes part in this run, by its place and its number in the scene. Patches that wait are listed.
-    pub(super) fn role(&mut self, slot: Slot, patch: u32, number: u32) -> Role {
+    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         if !self.coherent {
             return Role::Fresh;
         }
@@ -142,11 +147,11 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes that the parts of a group were looked at.
-    pub(super) fn went_into(&mut self, number: u32) {
+    pub(super) fn went_into(&mut self, number: PatchNumber) {
         if self.coherent {
             let coherence = &mut self.scratch.coherence;
             let recall = Recall { run: coherence.run, usage: Usage::Parts };
-            coherence.patches.fill(number..number + 1, recall);
+            coherence.patches.fill(number..number.after(), recall);
         }
     }
 
@@ -272,10 +277,10 @@ impl<'a> Walk<'a> {
 
     fn remember_patches(&self, coherence: &mut Coherence, usage: impl Fn(bool) -> Recall) {
         let scene = self.scene;
-        let numbers = |slot: Slot, patch: u32| {
+        let numbers = |slot: Slot, patch: PatchIndex| {
             let place = scene.seams().place(slot);
-            let next = self.source(slot).map_or(patch + 1, |s| s.surface.patches[patch as usize].next);
-            place.base + patch..place.base + next
+            let next = self.source(slot).map_or(patch.after(), |s| s.surface.patch(patch).next);
+            place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];
         let faces: Vec<_> = self.scratch.buffers.faces().collect();

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{Patch, Surface};
+use crate::mesh::surface::{Patch, PatchIndex, Surface};
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
@@ -34,8 +34,8 @@ struct Slab {
 
 impl Source<'_> {
     /// A box around a patch as it is placed, in world units.
-    pub(super) fn block(&self, patch: u32) -> Block {
-        placed_block(&self.surface.patches[patch as usize].block(), self.placement)
+    pub(super) fn block(&self, patch: PatchIndex) -> Block {
+        placed_block(&self.surface.patch(patch).block(), self.placement)
     }
 }
 
@@ -49,17 +49,22 @@ impl<'a> Walk<'a> {
     }
 
     /// A patch of an object's surface ready to be drawn, if it can be.
-    pub(super) fn drawable(&self, slot: Slot, patch: u32) -> Option<Drawable<'a>> {
+    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
         let source = self.source(slot)?;
         self.drawable_in(&source, patch, &source.block(patch))
     }
 
     /// As [`Walk::drawable`], for a patch in a box in world units.
-    pub(super) fn drawable_in(&self, source: &Source<'a>, patch: u32, world: &Block) -> Option<Drawable<'a>> {
+    pub(super) fn drawable_in(
+        &self,
+        source: &Source<'a>,
+        patch: PatchIndex,
+        world: &Block,
+    ) -> Option<Drawable<'a>> {
         let &Source { surface, placement, place, .. } = source;
         let buffers = &self.scratch.buffers;
         let eye = buffers.origin();
-        let own = &surface.patches[patch as usize];
+        let own = surface.patch(patch);
         let block = buffers.relative(world);
         let Slab { normal, lo, hi, error, slack } = placed_slab(own, placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
@@ -101,7 +106,7 @@ impl<'a> Walk<'a> {
             placement,
             patch,
             id: 0,
-            number: place.base + patch,
+            number: place.base.of(patch),
             links: &place.links,
             block,
             normal,

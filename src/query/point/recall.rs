@@ -3,6 +3,7 @@
 use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::view::View;
@@ -61,7 +62,7 @@ pub(crate) struct Coherence {
     /// Of the last run, slots.
     pub(super) useful_solids: Vec<Slot>,
     /// Of the last run, slots and patches.
-    pub(super) useful_patches: Vec<(Slot, u32)>,
+    pub(super) useful_patches: Vec<(Slot, PatchIndex)>,
     /// Solids drawn in this run, and whether they hid more than before.
     pub(super) drawn_solids: Vec<(Slot, bool)>,
     /// For the patches drawn in this run, in order of first drawing, whether they hid more than before.
@@ -69,7 +70,7 @@ pub(crate) struct Coherence {
     /// Where faces see those patches. The index is that in order of first drawing.
     pub(super) sights: Vec<Sighting>,
     pub(super) waiting_solids: Vec<Slot>,
-    pub(super) waiting_patches: Vec<(Slot, u32)>,
+    pub(super) waiting_patches: Vec<(Slot, PatchIndex)>,
     /// Slots of objects that came into sight, though the last view could have seen them.
     pub(super) suspicious: Vec<Slot>,
 }
@@ -117,7 +118,7 @@ impl Coherence {
 
     /// How a patch that was not drawn in this run takes part in it, by its object and its number in the scene. One that waits
     /// is listed.
-    pub(super) fn patch(&mut self, slot: Slot, patch: u32, number: u32) -> Role {
+    pub(super) fn patch(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         let Recall { run, usage } = self.patches.get(number);
         if run == self.run && usage == Usage::Parts {
             return Role::InParts;
@@ -126,8 +127,8 @@ impl Coherence {
             return Role::Fresh;
         }
         match usage {
-            Usage::Parts if !self.is_turn(number) => Role::InParts,
-            Usage::Idle if !self.is_turn(number) => {
+            Usage::Parts if !self.is_turn(number.get()) => Role::InParts,
+            Usage::Idle if !self.is_turn(number.get()) => {
                 self.waiting_patches.push((slot, patch));
                 Role::Waits
             }

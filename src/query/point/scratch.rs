@@ -5,6 +5,7 @@ use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
+use crate::mesh::surface::PatchIndex;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
@@ -23,7 +24,7 @@ pub(super) struct DrawnPatch {
     /// The batch of that query.
     pub(super) batch: u32,
     /// The number in its surface of the patch that it was drawn in: itself or a group.
-    pub(super) whole: u32,
+    pub(super) whole: PatchIndex,
 }
 
 /// An object that may be visible, with all that a test of its box takes: objects themselves are far apart in memory.
@@ -41,7 +42,7 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Waiting {
     /// Object and patch.
-    pub(super) listed: Vec<(Slot, u32)>,
+    pub(super) listed: Vec<(Slot, PatchIndex)>,
     /// The number of patches in those listed.
     pub(super) count: u64,
 }
@@ -74,7 +75,7 @@ pub(crate) struct PointScratch {
     pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
-    pub(super) patches: Vec<(Slot, u32)>,
+    pub(super) patches: Vec<(Slot, PatchIndex)>,
     /// The objects of which an occluder hid more than before.
     pub(super) useful: Marks,
     pub(super) magnifier: Magnifier,

@@ -4,6 +4,7 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
+use crate::mesh::surface::PatchIndex;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
@@ -37,13 +38,18 @@ impl<'a> Walk<'a> {
         if let Some(source) = self.source(slot)
             && !source.surface.patches.is_empty()
         {
-            self.wait(self.shell_of(&source.block(0)), slot, 0, source.surface.patches[0].next);
+            self.wait(
+                self.shell_of(&source.block(PatchIndex::FIRST)),
+                slot,
+                PatchIndex::FIRST,
+                source.surface.patches[0].next.get(),
+            );
         }
     }
 
     /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count` is the number of patches in
     /// it, with itself.
-    fn wait(&mut self, shell: usize, slot: Slot, patch: u32, count: u32) {
+    fn wait(&mut self, shell: usize, slot: Slot, patch: PatchIndex, count: u32) {
         let waiting = &mut self.scratch.waiting;
         if waiting.len() <= shell {
             waiting.resize_with(shell + 1, Waiting::default);
@@ -135,7 +141,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Appends one patch to a batch, as one, unless it is small or hidden.
-    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: u32, batch: &mut Batch<'a>) {
+    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: PatchIndex, batch: &mut Batch<'a>) {
         let first = batch.drawables.len();
         self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
         let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: patch };
@@ -146,38 +152,39 @@ impl<'a> Walk<'a> {
 
     /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
     /// `m` wait.
-    fn collect(&mut self, slot: Slot, whole: u32, m: usize, batch: &mut Batch<'a>) {
+    fn collect(&mut self, slot: Slot, whole: PatchIndex, m: usize, batch: &mut Batch<'a>) {
         let Some(source) = self.source(slot) else { return };
-        let patches = &source.surface.patches;
+        let surface = source.surface;
         let first = batch.drawables.len();
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
-        while number < patches[whole as usize].next {
-            let role = self.role(slot, number, source.place.base + number);
+        while number < surface.patch(whole).next {
+            let role = self.role(slot, number, source.place.base.of(number));
             if matches!(role, Role::Drawn | Role::Waits) {
-                number = patches[number as usize].next;
+                number = surface.patch(number).next;
                 continue;
             }
             let world = source.block(number);
             let shell = if number == whole { 0 } else { self.shell_of(&world) };
             let next = if shell > m {
-                self.wait(shell, slot, number, patches[number as usize].next - number);
+                self.wait(shell, slot, number, number.up_to(surface.patch(number).next));
                 waits = true;
                 Next::Done
             } else {
                 self.collect_patch(&source, number, &world, role, batch)
             };
             number = match next {
-                Next::Done => patches[number as usize].next,
+                Next::Done => surface.patch(number).next,
                 Next::Parts => {
-                    self.went_into(source.place.base + number);
-                    number + 1
+                    self.went_into(source.place.base.of(number));
+                    number.after()
                 }
             };
         }
         // Only patches drawn in other batches look for their neighbours there.
-        let alone = !self.coherent && whole == 0 && !waits && source.place.links.is_empty();
-        let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: 0 };
+        let alone = !self.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
+        let drawn =
+            DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: PatchIndex::FIRST };
         for drawable in &mut batch.drawables[first..] {
             drawable.alone = alone;
             if !alone {
@@ -190,13 +197,13 @@ impl<'a> Walk<'a> {
     fn collect_patch(
         &mut self,
         source: &Source<'a>,
-        number: u32,
+        number: PatchIndex,
         world: &Block,
         role: Role,
         batch: &mut Batch<'a>,
     ) -> Next {
-        let patch = &source.surface.patches[number as usize];
-        let has_parts = patch.next > number + 1;
+        let patch = source.surface.patch(number);
+        let has_parts = patch.next > number.after();
         let block = self.scratch.buffers.relative(world);
         if self.is_small(&block, SMALLEST_PATCH) {
             return Next::Done;
@@ -250,7 +257,7 @@ impl<'a> Walk<'a> {
                 let owner = self.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
                 let Some(again) = owner.and_then(|slot| self.drawable(slot, drawn.whole)) else {
-                    self.scratch.drawn.fill(twin..twin + 1, whole);
+                    self.scratch.drawn.fill(twin..twin.after(), whole);
                     continue;
                 };
                 self.scratch.drawn.fill(again.numbers(), whole);
