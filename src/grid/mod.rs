@@ -18,6 +18,9 @@ use crate::grid::bricks::BRICK;
 /// Greatest number of cells along one axis.
 pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 
+/// By default a grid has this many cells along its longest axis for each unit of the cube root of the number of objects.
+const CELLS_OF_CUBE_ROOT: f64 = 9.0;
+
 /// Coordinates beyond this many cells from the grid's corner are clamped: far
 /// enough to be outside, small enough for exact integer arithmetic.
 const FAR_CELLS: f64 = (1u64 << 30) as f64;
@@ -92,7 +95,7 @@ impl GridSpec {
     /// # Errors
     /// As [`GridSpec::covering`].
     pub fn fit(region: Aabb, objects: usize) -> Result<Self, Error> {
-        let cells = (9.0 * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
+        let cells = (CELLS_OF_CUBE_ROOT * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
         Self::with_cells(region, cells as u32)
     }
 

@@ -17,6 +17,16 @@ const DEPTH: u32 = 6;
 /// Halves are kept if their cost together is less than this share of the cost of the whole.
 const WORTH_CUTTING: f64 = 0.8;
 
+/// The cost of an eye inside of a box, beside that of a ray that enters it: the area of a cube of the same volume.
+const INSIDE: f64 = 6.0;
+
+/// Axes whose determinant is greater span space: only rounding is between them and a rotation.
+const TURNED: f64 = 0.99;
+
+/// A box along the axes of the points is taken if its surface is less than this share of that of the box along the axes
+/// of the world, which is quicker to compare with.
+const WORTH_TURNING: f64 = 0.9;
+
 /// Planes are added where they cut off this share of the diagonal.
 const WORTH_A_PLANE: f64 = 0.02;
 
@@ -46,7 +56,7 @@ impl Extents {
 /// The cost of a box as a stand-in for its contents: rays that enter it, and eyes inside of it.
 fn cost(piece: &Piece) -> f64 {
     let d = piece.max.as_dvec3() - piece.min.as_dvec3();
-    d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
+    d.x * d.y + d.y * d.z + d.z * d.x + INSIDE * (d.x * d.y * d.z).cbrt().powi(2)
 }
 
 impl Piece {
@@ -167,9 +177,9 @@ fn around(points: &[DVec3]) -> Convex {
     let surface = |half: DVec3| half.x * half.y + half.y * half.z + half.z * half.x;
     let world = box_of(&DMat3::IDENTITY);
     let own = own_axes(points);
-    let turned = own.determinant().abs() > 0.99;
+    let turned = own.determinant().abs() > TURNED;
     let (axes, (half, center)) = match box_of(&own) {
-        fit if turned && surface(fit.0) < 0.9 * surface(world.0) => (own, fit),
+        fit if turned && surface(fit.0) < WORTH_TURNING * surface(world.0) => (own, fit),
         _ => (DMat3::IDENTITY, world),
     };
     // Flat pieces get some thickness: solids have an inside.

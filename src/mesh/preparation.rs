@@ -5,6 +5,19 @@ use std::ops::ControlFlow;
 use crate::error::{Error, not_negative};
 use crate::mesh::surface::Rules;
 
+/// The greatest angle between the triangles of a group and the first of them that may be asked for, in degrees: near a right
+/// angle a group has no side that is turned to the eye.
+const MOST_DEGREES: f32 = 80.0;
+
+/// The same by default, for triangles that hide from their front only.
+const FRONT_DEGREES: f32 = 40.0;
+
+/// By default outlines may leave the edges by this share of the diagonal.
+const TOLERANCE: f64 = 1.0 / 2000.0;
+
+/// By default groups of a radius below this share of the diagonal hide nothing.
+const LEAST_RADIUS: f64 = 1.0 / 1000.0;
+
 /// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
 ///
 /// ```
@@ -106,16 +119,16 @@ impl MeshOptions {
             None => Ok(diagonal * share),
         };
         let degrees = f64::from(self.max_angle.unwrap_or(match self.facing {
-            Facing::Both => 80.0,
-            Facing::Front => 40.0,
+            Facing::Both => MOST_DEGREES,
+            Facing::Front => FRONT_DEGREES,
         }));
-        if !(0.0..=80.0).contains(&degrees) {
+        if !(0.0..=f64::from(MOST_DEGREES)).contains(&degrees) {
             let what = "the greatest angle of a patch in degrees";
-            return Err(Error::Setting { what, value: degrees, min: 0.0, max: 80.0 });
+            return Err(Error::Setting { what, value: degrees, min: 0.0, max: f64::from(MOST_DEGREES) });
         }
         Ok(Rules {
-            tolerance: length("the tolerance of outlines", self.tolerance, 1.0 / 2000.0)?,
-            least: length("the least radius of a patch", self.min_radius, 1.0 / 1000.0)?,
+            tolerance: length("the tolerance of outlines", self.tolerance, TOLERANCE)?,
+            least: length("the least radius of a patch", self.min_radius, LEAST_RADIUS)?,
             cosine: degrees.to_radians().cos(),
             front: self.facing == Facing::Front,
         })

@@ -65,6 +65,11 @@ pub(crate) const HULL_ROOM: f64 = 1e-12;
 /// vertices from planes (16 units in the last place, 4e-15).
 pub(crate) const INNER_ROOM: f64 = 1e-12;
 
+/// Offsets of planes that are fitted to a sample of triangles are made smaller by this factor: they are found in single
+/// precision (two roundings of 6e-8 each), and no triangle of the sample may be left out. The offsets that hide are
+/// then found from all triangles, in double precision: nothing rests on the exact value.
+pub(crate) const INNER_FIT: f64 = 1.0 - 1e-5;
+
 /// The middle of the solid inside a mesh is deeper behind all its planes than this share of its size. No triangle comes
 /// nearer to the middle then, so that the solid angles that it sees them at are known to 1e-8.
 pub(crate) const INNER_DEPTH: f64 = 1e-3;

@@ -140,6 +140,34 @@ pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 /// rounding of slacks and quotients in single precision, below 1e-6.
 pub(crate) const SLACK_ROOM: f32 = 2.001;
 
+/// A patch is drawn if it is farther from the eye than this many times the near limit and the error of its points
+/// together.
+///
+/// Let n be the limit and s the error along each axis. A point nearer than 8 (n + s) may be cut at the limit, or move
+/// without bound on the face. One farther away has a depth of at least 8 (n + s) / sqrt(3) > 4 (n + s): it is not cut,
+/// and a straight edge that is less deep than 2 s somewhere leaves the face together with the chain that it replaces.
+pub(crate) const CLEARANCE: f64 = 8.0;
+
+/// Objects nearer than this many times the distance that the eye may go are visible without a test.
+///
+/// Frusta grow by one such distance at this depth, so that an eighth more of the width is drawn. Nothing rests on the
+/// exact value: larger numbers make more objects visible, smaller ones the buffers wider.
+pub(crate) const NEAREST_IN_REACHES: f64 = 8.0;
+
+/// Parallel rays start this many times the reach of the scene before its middle, so that depths are positive and of one
+/// magnitude: from 3 to 5 reaches, which [`MAX_DEPTH`] bounds.
+pub(crate) const MIDDLE_DEPTH: f64 = 4.0;
+
+/// All of the scene is nearer to that start than this many times its reach.
+pub(crate) const MAX_DEPTH: f64 = 6.0;
+
+/// Pixels beyond this number are cut off before they become whole: far outside of any window (2^20 pixels), far inside
+/// of the range of 64 bits.
+pub(crate) const FARTHEST_PIXEL: f64 = 1e9;
+
+/// A half width in pixels that reaches across any area that edges are drawn in: areas are narrower than [`FAR_PIXEL`].
+pub(crate) const ACROSS_AREA: f32 = 1e6;
+
 /// A patch that hides from all eyes within the reach is farther from the eye than this many reaches, beside the distance
 /// that all patches keep.
 ///

@@ -36,3 +36,11 @@ pub(crate) const CUT_REGION: f64 = 1e-9;
 /// Points at which segments leave the grid are known to this share of the coordinates that they come from: sums and
 /// quotients of a few numbers, each with a relative error of 1e-16.
 pub(crate) const EXIT: f64 = 1e-12;
+
+/// An eye that may be this far outside its cell, in cells, gets no occlusion by [`crate::Method::Cell`]: the shells then
+/// grow by that much at each step, and nothing rests on the exact value.
+pub(crate) const UNCERTAIN_EYE: f64 = 0.2;
+
+/// Objects nearer to the eye than this share of a cell are visible without a test by [`crate::Method::Point`]: nearness,
+/// which is the inverse of a depth, stays below 50 cells. Larger values only make more objects visible.
+pub(crate) const NEAREST: f64 = 0.02;

@@ -8,9 +8,10 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::side::Side;
+use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pitch::{MIDDLE_DEPTH, Pitch};
+use crate::occlusion::pitch::Pitch;
 use crate::occlusion::solid::{Shadow, Solid};
 use crate::occlusion::surface::scratch::SurfaceScratch;
 use crate::occlusion::surface::viewpoint::Viewpoint;
@@ -20,10 +21,6 @@ use crate::view::{Origin, View};
 /// A side of a view across parallel rays whose cosine with them is less than this serves as the first axis
 /// of the plane.
 const ACROSS: f64 = 1e-3;
-
-/// Objects nearer than this many times the distance that the eye may go are visible without a test. Larger numbers make more
-/// objects visible, smaller ones the buffers wider: the frustum grows by one reach at this distance.
-const NEAREST_IN_REACHES: f64 = 8.0;
 
 /// The answer to a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,6 +10,7 @@
 use casca_slots::Slot;
 use smallvec::SmallVec;
 
+use crate::method::PointOptions;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::{Magnifier, Patches};
@@ -52,9 +53,9 @@ const PIXELS: usize = 64;
 /// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
 const PATCHED: usize = 12;
 
-/// These squares for one target allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
+/// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
 /// finer pixels that go with more squares are also more in number for the same part of a target.
-const SQUARES: u32 = 256;
+const SQUARES: u32 = PointOptions::new().refine_squares;
 
 /// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
 /// which would cost more.

@@ -10,13 +10,6 @@ const MAX_PIXELS: i64 = 1 << 20;
 /// A window is taken to be at least this wide, on faces of width 2, to choose the size of pixels.
 const NARROWEST: f64 = 1e-6;
 
-/// Parallel rays start this many times the reach of the scene before its middle, so that depths are
-/// positive and of one magnitude.
-pub(crate) const MIDDLE_DEPTH: f64 = 4.0;
-
-/// All of the scene is nearer to that start than this many times its reach.
-pub(crate) const MAX_DEPTH: f64 = 6.0;
-
 /// How finely faces are divided.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pitch {

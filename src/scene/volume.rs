@@ -15,6 +15,9 @@ use crate::grid::cell_box::CellBox;
 /// the widening, the time that it lasts only with the widening.
 const MOST_CELLS: f64 = 8.0;
 
+/// A volume is no larger than a rectangle whose sides are those of the grid, divided by this (thesis, section 3.4.1).
+const GRID_PARTS: f64 = 5.0;
+
 /// A volume reaches beyond the grid where the border would leave it less than this share of the distance asked for.
 const CRAMPED: f64 = 0.5;
 
@@ -100,7 +103,7 @@ impl Tbv {
 fn slack_between_viewers(grid: &Grid, bounds: &Block, distance: f64, viewers: &[IVec3]) -> Option<f64> {
     let cell = grid.cell_size();
     let dims = grid.dims().as_dvec3();
-    let limit = (dims.x / 5.0).hypot(dims.y / 5.0) * cell;
+    let limit = (dims.x / GRID_PARTS).hypot(dims.y / GRID_PARTS) * cell;
     let half = (bounds.max - bounds.min).max_element() * 0.5;
     let mut slack = distance.min(limit.max(cell) - half).min(MOST_CELLS * cell);
     if slack.is_nan() || slack < 0.0 {

@@ -25,9 +25,16 @@ pub(crate) const ON_DISC: f64 = 8.0 * f64::EPSILON;
 
 // Views.
 
-/// Directions of a view's sides are rounded to multiples of this, and tilted outwards by four times that, in radians: more than the
-/// rounding (2^-41 an axis) and the errors of sines together.
+/// Directions of a view's sides are rounded to multiples of this: by 2^-41 an axis.
 pub(crate) const DIRECTION: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// The sides of a view or of a disc are tilted outwards by this, in radians: more than the rounding to multiples of
+/// [`DIRECTION`] and the errors of sines together.
+pub(crate) const TILT: f64 = 4.0 * DIRECTION;
+
+/// A sector whose half angle is less than this below half a turn is a whole turn: its two sides, each tilted by
+/// [`TILT`], would meet or cross.
+pub(crate) const WHOLE: f64 = 5.0 * DIRECTION;
 
 // The cell method.
 
@@ -68,6 +75,13 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
 /// Filters of the exact predicates allow for this share of each product: a difference, a product and a sum are off by 2^-53
 /// each, products of two differences and their sum by five times that. Twice as much is used.
 pub(crate) const ROUNDINGS: f64 = 5.0 * f64::EPSILON;
+
+/// The point where a ray hits a wall is known to this many times its relative error: the first-order error of a quotient
+/// (the share itself), what is left of higher orders for shares below [`HIT_SHARE`], and the roundings of the product.
+pub(crate) const HIT_ROOM: f64 = 4.0;
+
+/// With a greater relative error, the point where a ray hits a wall may be anywhere on it.
+pub(crate) const HIT_SHARE: f64 = 0.1;
 
 /// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of differences, products and roots.
 pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;

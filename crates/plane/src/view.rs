@@ -6,7 +6,7 @@ use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
 use crate::geometry::point_along;
-use crate::numeric::DIRECTION;
+use crate::numeric::{TILT, WHOLE};
 
 /// The part of the plane that an eye looks at: all of it, or a sector; as far as a range, if one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ impl View {
             let what = "the half angle in radians";
             return Err(Error::Setting { what, value: half_angle, min: 0.0, max: most });
         }
-        let whole = half_angle + 5.0 * DIRECTION >= PI;
+        let whole = half_angle + WHOLE >= PI;
         Ok(Self { sector: (!whole).then_some(Sector { direction, half_angle }), ..view })
     }
 
@@ -94,7 +94,7 @@ impl View {
     /// exactly.
     pub(crate) fn sides(&self) -> Option<[DVec2; 2]> {
         let Sector { direction, half_angle } = self.sector?;
-        let angle = half_angle + 4.0 * DIRECTION;
+        let angle = half_angle + TILT;
         Some([-angle, angle].map(|angle| point_along(self.eye, DVec2::from_angle(angle).rotate(direction))))
     }
 }

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::inner::frames::Frame;
+use crate::numeric::mesh::INNER_FIT;
 use crate::numeric::{greater, lesser};
 
 /// The most directions of a frame: planes are numbered by the bits of a word.
@@ -16,10 +17,6 @@ const SWEEPS: usize = 2;
 
 /// Directions in which the volume is measured.
 const RAYS: usize = 96;
-
-/// Offsets are made smaller by this factor, so that rounding them to single precision leaves no triangle of the sample
-/// out.
-const SHRINK: f64 = 1.0 - 1e-5;
 
 /// Planes around a point.
 pub(super) struct Fit {
@@ -42,7 +39,7 @@ impl Fit {
         let planes = directions.iter().zip(&offsets).map(|(&d, offset)| {
             let normal = turn * d;
             let length = normal.length();
-            HalfSpace { normal: -normal / length, offset: f64::from(*offset) * SHRINK / length }
+            HalfSpace { normal: -normal / length, offset: f64::from(*offset) * INNER_FIT / length }
         });
         Some(Self {
             center,

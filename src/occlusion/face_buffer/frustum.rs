@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use crate::numeric::occlusion::{DIRECTION, PLANE_ALONG_RAYS};
+use crate::numeric::occlusion::{DIRECTION, MAX_DEPTH, PLANE_ALONG_RAYS};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pitch::{MAX_DEPTH, Pitch};
+use crate::occlusion::pitch::Pitch;
 use crate::occlusion::rows::Rows;
 use crate::occlusion::tiles::TILE;
 use crate::view::{Origin, View};

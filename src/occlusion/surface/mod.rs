@@ -30,7 +30,7 @@ mod rim;
 pub(crate) mod scratch;
 pub(crate) mod viewpoint;
 
-use crate::numeric::occlusion::REACH_CLEARANCE;
+use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
@@ -64,6 +64,6 @@ impl OcclusionBuffers {
     /// deep than twice the slack, neither it nor the chain that it replaces reaches into the face.
     pub(crate) fn clearance(&self, slack: f64) -> f64 {
         let Viewpoint { limit, reach, .. } = self.viewpoint();
-        8.0 * (limit + slack) + REACH_CLEARANCE * reach
+        CLEARANCE * (limit + slack) + REACH_CLEARANCE * reach
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
+use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -233,7 +233,7 @@ impl<'a> Projector<'a> {
         let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, lesser));
         let wide = most(&extent.wide);
         let narrow = |(lo, hi): (i64, i64), axis: usize, first: i64| {
-            let at = |v: f64| first + floor(v.clamp(-1e9, 1e9));
+            let at = |v: f64| first + floor(v.clamp(-FARTHEST_PIXEL, FARTHEST_PIXEL));
             let (a, b) = (at(least(&extent.least[axis]) - wide), at(most(&extent.most[axis]) + wide));
             (lo.max(a), hi.min(b + 1))
         };

@@ -19,6 +19,7 @@ use smallvec::SmallVec;
 
 use crate::matrix::bits::BitMatrix;
 use crate::method::CellOptions;
+use crate::numeric::query::UNCERTAIN_EYE;
 use crate::pvs::{Pvs, Stats};
 use crate::query::cell::remaining::Remaining;
 use crate::query::cell::scratch::CellScratch;
@@ -30,9 +31,6 @@ use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
-
-/// An eye that may be this far outside its cell, in cells, gets no occlusion.
-const UNCERTAIN_EYE: f64 = 0.2;
 
 /// The matrices of visited and of hidden cells, if they are recorded.
 pub(crate) type Record<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;

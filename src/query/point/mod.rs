@@ -26,6 +26,7 @@ use smallvec::SmallVec;
 use crate::grid::Grid;
 use crate::matrix::fused::Fused;
 use crate::method::PointOptions;
+use crate::numeric::query::NEAREST;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
@@ -34,9 +35,6 @@ use crate::query::start::Starts;
 use crate::scene::{LayerOpacity, Scene};
 use crate::view::{Origin, View};
 use crate::walk::{ShellBegins, Shells, Start};
-
-/// Objects nearer to the eye than this share of a cell are visible without a test.
-const NEAREST: f64 = 0.02;
 
 /// One run of the point method.
 pub(crate) struct Walk<'a> {

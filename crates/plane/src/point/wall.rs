@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use crate::geometry::expansion::{Exact2, between, combined, cross};
 use crate::geometry::orient;
-use crate::numeric::ROUNDINGS;
+use crate::numeric::{HIT_ROOM, HIT_SHARE, ROUNDINGS};
 use crate::point::arcs::Circle;
 
 /// A vector, and how far each of its components may be off.
@@ -191,10 +191,14 @@ impl<'a> Around<'a> {
         let offset = along.v * (wall.c.0 / turn);
         let share =
             wall.c.1 / wall.c.0 + error / turn + along.error / along.v.abs().max_element() + ROUNDINGS;
-        let doubt = 4.0 * share * offset.length() + ROUNDINGS * self.eye.length();
+        let doubt = HIT_ROOM * share * offset.length() + ROUNDINGS * self.eye.length();
         let all = (wall.b - wall.a).length() * (1.0 + ROUNDINGS);
         // Comparisons with NaN are false: then the point may be anywhere on the wall.
-        if (0.0..0.1).contains(&share) && doubt < all { (self.eye + offset, doubt) } else { (wall.a, all) }
+        if (0.0..HIT_SHARE).contains(&share) && doubt < all {
+            (self.eye + offset, doubt)
+        } else {
+            (wall.a, all)
+        }
     }
 
     fn exact_lead(&self, a: &Wall, b: &Wall) -> Exact2 {

@@ -13,6 +13,9 @@ use crate::volume::circle::circle;
 /// with it.
 const MOST_CELLS: f64 = 16.0;
 
+/// A circle is no larger than a rectangle whose sides are those of the grid, divided by this (thesis, section 3.4.1).
+const GRID_PARTS: f64 = 5.0;
+
 /// A volume: the cells of a [circle](super::circle) and those inside of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tbv {
@@ -62,7 +65,7 @@ impl Tbv {
         }
         let per_cell = 1.0 / grid.cell_size();
         let needed = Self::needed(grid, center, &around);
-        let fifth = grid.dims().as_dvec2() / 5.0;
+        let fifth = grid.dims().as_dvec2() / GRID_PARTS;
         let mut most = fifth.length().min(needed + MOST_CELLS);
         for &viewer in viewers {
             // No cell of the disc is farther than radius + 1/2 from the middle.

@@ -1,13 +1,10 @@
 //! Eight edges at a time, in single precision.
 
-use crate::numeric::occlusion::{FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
+use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 /// Edges that are set up together.
 pub(crate) const LANES: usize = 8;
-
-/// A half width that reaches across any area.
-const ACROSS: f32 = 1e6;
 
 /// Eight numbers.
 pub(crate) type Lanes = [f32; LANES];
@@ -84,11 +81,11 @@ impl Lines {
         let is_slanted: [bool; LANES] = each(|i| slope[i].abs() < FLAT);
         let half: Lanes = each(|i| {
             let steep = slope[i].abs();
-            select(is_slanted[i], 0.5 * steep + (e.wide[i] * steep + e.wide[i]), ACROSS)
+            select(is_slanted[i], 0.5 * steep + (e.wide[i] * steep + e.wide[i]), ACROSS_AREA)
         });
         let unsure: Lanes = each(|i| {
             let steep = slope[i].abs();
-            select(is_slanted[i], e.unsure[i] * steep + e.unsure[i], ACROSS)
+            select(is_slanted[i], e.unsure[i] * steep + e.unsure[i], ACROSS_AREA)
         });
         let left: Lanes = each(|i| select(x[i] < to_x[i], x[i], to_x[i]) - e.wide[i] - 0.5);
         let right: Lanes = each(|i| select(x[i] < to_x[i], to_x[i], x[i]) + e.wide[i] - 0.5);
@@ -311,7 +308,7 @@ fn rounded(v: f32) -> f32 {
     (v + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE
 }
 
-const _: () = assert!(FAR_PIXEL + ACROSS < 4_194_304.0, "all columns and rows fit `nearest`");
+const _: () = assert!(FAR_PIXEL + ACROSS_AREA < 4_194_304.0, "all columns and rows fit `nearest`");
 
 #[cfg(test)]
 mod tests {
