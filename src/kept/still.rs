@@ -70,7 +70,7 @@ impl Stamp {
 
     /// The slots of the static objects that changed since, in order; `None` as for [`Stamp::changes`].
     pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<Slot>> {
-        let mut slots: Vec<Slot> = self.changes(scene)?.map(|change| change.slot).collect();
+        let mut slots: Vec<Slot> = self.changes(scene)?.map(|change| change.slot()).collect();
         slots.sort_unstable();
         slots.dedup();
         Some(slots)
@@ -164,8 +164,8 @@ impl Still {
         let changed = |slot: Slot| slots.binary_search(&slot).is_ok();
         let mut changes = Changes::default();
         let gone = self.stamp.changes(scene).into_iter().flatten();
-        let gone = gone.filter(|change| self.offered.has(change.slot));
-        changes.gone.extend(gone.filter_map(|change| change.occluder));
+        let gone = gone.filter(|change| self.offered.has(change.slot()));
+        changes.gone.extend(gone.filter_map(|change| change.occluder()));
         self.offered.forget(&slots);
         self.objects.retain(|object| !changed(object.id.slot()));
         let is_there = |slot: &Slot| scene.living_at(*slot).is_some_and(Object::is_static);

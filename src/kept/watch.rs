@@ -95,7 +95,7 @@ impl Watch {
             scene.tbv_matrix().ids(brick).for_each(|slot| self.test_once(drawn, slot));
         }
         for bucket in scene.volumes().outer().buckets() {
-            bucket.slots.iter().for_each(|&slot| self.test_once(drawn, slot));
+            bucket.slots().iter().for_each(|&slot| self.test_once(drawn, slot));
         }
     }
 }

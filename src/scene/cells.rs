@@ -85,14 +85,13 @@ impl Scene {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
         if !span.suffices() {
-            self.always.insert(slot);
+            self.members.add_always(slot);
         }
         if span.overhangs() {
-            self.overhang.insert(&block, &span.cells, slot);
+            self.members.add_overhang(&block, &span.cells, slot);
         }
         if dynamic {
-            self.listed.insert(slot);
-            self.listed_on_expiry += u32::from(on_expiry);
+            self.members.add_mover(slot, on_expiry);
         }
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.add_moving(part, &occluder, &grid),
@@ -113,14 +112,12 @@ impl Scene {
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
-        self.always.remove(slot);
+        self.members.remove_always(slot);
         let span = Span::of(&grid, &bounds.block());
         if span.overhangs() {
-            self.overhang.remove(&span.cells, slot);
+            self.members.remove_overhang(&span.cells, slot);
         }
-        if self.listed.remove(slot) {
-            self.listed_on_expiry -= u32::from(on_expiry);
-        }
+        self.members.remove_mover(slot, on_expiry);
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.remove_moving(part, &occluder, &grid),
             Some((occluder, part)) => self.remove_static_solid(slot, part, &occluder),
@@ -146,7 +143,7 @@ impl Scene {
     fn move_cells(&mut self, slot: Slot, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
         let grid = self.grid;
         let object = &self.slots[slot];
-        let in_cells = object.in_cells && !self.always.contains(slot);
+        let in_cells = object.in_cells && !self.members.is_always(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
@@ -159,20 +156,20 @@ impl Scene {
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
         if done {
             if before.overhangs() {
-                self.overhang.remove(&before.cells, slot);
+                self.members.remove_overhang(&before.cells, slot);
             }
             if after.overhangs() {
-                self.overhang.insert(&bounds.block(), &after.cells, slot);
+                self.members.add_overhang(&bounds.block(), &after.cells, slot);
             }
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
             let object = &self.slots[slot];
             if let Some(part) = object.opacity {
-                let (before, moving) = (object.occluder(), &mut self.opacity.part_mut(part).moving);
+                let (before, opacity) = (object.occluder(), self.opacity.part_mut(part));
                 if moved.opaque(before, occluder, &grid) {
-                    moved.iter().for_each(|(brick, old, new)| moving.exchange(brick, old, new));
+                    moved.iter().for_each(|(brick, old, new)| opacity.exchange_moving(brick, old, new));
                 } else {
-                    before.into_iter().for_each(|o| moving.remove(o, &grid));
-                    occluder.into_iter().for_each(|o| moving.add(o, &grid));
+                    before.into_iter().for_each(|o| opacity.remove_moving(o, &grid));
+                    occluder.into_iter().for_each(|o| opacity.add_moving(o, &grid));
                 }
             }
         }

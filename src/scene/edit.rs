@@ -27,9 +27,9 @@ impl Scene {
         desc.check()?;
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let object = Object::new(desc, placed, self.now, self.moves);
+        let object = Object::new(desc, placed, self.now, self.changes.moves());
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
-        self.revision += 1;
+        self.changes.changed();
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
@@ -220,12 +220,12 @@ impl Scene {
             return Ok(());
         }
         let is_static = object.is_static();
-        self.revision += 1;
+        self.changes.changed();
         if is_static {
             self.note_static(id.slot());
         } else {
             // A view may show it from now on that passed over its volume.
-            self.journal.push(id.slot(), self.slots.len());
+            self.changes.volume_is_new(id.slot(), self.slots.len());
         }
         self.change_layers(id.slot(), mask);
         Ok(())

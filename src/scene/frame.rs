@@ -70,9 +70,9 @@ impl Scene {
     fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
         let frame = self.frame;
         self.frame += 1;
-        let asked = if self.listed_on_expiry > 0 { self.listed.as_slice().len() } else { 0 };
+        let asked = if self.members.any_on_expiry() { self.members.movers().len() } else { 0 };
         for i in 0..asked {
-            let slot = self.listed.as_slice()[i];
+            let slot = self.members.movers()[i];
             let object = &mut self.slots[slot];
             let on_expiry = object.on_expiry();
             let Some(mover) = object.mover().filter(|m| on_expiry && m.reported != self.now) else {
@@ -143,7 +143,7 @@ impl Scene {
     fn hide_unseen(&mut self, seen: &Seen) -> usize {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();
-        for &slot in self.listed.as_slice() {
+        for &slot in self.members.movers() {
             if seen.contains(slot) {
                 let mover = self.slots[slot].mover();
                 mover.into_iter().for_each(|mover| mover.seen_in = self.frame);

@@ -16,9 +16,24 @@ pub(super) const MOST_STATIC: usize = 2048;
 /// A static object came, went or changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StaticChange {
-    pub(crate) slot: Slot,
-    /// Around the occluder that it had before.
-    pub(crate) occluder: Option<Block>,
+    slot: Slot,
+    occluder: Option<Block>,
+}
+
+impl StaticChange {
+    pub(super) fn new(slot: Slot, occluder: Option<Block>) -> Self {
+        Self { slot, occluder }
+    }
+
+    /// The slot of the object.
+    pub(crate) fn slot(&self) -> Slot {
+        self.slot
+    }
+
+    /// A box around the occluder that it had before.
+    pub(crate) fn occluder(&self) -> Option<Block> {
+        self.occluder
+    }
 }
 
 /// The last changes of a kind, in the order in which they came.

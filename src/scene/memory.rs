@@ -42,13 +42,10 @@ impl Scene {
             tbvs: self.volumes.bytes(),
             objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
                 + self.slots.bytes()
-                + self.listed.bytes()
-                + self.always.bytes()
-                + self.overhang.bytes()
+                + self.members.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
-                + self.journal.bytes()
-                + self.static_changes.bytes()
+                + self.changes.bytes()
                 + self.seen.capacity() * size_of::<u64>()
                 + self.unseen.capacity() * size_of::<casca_slots::Slot>()
                 + self.moved.bytes(),

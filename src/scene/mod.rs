@@ -10,8 +10,9 @@
 //! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no report came. It is
 //!   visible to every query and hides nothing.
 //!
-//! Objects whose cells do not tell all - outside the grid, too large, or of unknown place - are in the set `always`,
-//! which every query tests. Those that reach out of the grid are in cells and in `overhang` ([`outer`]).
+//! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the grid,
+//! too large, or of unknown place - are in the set `always`, which every query tests. Those that reach
+//! out of the grid are in cells and in `overhang` ([`outer`]).
 //!
 //! # A frame
 //!
@@ -25,15 +26,17 @@
 //!
 //! # Results and revisions
 //!
-//! `revision` counts the changes that a result may depend on; motion inside a volume is none of them. `moves` counts
-//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both. `static_changes` lists the changes of static
-//! objects, and `journal` the volumes that are new: results that are kept ask these.
+//! [`changes`] counts the changes that a result may depend on (the revision; motion inside a volume is
+//! none of them), and the moves of all objects. [`crate::Pvs::is_valid_for`] compares both. It also lists
+//! the last changes of static objects and the volumes that are new: results that are kept ask for these.
 
 mod cells;
+mod changes;
 mod containing;
 mod edit;
 mod frame;
 mod journal;
+mod membership;
 mod memory;
 mod near;
 mod object;
@@ -50,7 +53,7 @@ mod validity;
 mod volume;
 mod volumes;
 
-use casca_slots::{ExpiryQueue, Slot, SlotSet, Slots};
+use casca_slots::{ExpiryQueue, Slot, Slots};
 use glam::{DVec3, IVec3};
 
 use crate::error::Error;
@@ -60,7 +63,9 @@ use crate::id::ObjectId;
 use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
+use crate::scene::changes::Changes;
 use crate::scene::journal::Journal;
+use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
 use crate::scene::volumes::Volumes;
@@ -108,12 +113,8 @@ pub struct Scene {
     /// I: the objects that touch each cell.
     ids: IdMatrix,
     volumes: Volumes,
-    /// Listed dynamic objects.
-    listed: SlotSet,
-    /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
-    always: SlotSet,
-    /// Listed objects in cells that reach beyond the grid, with their boxes.
-    overhang: Outer,
+    /// Lists of objects.
+    members: Membership,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
     next_to_hide: Slot,
@@ -123,14 +124,8 @@ pub struct Scene {
     now: f64,
     /// Number of the frame, counted by [`Scene::begin_frame`].
     frame: u64,
-    /// How many listed objects are reported on expiry.
-    listed_on_expiry: u32,
-    revision: u64,
-    moves: u64,
-    /// The objects that were put into a volume, or whose layers changed there.
-    journal: Journal<Slot>,
-    /// The static objects that came, went or changed.
-    static_changes: Journal<StaticChange>,
+    /// What tells whether results still hold.
+    changes: Changes,
     /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
     /// object that moves.
     seen: Vec<u64>,
@@ -153,19 +148,13 @@ impl Scene {
             seams: Seams::default(),
             ids: IdMatrix::new(dims),
             volumes: Volumes::new(&grid),
-            listed: SlotSet::default(),
-            always: SlotSet::default(),
-            overhang: Outer::default(),
+            members: Membership::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
-            listed_on_expiry: 0,
-            revision: 0,
-            moves: 0,
-            journal: Journal::default(),
-            static_changes: Journal::default(),
+            changes: Changes::default(),
             seen: Vec::new(),
             unseen: Vec::new(),
             moved: Moved::default(),
@@ -243,13 +232,13 @@ impl Scene {
     /// The objects that every query tests.
     #[inline]
     pub(crate) fn always(&self) -> &[Slot] {
-        self.always.as_slice()
+        self.members.always()
     }
 
     /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about their parts out there.
     #[inline]
     pub(crate) fn overhang(&self) -> &Outer {
-        &self.overhang
+        self.members.overhang()
     }
 
     /// Number of slots: all slots of objects are below.
@@ -307,34 +296,34 @@ impl Scene {
     /// Changes whenever anything changed that a result could depend on. Motion inside a temporal bounding volume that
     /// was there when the query ran does not count: its surface was tested.
     pub(crate) fn revision(&self) -> u64 {
-        self.revision
+        self.changes.revision()
     }
 
     /// The static objects that came, went or changed.
     pub(crate) fn static_changes(&self) -> &Journal<StaticChange> {
-        &self.static_changes
+        self.changes.fixed()
     }
 
     /// The volumes that are new.
     pub(crate) fn journal(&self) -> &Journal<Slot> {
-        &self.journal
+        self.changes.volumes()
     }
 
     /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown place.
     pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (Slot, &Object)> {
-        let elsewhere = |slot: &Slot| !self.listed.contains(*slot) && !self.object(*slot).is_static();
-        let elsewhere = self.always.as_slice().iter().copied().filter(elsewhere);
-        self.listed.as_slice().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
+        let elsewhere = |slot: &Slot| !self.members.is_mover(*slot) && !self.object(*slot).is_static();
+        let elsewhere = self.always().iter().copied().filter(elsewhere);
+        self.members.movers().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
     }
 
     /// Changes also when a hidden object moved.
     pub(crate) fn moves(&self) -> u64 {
-        self.moves + self.revision
+        self.changes.moves() + self.changes.revision()
     }
 
     /// The number of the last move that [`Scene::update`] was told of, hidden objects included.
     pub(crate) fn last_move(&self) -> u64 {
-        self.moves
+        self.changes.moves()
     }
 
     /// Whether an object was moved or changed since a number of [`Scene::last_move`], or is gone.
@@ -345,8 +334,8 @@ impl Scene {
     /// Corners of a box that contains all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
-        let outer = self.volumes.outer().pages().map(|page| page.around);
-        let overhang = self.overhang.pages().map(|page| page.around);
+        let outer = self.volumes.outer().pages().map(|page| *page.around());
+        let overhang = self.overhang().pages().map(|page| *page.around());
         always.chain(outer).chain(overhang).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
             (min.min(block.min), max.max(block.max))
         })

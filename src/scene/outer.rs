@@ -17,8 +17,8 @@ use crate::heap::in_tree;
 #[derive(Debug, Clone)]
 pub(crate) struct Bucket {
     /// Contains all boxes; too large after removals, for a while.
-    pub(crate) around: Block,
-    pub(crate) slots: Vec<Slot>,
+    around: Block,
+    slots: Vec<Slot>,
     /// Removals since `around` was exact.
     removed: usize,
 }
@@ -27,14 +27,26 @@ pub(crate) struct Bucket {
 #[derive(Debug, Clone)]
 pub(crate) struct Page {
     /// Contains all boxes; too large after removals, for a while.
-    pub(crate) around: Block,
+    around: Block,
     /// By brick. Ordered, so that results do not depend on a hash.
     buckets: BTreeMap<[i32; 3], Bucket>,
     /// Removals since `around` was exact.
     removed: usize,
 }
 
+impl Bucket {
+    /// The objects whose boxes these are.
+    pub(crate) fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+}
+
 impl Page {
+    /// A box that contains all boxes.
+    pub(crate) fn around(&self) -> &Block {
+        &self.around
+    }
+
     pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
         self.buckets.values()
     }

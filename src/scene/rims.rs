@@ -38,8 +38,8 @@ impl Scene {
                 rims.push((brick, rim));
             }
         }
-        let fused = &mut self.opacity.part_mut(part).fused;
-        rims.iter().for_each(|(brick, rim)| fused.add_rims(*brick, rim));
+        let opacity = self.opacity.part_mut(part);
+        rims.iter().for_each(|(brick, rim)| opacity.add_rims(*brick, rim));
     }
 
     /// The cells of a solid that is not in the matrices yet, where others are near.
@@ -88,15 +88,15 @@ impl Scene {
     pub(super) fn forget_rims(&mut self, part: OpacityPart, lo: IVec3, hi: IVec3) {
         let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(self.grid.dims() - 1));
         let mut idle: Vec<(IVec3, Mask)> = Vec::new();
-        self.opacity.part(part).fused.for_rims(lo, hi, &mut |brick, mask| {
+        self.opacity.part(part).fused().for_rims(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
             let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_rim(part, c)));
             if gone != NONE {
                 idle.push((brick, gone));
             }
         });
-        let fused = &mut self.opacity.part_mut(part).fused;
-        idle.iter().for_each(|(brick, cells)| fused.forget_rims(*brick, cells));
+        let opacity = self.opacity.part_mut(part);
+        idle.iter().for_each(|(brick, cells)| opacity.forget_rims(*brick, cells));
     }
 
     /// Whether no single solid fills an opaque cell and all opaque cells beside it.

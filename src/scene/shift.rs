@@ -1,6 +1,6 @@
 //! Other coordinates for the whole scene: an origin that follows the camera through a large world.
 
-use casca_slots::{AT_ONCE, Expiry, Slot, SlotSet};
+use casca_slots::{AT_ONCE, Expiry, Slot};
 use glam::{Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
@@ -10,9 +10,9 @@ use crate::matrix::ids::IdMatrix;
 use crate::numeric::mesh::SINGLE;
 use crate::object::{Bounds, Occluder, Placed};
 use crate::scene::Scene;
+use crate::scene::membership::Membership;
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
-use crate::scene::outer::Outer;
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::volume::Tbv;
 
@@ -103,10 +103,11 @@ impl Scene {
         }
         self.grid = grid;
         self.clear_matrices();
-        self.revision += 1;
-        self.static_changes.cut();
-        self.moves += 1;
+        self.changes.changed();
+        self.changes.all_static_changed();
+        let moved = self.changes.moved();
         for (slot, shape) in shapes {
+            self.slots[slot].moved = moved;
             self.place_shifted(slot, shape, offset);
         }
         self.opacity.refresh();
@@ -117,9 +118,7 @@ impl Scene {
     fn clear_matrices(&mut self) {
         let dims = self.grid.dims();
         (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
-        (self.listed, self.always) = (SlotSet::default(), SlotSet::default());
-        self.overhang = Outer::default();
-        self.listed_on_expiry = 0;
+        self.members = Membership::default();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it where it was.
@@ -128,14 +127,13 @@ impl Scene {
         let object = &mut self.slots[slot];
         object.placed = placed.map(Box::new);
         object.bounds = bounds;
-        object.moved = self.moves;
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {
             State::Listed => self.list(slot),
             State::Overdue => {
                 self.list(slot);
                 self.opacity.miss(self.object(slot).opacity);
-                self.always.insert(slot);
+                self.members.add_always(slot);
             }
             State::Hidden(hidden) => self.shift_volume(slot, hidden, offset),
             // Its report finds a new volume.
@@ -170,7 +168,7 @@ impl Scene {
             self.volumes.remove(slot);
             self.volumes.insert(slot, &tbv);
         }
-        self.journal.push(slot, self.slots.len());
+        self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, Hidden { tbv, expires, ..hidden });
     }
 
@@ -181,7 +179,7 @@ impl Scene {
         }
         let generation = self.slots.id(slot).generation();
         self.slots[slot].apply(Event::Revealed);
-        self.always.insert(slot);
+        self.members.add_always(slot);
         self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
     }
 }

@@ -13,7 +13,7 @@ use crate::grid::bricks::Pages;
 use crate::matrix::bits::{ALL, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, without};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
-use crate::scene::{LayerOpacity, OpacityPart, Scene};
+use crate::scene::{OpacityPart, Scene};
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 
 /// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
@@ -134,7 +134,7 @@ impl Scene {
     pub(super) fn add_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let me = Own { slot, part };
         self.mark_rims(part, occluder);
-        self.opacity.part_mut(part).fixed.add(occluder, &self.grid);
+        self.opacity.part_mut(part).add_fixed(occluder, &self.grid);
         if !occluder.is_solid() {
             return;
         }
@@ -185,10 +185,9 @@ impl Scene {
         let mut cleared: Vec<(IVec3, Mask)> = Vec::new();
         opaque(occluder, &grid, &mut |piece| {
             if let Piece::Page(page) = piece
-                && self.opacity.part_mut(own.part).fixed.take_page(page)
+                && self.opacity.part_mut(own.part).clear_page(page)
             {
                 let (lo, hi) = (page << 6i32, (page << 6i32) + 63);
-                self.opacity.part_mut(own.part).fused.clear_block(lo, hi);
                 let (min, max) = grid.range_bounds(lo, hi);
                 let near = |&s: &Slot| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
                 if !self.ids.pages().page_is_empty(page) || large.iter().any(near) {
@@ -201,13 +200,9 @@ impl Scene {
                 return;
             }
             piece.bricks(|brick, mask| {
-                let opacity = self.opacity.part_mut(own.part);
-                let gone = opacity.fixed.take(brick, mask);
-                if gone != NONE {
-                    opacity.fused.clear_cells(brick, &gone);
-                    if self.solids_near(brick, own, large) {
-                        cleared.push((brick, gone));
-                    }
+                let gone = self.opacity.part_mut(own.part).take_fixed(brick, mask);
+                if gone != NONE && self.solids_near(brick, own, large) {
+                    cleared.push((brick, gone));
                 }
             });
         });
@@ -217,7 +212,7 @@ impl Scene {
     /// Clears the cells in a block that a solid filled together with others, and that those do not fill without it.
     fn part(&mut self, own: Own, lo: IVec3, hi: IVec3, large: &Large) {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
-        self.opacity.part(own.part).fused.for_cells(lo, hi, &mut |brick, mask| {
+        self.opacity.part(own.part).fused().for_cells(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
             let around = Block::new(self.grid.range_bounds(lo, hi));
             let near = self.solids_in(brick, own, &around, large);
@@ -226,20 +221,13 @@ impl Scene {
                 open.push((brick, lost));
             }
         });
-        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(own.part);
-        for (brick, mask) in open {
-            let gone = fixed.take(brick, &mask);
-            fused.part(brick, &mask);
-            fused.clear_cells(brick, &gone);
-        }
+        let opacity = self.opacity.part_mut(own.part);
+        open.iter().for_each(|(brick, mask)| opacity.part_fixed(*brick, mask));
     }
 
     /// Makes cells opaque that solids fill together.
     fn join(&mut self, part: OpacityPart, cells: Vec<IVec3>) {
-        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(part);
-        for c in cells {
-            fixed.set(c);
-            fused.add(c);
-        }
+        let opacity = self.opacity.part_mut(part);
+        cells.into_iter().for_each(|cell| opacity.join_fixed(cell));
     }
 }

@@ -8,7 +8,6 @@ use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
 use crate::scene::cells::Span;
-use crate::scene::journal::{MOST_STATIC, StaticChange};
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
@@ -26,13 +25,12 @@ impl Scene {
         if same && !object.is_unlocated() {
             return;
         }
-        self.moves += 1;
-        object.moved = self.moves;
+        object.moved = self.changes.moved();
         let state = object.state();
         self.note_static(slot);
         match state {
             State::Listed | State::Overdue => {
-                self.revision += 1;
+                self.changes.changed();
                 self.relist(slot, bounds, occluder);
             }
             State::Hidden(hidden) => {
@@ -51,7 +49,7 @@ impl Scene {
         let object = self.object(slot);
         if object.is_static() {
             let occluder = object.occluder().map(Occluder::block);
-            self.static_changes.push(StaticChange { slot, occluder }, MOST_STATIC);
+            self.changes.static_changed(slot, occluder);
         }
     }
 
@@ -72,7 +70,7 @@ impl Scene {
         self.list(slot);
         if overdue {
             self.opacity.miss(self.object(slot).opacity);
-            self.always.insert(slot);
+            self.members.add_always(slot);
         }
     }
 
@@ -94,15 +92,15 @@ impl Scene {
         }
         object.adapt(Validity::outlived);
         self.volumes.remove(slot);
-        self.revision += 1;
+        self.changes.changed();
         let volume = self.make_volume(slot);
         self.enclose_or_list(slot, volume);
     }
 
     /// An unlocated object was reported. Where a new volume would not last much longer, the old one stays.
     fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
-        self.always.remove(slot);
-        self.revision += 1;
+        self.members.remove_always(slot);
+        self.changes.changed();
         let object = &mut self.slots[slot];
         object.adapt(Validity::outlived);
         let block = object.bounds.block();
@@ -110,7 +108,7 @@ impl Scene {
         if let (Some(old), Some(new)) = (volume, &next) {
             let room = old.room(&block);
             if room >= WORTH_KEEPING * new.tbv.slack {
-                self.journal.push(slot, self.slots.len());
+                self.changes.volume_is_new(slot, self.slots.len());
                 self.enclose_again(slot, old, room, f64::INFINITY);
                 return;
             }
@@ -127,8 +125,8 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
-            self.always.insert(slot);
-            self.revision += 1;
+            self.members.add_always(slot);
+            self.changes.changed();
         }
     }
 
@@ -138,9 +136,9 @@ impl Scene {
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
-                self.always.remove(slot);
+                self.members.remove_always(slot);
             }
-            self.revision += 1;
+            self.changes.changed();
         }
     }
 
@@ -162,8 +160,8 @@ impl Scene {
             State::Hidden(_) => {
                 object.apply(Event::Expired);
                 object.adapt(Validity::passed);
-                self.always.insert(entry.slot);
-                self.revision += 1;
+                self.members.add_always(entry.slot);
+                self.changes.changed();
                 true
             }
             // Revealed in the last frame: its bounds are old.
@@ -181,8 +179,8 @@ impl Scene {
         object.adapt(|validity| validity.revealed(outer));
         if object.on_expiry() {
             object.apply(Event::Revealed);
-            self.always.insert(slot);
-            self.revision += 1;
+            self.members.add_always(slot);
+            self.changes.changed();
             self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
         } else if seen {
             self.list(slot);
@@ -209,14 +207,14 @@ impl Scene {
 
     /// Takes an object out of the scene.
     pub(super) fn take_out(&mut self, slot: Slot) {
-        self.revision += 1;
+        self.changes.changed();
         self.note_static(slot);
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
             State::Hidden(_) => self.volumes.remove(slot),
             State::Unlocated { volume } => {
-                self.always.remove(slot);
+                self.members.remove_always(slot);
                 if volume.is_some() {
                     self.volumes.remove(slot);
                 }
@@ -255,8 +253,8 @@ impl Scene {
     /// Puts an object that is in no matrix into a new volume.
     fn enclose(&mut self, slot: Slot, hidden: Hidden) {
         self.volumes.insert(slot, &hidden.tbv);
-        self.revision += 1;
-        self.journal.push(slot, self.slots.len());
+        self.changes.changed();
+        self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, hidden);
     }
 

@@ -113,7 +113,7 @@ impl<'a> Walk<'a> {
             }
         }
         // Nothing is known to hide objects beyond the grid.
-        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| &bucket.slots) {
+        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| bucket.slots()) {
             if self.view.may_see_volume(&self.scene.volume_block(slot)) {
                 self.reveal(slot, 0);
                 self.decide(slot);

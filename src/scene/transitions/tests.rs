@@ -214,8 +214,8 @@ fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let World { scene, .. } = prepare().remove();
         assert_eq!((scene.cell_ids().ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
-        assert!(scene.listed.as_slice().is_empty() && scene.always().is_empty());
-        assert_eq!((scene.listed_on_expiry, scene.opacity.overdue()), (0, 0));
+        assert!(scene.members.movers().is_empty() && scene.always().is_empty());
+        assert_eq!((scene.members.any_on_expiry(), scene.opacity.overdue()), (false, 0));
     }
 }
 
