@@ -9,8 +9,8 @@ use crate::id::ObjectId;
 use crate::method::Method;
 use crate::view::View;
 
-/// The work of a query in numbers, the same on every machine. The library has no clock: measure around
-/// [`crate::Query::run`].
+/// The work of a query in numbers, the same on every machine. The library has no clock: measure
+/// around [`crate::Query::run`].
 ///
 /// They follow from the scene, the view and the method, whatever the query ran before; those of a
 /// [coherent](crate::PointOptions::coherent) run also from the runs that it builds on.
@@ -19,9 +19,9 @@ use crate::view::View;
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
-    /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to. Large parts of the grid that are empty or hidden are passed over and not
-    /// counted, and so are all cells where [`Method::Cell`] takes nothing to be hidden.
+    /// Cells inside the frustum that were visited, counted once for each side of a shell that they
+    /// belong to. Large parts of the grid that are empty or hidden are passed over and not counted,
+    /// and so are all cells where [`Method::Cell`] takes nothing to be hidden.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,
@@ -41,11 +41,14 @@ pub struct Stats {
     pub occlusion_tests: u32,
     /// [`Method::Point`]: objects in sight whose occluders were drawn.
     pub occluders_drawn: u32,
-    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at the time when they were
-    /// drawn. Patches that cover pixels only together count for each of their objects. No more than were drawn,
-    /// except in a [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may be out of sight.
+    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at
+    /// the time when they were drawn. Patches that cover pixels only together count for each of
+    /// their objects. No more than were drawn, except in a
+    /// [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may
+    /// be out of sight.
     pub occluders_useful: u32,
-    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later neighbours are drawn again.
+    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later
+    /// neighbours are drawn again.
     pub patches_drawn: u32,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
@@ -71,7 +74,8 @@ pub struct Stats {
 /// The potentially visible set: every object of which any point can be seen,
 /// and a few more.
 ///
-/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone keeps it.
+/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone
+/// keeps it.
 #[derive(Debug, Clone)]
 pub struct Pvs {
     pub(crate) scene: u32,
@@ -80,7 +84,8 @@ pub struct Pvs {
     pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
-    /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or dynamic ones.
+    /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or
+    /// dynamic ones.
     pub(crate) partial: bool,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,
@@ -93,7 +98,8 @@ pub struct Pvs {
     pub(crate) stats: Stats,
 }
 
-/// An empty set, of no scene and no view: [`Scene::end_frame`](crate::Scene::end_frame) passes over it.
+/// An empty set, of no scene and no view: [`Scene::end_frame`](crate::Scene::end_frame) passes over
+/// it.
 impl Default for Pvs {
     fn default() -> Self {
         Self::empty()
@@ -146,11 +152,11 @@ impl Pvs {
         self.visible.iter().copied()
     }
 
-    /// The differences between this set and one that was found earlier: the objects to show and those to take away.
-    /// Costs one look-up for each object of both sets, when the iterators run.
+    /// The differences between this set and one that was found earlier: the objects to show and
+    /// those to take away. Costs one look-up for each object of both sets, when the iterators run.
     ///
-    /// Both may be of any view and method. Of sets of different scenes all objects differ, except those that a clone
-    /// of a scene has in common with its original.
+    /// Both may be of any view and method. Of sets of different scenes all objects differ, except
+    /// those that a clone of a scene has in common with its original.
     ///
     /// ```
     /// use casca::{GridSpec, ObjectDesc, Plane, Query, Scene, Sphere, View};
@@ -263,8 +269,8 @@ impl<'a> PvsChanges<'a> {
         self.later.iter().filter(move |&id| !self.earlier.contains(id))
     }
 
-    /// The objects of the earlier set that are not in the later one, in the order of the earlier. Some may have been
-    /// removed from the scene.
+    /// The objects of the earlier set that are not in the later one, in the order of the earlier.
+    /// Some may have been removed from the scene.
     pub fn left(self) -> impl Iterator<Item = ObjectId> + 'a {
         self.earlier.iter().filter(move |&id| !self.later.contains(id))
     }

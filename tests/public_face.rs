@@ -1,4 +1,5 @@
-//! What applications rely on beside the sets: types that cross threads, ids, keys and the data of objects.
+//! What applications rely on beside the sets: types that cross threads, ids, keys and the data of
+//! objects.
 
 use casca::internals::{
     BitMatrix, Cap, CapPolygon, CellRun, IdMatrix, OcclusionImage, SceneInternals, TbvMatrix,

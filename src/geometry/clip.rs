@@ -14,7 +14,8 @@ pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Vec<Vec<DVec3>> {
     (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).collect()
 }
 
-/// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by more than `slack`.
+/// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by
+/// more than `slack`.
 pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
     let mut rim: Vec<DVec3> = Vec::new();
     for face in faces.iter_mut() {

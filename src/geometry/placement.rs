@@ -23,8 +23,8 @@ impl Placement {
     /// A transform of a shape whose coordinates are no greater than `largest`.
     ///
     /// # Errors
-    /// Refuses transforms that are not finite, or may lead to coordinates that are not in single precision; `what`
-    /// names the transformed shape.
+    /// Refuses transforms that are not finite, or may lead to coordinates that are not in single
+    /// precision; `what` names the transformed shape.
     pub(crate) fn new(what: &'static str, transform: Affine3A, largest: f64) -> Result<Self, Error> {
         let affine = DAffine3::from_mat3_translation(
             Mat3::from(transform.matrix3).as_dmat3(),

@@ -28,8 +28,8 @@ impl Plane {
     }
 }
 
-/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are inside. The normal
-/// has length 1 and points inwards.
+/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are
+/// inside. The normal has length 1 and points inwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,

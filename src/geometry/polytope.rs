@@ -59,7 +59,8 @@ const BOX_EDGES: [[u16; 4]; 12] = [
 /// The silhouette of a box along the axes as seen from the origin, and its faces turned there: as
 /// [`Polytope::outline`] and [`Polytope::fronts`] of [`Polytope::block`] give them.
 ///
-/// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces and edges.
+/// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces
+/// and edges.
 pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>) {
     let (min, max) = (b.min.to_array(), b.max.to_array());
     let nothing = HalfSpace { normal: DVec3::ZERO, offset: 0.0 };
@@ -163,7 +164,8 @@ impl Polytope {
 
     /// The silhouette. `Everything` where it is not known well enough.
     ///
-    /// With `room`, only the directions whose rays keep farther than that from all edges of the silhouette.
+    /// With `room`, only the directions whose rays keep farther than that from all edges of the
+    /// silhouette.
     pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
         let mut planes = SmallVec::new();
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
@@ -214,11 +216,12 @@ impl Polytope {
     }
 }
 
-/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all points within `room` of the edge lie
-/// outside; `None` if the edge is too near.
+/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all
+/// points within `room` of the edge lie outside; `None` if the edge is too near.
 ///
-/// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x of the edge, so that the
-/// unit vector n cos a - c / |c| sin a with sin a = room / |c| has a product of -room with it at most.
+/// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x
+/// of the edge, so that the unit vector n cos a - c / |c| sin a with sin a = room / |c| has a
+/// product of -room with it at most.
 fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: f64) -> Option<DVec3> {
     let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
     let distance = nearest.length();

@@ -1,17 +1,19 @@
-//! One result that is kept: the static objects that a widened view may see, with the buffers of the static occluders.
+//! One result that is kept: the static objects that a widened view may see, with the buffers of the
+//! static occluders.
 //!
-//! Let the view of a frame be one of those that the widened view stands for. Static objects that came, went or changed since
-//! are *followed* first, by [`crate::query::point::follow`]: then the set and the buffers are as if all static objects were
-//! as they are now.
+//! Let the view of a frame be one of those that the widened view stands for. Static objects that
+//! came, went or changed since are *followed* first, by [`crate::query::point::follow`]: then the
+//! set and the buffers are as if all static objects were as they are now.
 //!
 //! - *Static objects*: one that the view sees is in the set of the widened view.
-//! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within reach the space behind static
-//!   occluders. These objects are tested where they are now.
-//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, as the query draws its own. All objects
-//!   in sight are tested again against that.
-//! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside. The volumes that the widened view
-//!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
-//!   are. New ones are in the scene's journal, and are tested once ([`crate::kept::watch`]).
+//! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within
+//!   reach the space behind static occluders. These objects are tested where they are now.
+//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, as the query
+//!   draws its own. All objects in sight are tested again against that.
+//! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside.
+//!   The volumes that the widened view may see are watched: each frame tests them against its own
+//!   frustum. All others stay hidden as long as they stay as they are. New ones are in the scene's
+//!   journal, and are tested once ([`crate::kept::watch`]).
 
 use casca_slots::Slot;
 
@@ -42,8 +44,8 @@ struct Mover {
     located: bool,
 }
 
-/// A result is not followed any more once pixels were opened again this often on the mean: where they were, seams stay open
-/// and nothing is refined.
+/// A result is not followed any more once pixels were opened again this often on the mean: where
+/// they were, seams stay open and nothing is refined.
 const MOST_OPENED: f64 = 1.0;
 
 /// Tells which static objects of a scene changed since.
@@ -59,7 +61,8 @@ impl Stamp {
         Self { scene: scene.tag(), changes: scene.static_changes().end() }
     }
 
-    /// The changes of static objects of a scene since; `None` if they are too many, or if it is another scene.
+    /// The changes of static objects of a scene since; `None` if they are too many, or if it is
+    /// another scene.
     pub(super) fn changes<'a>(
         &self,
         scene: &'a Scene,
@@ -68,7 +71,8 @@ impl Stamp {
         own.then(|| scene.static_changes().since(self.changes)).flatten()
     }
 
-    /// The slots of the static objects that changed since, in order; `None` as for [`Stamp::changes`].
+    /// The slots of the static objects that changed since, in order; `None` as for
+    /// [`Stamp::changes`].
     pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<Slot>> {
         let mut slots: Vec<Slot> = self.changes(scene)?.map(|change| change.slot()).collect();
         slots.sort_unstable();
@@ -108,8 +112,8 @@ pub(super) fn serves(widened: &View, scene: &Scene, view: &View) -> bool {
 }
 
 impl Still {
-    /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the scene, or of the one that
-    /// it is a copy of.
+    /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the
+    /// scene, or of the one that it is a copy of.
     pub(super) fn find(mut query: Box<Query>, scene: &Scene, view: View, stamp: Stamp) -> Self {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
@@ -140,7 +144,8 @@ impl Still {
         self.stamp == Stamp::of(scene)
     }
 
-    /// Whether the result can be brought up to date with a scene at less cost than that of a new one.
+    /// Whether the result can be brought up to date with a scene at less cost than that of a new
+    /// one.
     pub(super) fn can_follow(&self, scene: &Scene) -> bool {
         self.is_of(scene) || self.opened <= MOST_OPENED && self.stamp.changes(scene).is_some()
     }
@@ -189,7 +194,8 @@ impl Still {
         }
     }
 
-    /// Fills a set with the objects that a view may see for which the result holds. Static ones come first.
+    /// Fills a set with the objects that a view may see for which the result holds. Static ones
+    /// come first.
     pub(super) fn answer(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
         self.watch.update(&Drawn { scene, view: &self.view, query: &self.query });
         let mut movers = std::mem::take(&mut self.movers);
@@ -217,7 +223,8 @@ impl Still {
         self.movers = movers;
     }
 
-    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals volumes in its sight.
+    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals
+    /// volumes in its sight.
     fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
         for (slot, object) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
             movers.extend(self.find_mover(view, slot, object, &mut pvs.stats));

@@ -10,7 +10,8 @@ use crate::query::marks::Marks;
 use crate::scene::Scene;
 use crate::view::View;
 
-/// The hidden objects whose volumes are watched: all others stay hidden as long as they stay in their volumes.
+/// The hidden objects whose volumes are watched: all others stay hidden as long as they stay in
+/// their volumes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Watch {
     slots: SlotSet,

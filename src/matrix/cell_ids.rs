@@ -25,7 +25,8 @@ fn list_of(held: Slot) -> Option<usize> {
     (held.get() & SEVERAL != 0).then_some((held.get() & !SEVERAL) as usize)
 }
 
-/// One brick: which cells have objects, and one number for each such cell, in the order of the bits.
+/// One brick: which cells have objects, and one number for each such cell, in the order of the
+/// bits.
 #[derive(Clone, Default)]
 struct CellBrick {
     bits: Mask,

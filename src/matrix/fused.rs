@@ -1,8 +1,8 @@
 //! Fused occluders: boxes of opaque cells where no single solid says why they are opaque.
 //!
-//! Solids that abut leave a seam when each is drawn for itself. The grid knows that the cells there are
-//! solid: boxes of opaque cells are grown around them, also over cells that single solids make opaque, so that they bridge the seams
-//! (thesis, section 3.3.4: occluder fusion by extension).
+//! Solids that abut leave a seam when each is drawn for itself. The grid knows that the cells there
+//! are solid: boxes of opaque cells are grown around them, also over cells that single solids make
+//! opaque, so that they bridge the seams (thesis, section 3.3.4: occluder fusion by extension).
 
 use std::collections::BTreeSet;
 
@@ -27,7 +27,8 @@ const MOST: usize = 32;
 pub(crate) struct Fused {
     /// Opaque cells that no single drawable solid covers.
     cells: BitMatrix,
-    /// Cells that were opaque beside opaque cells of another solid. They may not be opaque any more.
+    /// Cells that were opaque beside opaque cells of another solid. They may not be opaque any
+    /// more.
     rims: BitMatrix,
     boxes: Bricks<SmallVec<[CellBox; 2]>>,
     /// Bricks whose boxes are to be grown anew.
@@ -67,12 +68,14 @@ impl Fused {
         self.cells.clear_mask(brick, cells);
     }
 
-    /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block touches.
+    /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block
+    /// touches.
     pub(crate) fn for_cells(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
         masks_there(&self.cells, lo, hi, out);
     }
 
-    /// Calls `out` with the cells that were beside another solid's, of all bricks that a block touches.
+    /// Calls `out` with the cells that were beside another solid's, of all bricks that a block
+    /// touches.
     pub(crate) fn for_rims(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
         masks_there(&self.rims, lo, hi, out);
     }

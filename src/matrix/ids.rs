@@ -40,8 +40,8 @@ impl Members {
 
 /// I: the objects that touch each cell, as indices of the scene's slots.
 ///
-/// The objects of each brick are listed always, those of single cells from the first time that they are asked for:
-/// only [`crate::Method::Cell`] asks.
+/// The objects of each brick are listed always, those of single cells from the first time that they
+/// are asked for: only [`crate::Method::Cell`] asks.
 #[derive(Clone)]
 pub struct IdMatrix {
     bricks: Bricks<Members>,
@@ -54,8 +54,8 @@ impl IdMatrix {
         Self { bricks: Bricks::new(dims), cells: OnceLock::new(), dims }
     }
 
-    /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in, and enters those
-    /// of `new`, which are inside the grid.
+    /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in,
+    /// and enters those of `new`, which are inside the grid.
     pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: Slot) {
         if old == new {
             return;
@@ -86,8 +86,8 @@ impl IdMatrix {
         }
     }
 
-    /// The objects by cell. If they were never asked for, `fill` must tell them: the cells of each object, brick by
-    /// brick.
+    /// The objects by cell. If they were never asked for, `fill` must tell them: the cells of each
+    /// object, brick by brick.
     pub(crate) fn by_cell(&self, fill: impl FnOnce(&mut dyn FnMut(IVec3, &Mask, Slot))) -> ByCell<'_> {
         let cells = self.cells.get_or_init(|| {
             let mut cells = CellIds::new(self.dims);

@@ -137,7 +137,8 @@ impl TbvMatrix {
         }
     }
 
-    /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in them.
+    /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in
+    /// them.
     pub(crate) fn remove(&mut self, volume: &CellBox, slot: Slot) {
         self.volumes -= 1;
         let mut places = std::mem::take(&mut self.places[slot.index()]);

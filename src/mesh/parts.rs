@@ -1,8 +1,8 @@
 //! Parts: convex solids around pieces of a mesh, to test its visibility with.
 //!
-//! A box, along the axes of the world or of the piece, with edges and corners cut off where the piece leaves
-//! room (a discrete orientation polytope, Klosowski et al. 1998). Large meshes whose pieces
-//! fill much less than the whole are cut into pieces first.
+//! A box, along the axes of the world or of the piece, with edges and corners cut off where the
+//! piece leaves room (a discrete orientation polytope, Klosowski et al. 1998). Large meshes whose
+//! pieces fill much less than the whole are cut into pieces first.
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -17,14 +17,15 @@ const DEPTH: u32 = 6;
 /// Halves are kept if their cost together is less than this share of the cost of the whole.
 const WORTH_CUTTING: f64 = 0.8;
 
-/// The cost of an eye inside of a box, beside that of a ray that enters it: the area of a cube of the same volume.
+/// The cost of an eye inside of a box, beside that of a ray that enters it: the area of a cube of
+/// the same volume.
 const INSIDE: f64 = 6.0;
 
 /// Axes whose determinant is greater span space: only rounding is between them and a rotation.
 const TURNED: f64 = 0.99;
 
-/// A box along the axes of the points is taken if its surface is less than this share of that of the box along the axes
-/// of the world, which is quicker to compare with.
+/// A box along the axes of the points is taken if its surface is less than this share of that of
+/// the box along the axes of the world, which is quicker to compare with.
 const WORTH_TURNING: f64 = 0.9;
 
 /// Planes are added where they cut off this share of the diagonal.

@@ -53,20 +53,20 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// Takes positions in world units and triangles as indices of three
-    /// positions, and prepares them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
+    /// Takes positions in world units and triangles as indices of three positions, and prepares
+    /// them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
     /// Costs a few sorts of the triangles: a second or two for a million.
     ///
     /// # Errors
-    /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and indices of missing
-    /// vertices.
+    /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and
+    /// indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested only (see
-    /// [`MeshOptions::occludes`]).
+    /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested
+    /// only (see [`MeshOptions::occludes`]).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -90,10 +90,12 @@ impl TriMesh {
         Self::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`TriMesh::new`], prepared as asked. `progress` is told the share of the work that is done, from 0 to 1, on the
-    /// thread that called. Where it answers [`ControlFlow::Break`], the preparation ends: soon, but not at once.
+    /// As [`TriMesh::new`], prepared as asked. `progress` is told the share of the work that is
+    /// done, from 0 to 1, on the thread that called. Where it answers [`ControlFlow::Break`], the
+    /// preparation ends: soon, but not at once.
     ///
-    /// With the feature `rayon` several threads take part. The mesh does not depend on their number.
+    /// With the feature `rayon` several threads take part. The mesh does not depend on their
+    /// number.
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -108,8 +110,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// As [`TriMesh::new`]; also settings that are not finite or out of their range, and [`Error::Cancelled`] if
-    /// `progress` ended it.
+    /// As [`TriMesh::new`]; also settings that are not finite or out of their range, and
+    /// [`Error::Cancelled`] if `progress` ended it.
     pub fn prepare(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -144,8 +146,8 @@ impl TriMesh {
         Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says whether it hides
-    /// others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says
+    /// whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -225,13 +227,15 @@ impl TriMesh {
             + self.cells.bytes()
     }
 
-    /// How many patches of triangles are kept for hiding, without the groups that they are drawn in from afar.
+    /// How many patches of triangles are kept for hiding, without the groups that they are drawn in
+    /// from afar.
     pub fn patches(&self) -> usize {
         self.surface.leaves()
     }
 
-    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs the sides that are in
-    /// sight, not its triangles; from afar, those of groups of patches, which are fewer.
+    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs the
+    /// sides that are in sight, not its triangles; from afar, those of groups of patches, which are
+    /// fewer.
     pub fn sides(&self) -> usize {
         self.surface.sides.len()
     }
@@ -246,12 +250,14 @@ impl TriMesh {
         self.middle
     }
 
-    /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes outside.
+    /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes
+    /// outside.
     pub(crate) fn convex(&self) -> Option<&Convex> {
         self.convex.as_ref()
     }
 
-    /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from afar.
+    /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from
+    /// afar.
     pub(crate) fn inner(&self) -> Option<&Inner> {
         self.inner.as_ref()
     }
@@ -279,7 +285,8 @@ impl TriMesh {
     }
 }
 
-/// Six times the volume inside a closed surface: positive if its triangles run counter-clockwise seen from outside.
+/// Six times the volume inside a closed surface: positive if its triangles run counter-clockwise
+/// seen from outside.
 fn signed_volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     let Some(&first) = positions.first() else { return 0.0 };
     let at = |v: u32| positions[v as usize].as_dvec3() - first.as_dvec3();

@@ -18,8 +18,8 @@ use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::target::Target;
 use crate::view::{Origin, View};
 
-/// A side of a view across parallel rays whose cosine with them is less than this serves as the first axis
-/// of the plane.
+/// A side of a view across parallel rays whose cosine with them is less than this serves as the
+/// first axis of the plane.
 const ACROSS: f64 = 1e-3;
 
 /// The answer to a test.
@@ -31,8 +31,9 @@ pub(crate) enum Verdict {
 
 /// The buffers of one view: the sides of a cube around the eye, or one plane for parallel rays.
 ///
-/// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested in any
-/// order: drawing only ever hides more. All coordinates are relative to [`OcclusionBuffers::origin`].
+/// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested
+/// in any order: drawing only ever hides more. All coordinates are relative to
+/// [`OcclusionBuffers::origin`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
@@ -77,8 +78,8 @@ impl OcclusionBuffers {
         self.pixels = pixels;
     }
 
-    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders in them: refinement
-    /// and tests of single points need the buffers themselves.
+    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders
+    /// in them: refinement and tests of single points need the buffers themselves.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.shadows.clear();
         (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
@@ -93,7 +94,8 @@ impl OcclusionBuffers {
         }
     }
 
-    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the options ask for.
+    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the
+    /// options ask for.
     pub(crate) fn pixel_angle(&self) -> f64 {
         FRAC_PI_2 / self.pixels as f64
     }
@@ -169,14 +171,15 @@ impl OcclusionBuffers {
         Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
     }
 
-    /// A box around all places from which an eye that goes as far as the reach would see a box, in space that stays: rays
-    /// that miss it keep farther than the reach from the box. Both are relative to the origin.
+    /// A box around all places from which an eye that goes as far as the reach would see a box, in
+    /// space that stays: rays that miss it keep farther than the reach from the box. Both are
+    /// relative to the origin.
     pub(crate) fn within_reach(&self, block: &Block) -> Block {
         if self.reach > 0.0 { block.grown(self.reach) } else { *block }
     }
 
-    /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
-    /// all of them, and what lies beyond.
+    /// Hides everything before which rays of the view go to none of some boxes, given in world
+    /// units: what lies beside all of them, and what lies beyond.
     pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {
         let mut faces = std::mem::take(&mut self.faces);
         for face in faces.iter_mut().filter(|face| face.is_active()) {
@@ -187,7 +190,8 @@ impl OcclusionBuffers {
 
     /// Draws an occluder. Returns whether it hides more than before.
     ///
-    /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.
+    /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its
+    /// own occluder.
     pub(crate) fn draw(&mut self, solid: Solid, owner: Slot) -> bool {
         let index = self.shadows.len() as u32;
         let mut changed = false;
@@ -217,24 +221,26 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
-    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is hidden.
+    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is
+    /// hidden.
     pub(crate) fn leaves_open(&self, point: DVec3) -> bool {
         self.faces().any(|b| b.leaves_open(b.face().local(point)))
     }
 
-    /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
-    /// its owner.
+    /// Whether a point of a target lies in an open pixel inside the view, before all convex
+    /// occluders but those of its owner.
     pub(crate) fn shows(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
-    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it: then any examination finds it.
+    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it:
+    /// then any examination finds it.
     pub(crate) fn shows_plainly(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
     }
 
-    /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions to it are not told apart, or,
-    /// along parallel rays, beyond the plane around the scene.
+    /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions
+    /// to it are not told apart, or, along parallel rays, beyond the plane around the scene.
     pub(crate) fn is_close(&self, block: &Block) -> bool {
         if self.direction.is_some() {
             return self.faces.first().is_none_or(|buffer| buffer.face().leaves(block));

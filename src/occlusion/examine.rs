@@ -1,11 +1,12 @@
 //! The second test of a target, when all occluders are drawn.
 //!
-//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are few and alone there.
-//! All other open pixels are magnified, and their finer pixels that stay open are compared.
+//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are
+//! few and alone there. All other open pixels are magnified, and their finer pixels that stay open
+//! are compared.
 //!
-//! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile, and magnified
-//! pixels do not depend on the targets that asked for them. So the order of targets does not matter, until a budget of
-//! the whole query is used up.
+//! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile,
+//! and magnified pixels do not depend on the targets that asked for them. So the order of targets
+//! does not matter, until a budget of the whole query is used up.
 
 use casca_slots::Slot;
 use smallvec::SmallVec;
@@ -34,7 +35,8 @@ impl Effort {
     }
 }
 
-/// The work that a query may still do. Targets that come after it is used up are less well examined.
+/// The work that a query may still do. Targets that come after it is used up are less well
+/// examined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Budget {
     /// Directions and squares.
@@ -46,19 +48,21 @@ pub(crate) struct Budget {
 /// Directions tried for one target on one face.
 const DIRECTIONS: u32 = 8;
 
-/// A target with more open pixels than this on one face is taken to be visible, even if none of them shows it for
-/// certain. With many squares, [`SQUARES`] decides.
+/// A target with more open pixels than this on one face is taken to be visible, even if none of
+/// them shows it for certain. With many squares, [`SQUARES`] decides.
 const PIXELS: usize = 64;
 
-/// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
+/// So is one with more open pixels than this where patches of triangles were drawn: to magnify
+/// those costs more.
 const PATCHED: usize = 12;
 
-/// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
-/// finer pixels that go with more squares are also more in number for the same part of a target.
+/// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares
+/// allow more in proportion. The finer pixels that go with more squares are also more in number for
+/// the same part of a target.
 const SQUARES: u32 = PointOptions::new().refine_squares;
 
-/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
-/// which would cost more.
+/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying
+/// it, which would cost more.
 const FEW: u32 = 4;
 
 /// Squares examined for such a comparison in one pixel, at most.
@@ -100,7 +104,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let Some(open) = self.find_open(search, target) else { return false };
         let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
         for pixel in open {
-            // A magnified pixel that is closed hides the target whatever a comparison says, at no cost.
+            // A magnified pixel that is closed hides the target whatever a comparison says, at no
+            // cost.
             if self.magnifier.closes((face, search.buffer), (pixel.0, pixel.1), search.target) {
                 continue;
             }
@@ -113,11 +118,12 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         rest.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
-    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not few, or not alone, or
-    /// if squares do not tell. Magnifying the pixel would give the same answer, at a higher cost.
+    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not
+    /// few, or not alone, or if squares do not tell. Magnifying the pixel would give the same
+    /// answer, at a higher cost.
     ///
-    /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
-    /// magnified before.
+    /// The squares count for the query, not for the target: so the target's own do not depend on
+    /// the pixels that were magnified before.
     fn compare(
         &mut self,
         search: &mut Search,

@@ -12,8 +12,8 @@ use crate::occlusion::face::{Face, Linear, Rect};
 
 /// The front of a convex shape on a face, as nearness in each direction of its silhouette.
 ///
-/// A ray enters the shape at the farthest of its front planes, or at the front of a ball. The nearness is
-/// rounded both ways: [`Front::behind`] for occluders, [`Front::nearest`] for targets.
+/// A ray enters the shape at the farthest of its front planes, or at the front of a ball. The
+/// nearness is rounded both ways: [`Front::behind`] for occluders, [`Front::nearest`] for targets.
 #[derive(Debug, Clone)]
 pub(crate) struct Front {
     planes: SmallVec<[Linear; 3]>,
@@ -81,8 +81,8 @@ impl Ball {
 }
 
 impl Front {
-    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest depth
-    /// of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
+    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest
+    /// depth of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
     pub(crate) fn new(
         face: &Face,
         outline: &Outline,
@@ -104,7 +104,8 @@ impl Front {
         Self { planes: found, complete, ball, floor }
     }
 
-    /// Points of the silhouette in the rectangle that are less near than this are behind the shape's front.
+    /// Points of the silhouette in the rectangle that are less near than this are behind the
+    /// shape's front.
     #[inline]
     pub(crate) fn behind(&self, r: &Rect) -> f64 {
         if !self.complete {
@@ -120,8 +121,8 @@ impl Front {
 
     /// As [`Front::behind`], for a rectangle inside the silhouette.
     ///
-    /// The depth at which rays enter a ball is greatest at a corner: the directions that enter it before some
-    /// depth are those to a convex part of the ball, and so form a convex set.
+    /// The depth at which rays enter a ball is greatest at a corner: the directions that enter it
+    /// before some depth are those to a convex part of the ball, and so form a convex set.
     #[inline]
     pub(crate) fn behind_inside(&self, r: &Rect) -> f64 {
         let planes = self.behind(r);
@@ -137,8 +138,8 @@ impl Front {
         planes.max(least)
     }
 
-    /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their difference
-    /// is least at a corner.
+    /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their
+    /// difference is least at a corner.
     #[inline]
     pub(crate) fn is_behind(&self, plane: &Linear, r: &Rect) -> bool {
         self.ball.is_none()
@@ -168,8 +169,8 @@ impl Front {
         if ball.across > 0.0 {
             return f64::INFINITY;
         }
-        // The ball lies behind any plane that touches it. The plane where the direction nearest to its middle
-        // enters is a good bound; on the rim, a direction a little farther in.
+        // The ball lies behind any plane that touches it. The plane where the direction nearest to
+        // its middle enters is a good bound; on the rim, a direction a little farther in.
         let c = ball.center;
         let (mut u, mut v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
         if c.z > 0.0 {

@@ -26,8 +26,8 @@ pub(crate) struct Pitch {
 }
 
 impl Pitch {
-    /// The pixels along each face, a multiple of [`TILE`], if the widest window has this width on a face
-    /// of width 2.
+    /// The pixels along each face, a multiple of [`TILE`], if the widest window has this width on a
+    /// face of width 2.
     pub(crate) fn pixels_of_face(&self, widest: f64, parallel: bool) -> i64 {
         let widest = widest.max(NARROWEST);
         let enough = self.least * 2.0 / widest;

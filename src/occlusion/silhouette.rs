@@ -48,8 +48,8 @@ fn half_pixels(half: &Linear, us: &Borders, vs: &Borders) -> u64 {
     pixels
 }
 
-/// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`: so do the pixels, as
-/// its inside is convex.
+/// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`:
+/// so do the pixels, as its inside is convex.
 fn conic_pixels(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), us: &Borders, vs: &Borders) -> u64 {
     let columns: [(f64, f64); TILE as usize + 1] =
         std::array::from_fn(|i| (s.a * us[i], k * (us[i] - u0) * (us[i] - u0)));
@@ -73,7 +73,8 @@ pub(crate) struct Silhouette {
     kind: Kind,
 }
 
-/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to collect them.
+/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to
+/// collect them.
 fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
     let half = |p: &HalfSpace| face.half(p.normal, p.offset);
     let mut few = [Linear { a: 0.0, b: 0.0, c: 0.0 }; 8];
@@ -168,8 +169,8 @@ impl Silhouette {
         }
     }
 
-    /// The silhouette for tests of squares inside a rectangle, without the half-planes that the rectangle lies inside
-    /// of; `None` if the rectangle does not touch it.
+    /// The silhouette for tests of squares inside a rectangle, without the half-planes that the
+    /// rectangle lies inside of; `None` if the rectangle does not touch it.
     #[inline]
     pub(crate) fn crossing(&self, r: &Rect) -> Option<Self> {
         let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.clone()) };
@@ -185,7 +186,8 @@ impl Silhouette {
         Some(Self { kind: Kind::Polygon(crossing) })
     }
 
-    /// The pixels of a tile that are surely covered. The tile's borders between columns and rows are given.
+    /// The pixels of a tile that are surely covered. The tile's borders between columns and rows
+    /// are given.
     pub(crate) fn pixels(&self, us: &Borders, vs: &Borders) -> u64 {
         let tile = Rect { u0: us[0], v0: vs[0], u1: us[us.len() - 1], v1: vs[vs.len() - 1] };
         match &self.kind {
@@ -208,8 +210,8 @@ impl Silhouette {
         }
     }
 
-    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face; `None` for
-    /// all others.
+    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face;
+    /// `None` for all others.
     pub(crate) fn conic_rect(&self) -> Option<Rect> {
         let Kind::Conic { s, u0, v0, e, sine, .. } = &self.kind else { return None };
         if *e == 0.0 {

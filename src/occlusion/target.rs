@@ -129,8 +129,8 @@ impl Target {
         Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
     }
 
-    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its ball. Then
-    /// the solid hides every part of the target that its silhouette covers.
+    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its
+    /// ball. Then the solid hides every part of the target that its silhouette covers.
     pub(crate) fn is_behind(&self, shadow: &Shadow) -> bool {
         let inside = shadow.ball.is_some_and(|(center, radius)| {
             let farthest = match &self.outline {

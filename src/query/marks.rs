@@ -2,7 +2,8 @@
 
 use casca_slots::Slot;
 
-/// For each slot of the scene, whether the running query has seen its volume, or decided the object itself.
+/// For each slot of the scene, whether the running query has seen its volume, or decided the object
+/// itself.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Marks {
     /// Twice the query's number if the volume was revealed, one more if the object was decided.

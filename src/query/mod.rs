@@ -41,9 +41,9 @@ pub(crate) struct Extras<'a> {
 
 /// Finds the objects that a view can see.
 ///
-/// A query keeps its memory and its last result: use one for each view (camera, light) and run it again every frame.
-/// Any number of queries can run on one scene at the same time, each in its own thread. A clone has the same method
-/// and result, and memory of its own.
+/// A query keeps its memory and its last result: use one for each view (camera, light) and run it
+/// again every frame. Any number of queries can run on one scene at the same time, each in its own
+/// thread. A clone has the same method and result, and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Query {
     method: Method,
@@ -98,7 +98,8 @@ impl Query {
     /// Changes the method and its options from the next run on.
     ///
     /// # Errors
-    /// [`Error::Setting`] if one of the options is out of its range. The query then keeps the old ones.
+    /// [`Error::Setting`] if one of the options is out of its range. The query then keeps the old
+    /// ones.
     pub fn set_method(&mut self, method: Method) -> Result<(), Error> {
         method.check()?;
         if let Method::Cell(options) = &method {
@@ -110,7 +111,8 @@ impl Query {
 
     /// Finds the objects that a view can see: a superset of them, by its method.
     ///
-    /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
+    /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and
+    /// costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         self.run_with(scene, view, Extras::default())
     }
@@ -153,9 +155,9 @@ impl Query {
         pvs
     }
 
-    /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the same view, up to date
-    /// with changes of those, and fills the set with the objects that came into sight. Returns the share of the pixels
-    /// that were opened for it.
+    /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the
+    /// same view, up to date with changes of those, and fills the set with the objects that came
+    /// into sight. Returns the share of the pixels that were opened for it.
     pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, offered: &Offered) -> f64 {
         self.pvs.reset(scene.slot_count());
         let options = match self.method {
@@ -175,7 +177,8 @@ impl Query {
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
-    /// Runs each query on the view at the same index, in parallel. The results are the same as of single runs.
+    /// Runs each query on the view at the same index, in parallel. The results are the same as of
+    /// single runs.
     ///
     /// If the slices differ in length, the rest of the longer one is ignored.
     ///
@@ -188,8 +191,8 @@ impl Query {
         });
     }
 
-    /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a cut of the camera. The last
-    /// result stays.
+    /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
+    /// cut of the camera. The last result stays.
     pub fn reset(&mut self) {
         self.point.coherence.reset();
     }

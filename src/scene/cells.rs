@@ -39,8 +39,8 @@ impl Span {
         Self { cells: CellBox { lo, hi }, inside, enters: clipped.is_some(), few }
     }
 
-    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes around what reaches
-    /// beyond the grid do.
+    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes
+    /// around what reaches beyond the grid do.
     pub(super) fn suffices(self) -> bool {
         self.enters && self.few
     }
@@ -139,7 +139,8 @@ impl Scene {
         self.exchange_occluder(slot, occluder);
     }
 
-    /// Moves the cells of a small dynamic object in the matrices; false, without a change, for others.
+    /// Moves the cells of a small dynamic object in the matrices; false, without a change, for
+    /// others.
     fn move_cells(&mut self, slot: Slot, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
         let grid = self.grid;
         let object = &self.slots[slot];

@@ -21,8 +21,8 @@ pub struct FrameReport {
 
 /// The most objects that one [`Scene::end_frame`] puts into volumes.
 ///
-/// A volume costs some microseconds: its surface is written into the matrices. An object without one costs a
-/// fraction of that in each frame, when it moves.
+/// A volume costs some microseconds: its surface is written into the matrices. An object without
+/// one costs a fraction of that in each frame, when it moves.
 pub const MOST_NEW_VOLUMES: usize = 2048;
 
 /// The slots of the objects in sight, a bit for each.
@@ -36,12 +36,14 @@ impl Seen {
 
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
-    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no longer contain them, and
-    /// the ones in no volume, unless the last frame ended with them in sight: those are reported unasked.
-    /// Until each is [updated](Scene::update), every query counts it as visible, and it hides nothing.
+    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no
+    /// longer contain them, and the ones in no volume, unless the last frame ended with them in
+    /// sight: those are reported unasked. Until each is [updated](Scene::update), every query
+    /// counts it as visible, and it hides nothing.
     ///
-    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that
-    /// is reported on expiry is in no volume, a look at each dynamic one that is in none.
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if
+    /// any object that is reported on expiry is in no volume, a look at each dynamic one that is in
+    /// none.
     ///
     /// Also brings up to date the boxes that close the seams between static solids inserted or
     /// removed since, for [`crate::Method::Point`].
@@ -88,14 +90,15 @@ impl Scene {
         }
     }
 
-    /// Applies the results of a frame's queries: dynamic objects that no view
-    /// saw go into temporal bounding volumes, revealed ones come out. Without
-    /// results nothing changes; those of queries that never ran are passed over. A frame that ends without a call
-    /// costs reports and time, but loses nobody.
+    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal
+    /// bounding volumes, revealed ones come out. Without results nothing changes; those of queries
+    /// that never ran are passed over. A frame that ends without a call costs reports and time, but
+    /// loses nobody.
     ///
-    /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the others stay listed, are tested by
-    /// queries as the visible ones are, and follow in the next frames. So the first frame with 100,000 movers costs no
-    /// more than any other, and 49 frames put all of them into volumes.
+    /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the
+    /// others stay listed, are tested by queries as the visible ones are, and follow in the next
+    /// frames. So the first frame with 100,000 movers costs no more than any other, and 49 frames
+    /// put all of them into volumes.
     ///
     /// Costs the dynamic objects that are in no volume, and the volumes that are made.
     ///
@@ -138,8 +141,9 @@ impl Scene {
         Seen(seen)
     }
 
-    /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for one frame, those that
-    /// follow the last one in the order of slots are first: so each slot has its turn.
+    /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for
+    /// one frame, those that follow the last one in the order of slots are first: so each slot has
+    /// its turn.
     fn hide_unseen(&mut self, seen: &Seen) -> usize {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();

@@ -16,8 +16,8 @@ pub struct MemoryUse {
     pub tbvs: usize,
     /// Objects and lists of them.
     pub objects: usize,
-    /// Meshes, instances of meshes and convex solids. One that several objects share counts once; other scenes and the
-    /// application may share it too.
+    /// Meshes, instances of meshes and convex solids. One that several objects share counts once;
+    /// other scenes and the application may share it too.
     pub shapes: usize,
 }
 

@@ -4,31 +4,34 @@
 //!
 //! Every object is stored in a [`Slot`] and is in one of four states ([`state`], with the table of
 //! transitions):
-//! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects always are.
-//! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal bounding volume. Only the
-//!   surface of the volume is in the matrices ([`volumes`]), so that motion inside changes no matrix.
-//! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no report came. It is
-//!   visible to every query and hides nothing.
+//! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects
+//!   always are.
+//! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal
+//!   bounding volume. Only the surface of the volume is in the matrices ([`volumes`]), so that
+//!   motion inside changes no matrix.
+//! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
+//!   report came. It is visible to every query and hides nothing.
 //!
-//! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the grid,
-//! too large, or of unknown place - are in the set `always`, which every query tests. Those that reach
-//! out of the grid are in cells and in `overhang` ([`outer`]).
+//! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the
+//! grid, too large, or of unknown place - are in the set `always`, which every query tests. Those
+//! that reach out of the grid are in cells and in `overhang` ([`outer`]).
 //!
 //! # A frame
 //!
-//! 1. [`Scene::begin_frame`] sets the clock. Volumes that may no longer contain their objects expire, and those
-//!    objects are due for a report.
-//! 2. The application edits the scene ([`edit`]): it reports the objects that are due or that moved, and inserts and
-//!    removes others.
+//! 1. [`Scene::begin_frame`] sets the clock. Volumes that may no longer contain their objects
+//!    expire, and those objects are due for a report.
+//! 2. The application edits the scene ([`edit`]): it reports the objects that are due or that
+//!    moved, and inserts and removes others.
 //! 3. Queries read the scene. Any number may run at the same time.
-//! 4. [`Scene::end_frame`] takes their results. Dynamic objects that no view saw get volumes; objects whose volumes
-//!    were seen leave them.
+//! 4. [`Scene::end_frame`] takes their results. Dynamic objects that no view saw get volumes;
+//!    objects whose volumes were seen leave them.
 //!
 //! # Results and revisions
 //!
-//! [`changes`] counts the changes that a result may depend on (the revision; motion inside a volume is
-//! none of them), and the moves of all objects. [`crate::Pvs::is_valid_for`] compares both. It also lists
-//! the last changes of static objects and the volumes that are new: results that are kept ask for these.
+//! [`changes`] counts the changes that a result may depend on (the revision; motion inside a volume
+//! is none of them), and the moves of all objects. [`crate::Pvs::is_valid_for`] compares both. It
+//! also lists the last changes of static objects and the volumes that are new: results that are
+//! kept ask for these.
 
 mod cells;
 mod changes;
@@ -83,8 +86,9 @@ pub(crate) use opacity::{LayerOpacity, OpacityPart};
 /// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that
 /// moved, queries, and [`Scene::end_frame`] with their results.
 ///
-/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids that the
-/// original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that was found on the other.
+/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
+/// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
+/// was found on the other.
 ///
 /// ```
 /// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
@@ -126,8 +130,8 @@ pub struct Scene {
     frame: u64,
     /// What tells whether results still hold.
     changes: Changes,
-    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
-    /// object that moves.
+    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and
+    /// the cells of an object that moves.
     seen: Vec<u64>,
     unseen: Vec<Slot>,
     moved: Moved,
@@ -235,7 +239,8 @@ impl Scene {
         self.members.always()
     }
 
-    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about their parts out there.
+    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about
+    /// their parts out there.
     #[inline]
     pub(crate) fn overhang(&self) -> &Outer {
         self.members.overhang()
@@ -293,8 +298,8 @@ impl Scene {
         self.slots.tag()
     }
 
-    /// Changes whenever anything changed that a result could depend on. Motion inside a temporal bounding volume that
-    /// was there when the query ran does not count: its surface was tested.
+    /// Changes whenever anything changed that a result could depend on. Motion inside a temporal
+    /// bounding volume that was there when the query ran does not count: its surface was tested.
     pub(crate) fn revision(&self) -> u64 {
         self.changes.revision()
     }
@@ -309,7 +314,8 @@ impl Scene {
         self.changes.volumes()
     }
 
-    /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown place.
+    /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown
+    /// place.
     pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (Slot, &Object)> {
         let elsewhere = |slot: &Slot| !self.members.is_mover(*slot) && !self.object(*slot).is_static();
         let elsewhere = self.always().iter().copied().filter(elsewhere);

@@ -17,7 +17,8 @@ const MOST_CELLS: u64 = 4096;
 const MOST_ASKED: usize = 4096;
 
 impl Scene {
-    /// Whether a point may lie inside an occluder that is in the matrices and that views of some layers show.
+    /// Whether a point may lie inside an occluder that is in the matrices and that views of some
+    /// layers show.
     pub(crate) fn inside_occluder(&self, point: DVec3, layers: u64) -> bool {
         let cell = self.grid.cell_of(point);
         let around = Block { min: point, max: point };
@@ -49,8 +50,8 @@ impl Scene {
         object.occluder().filter(|_| object.layers & layers != 0)
     }
 
-    /// Whether an occluder, or an opaque cell, that the view `region` shows may touch it. `region` is convex and lies
-    /// inside the box `around`.
+    /// Whether an occluder, or an opaque cell, that the view `region` shows may touch it. `region`
+    /// is convex and lies inside the box `around`.
     pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
         let layers = region.layers();
         let touches =

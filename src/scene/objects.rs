@@ -47,12 +47,14 @@ impl Scene {
         self.find(id).is_ok()
     }
 
-    /// The ids of all objects, in the order of [`ObjectId::index`]. Costs a look at each index ever given.
+    /// The ids of all objects, in the order of [`ObjectId::index`]. Costs a look at each index ever
+    /// given.
     pub fn ids(&self) -> impl Iterator<Item = ObjectId> {
         self.living().map(|(slot, _)| self.id(slot))
     }
 
-    /// All objects with their ids, in the order of [`ObjectId::index`]. Costs a look at each index ever given.
+    /// All objects with their ids, in the order of [`ObjectId::index`]. Costs a look at each index
+    /// ever given.
     ///
     /// ```
     /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
@@ -89,7 +91,8 @@ impl Scene {
         self.find(id).map(Object::given_occluder)
     }
 
-    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for other objects.
+    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for
+    /// other objects.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -99,7 +102,8 @@ impl Scene {
         Ok(own.or_else(|| transform_of_instances(object.bounds(), object.given_occluder())))
     }
 
-    /// The corners of the temporal bounding volume that an object is in, in world units; `None` if it is in none.
+    /// The corners of the temporal bounding volume that an object is in, in world units; `None` if
+    /// it is in none.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -118,8 +122,8 @@ impl Scene {
         self.find(id).map(|object| object.layers)
     }
 
-    /// The number that the application gave an object, 0 if it gave none: an index into its own tables, or the handle
-    /// of an entity. The scene does nothing with it.
+    /// The number that the application gave an object, 0 if it gave none: an index into its own
+    /// tables, or the handle of an entity. The scene does nothing with it.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -128,12 +132,14 @@ impl Scene {
     }
 
     /// An id in 64 bits, for tables and interfaces that have no room for an [`ObjectId`]: its
-    /// [index](ObjectId::index) in the low 32 bits, and the generation of that index in the high ones.
+    /// [index](ObjectId::index) in the low 32 bits, and the generation of that index in the high
+    /// ones.
     ///
-    /// A key leaves out the scene. It names one object of one scene for ever: no key is given twice in the life of
-    /// a scene. In another scene the same key may name another object, and nothing tells it apart there; in a clone it
-    /// names the same object if that was there when the clone was made. Where ids of several scenes may be mixed up,
-    /// keep the [`ObjectId`]: 64 bits cannot tell scenes, indices and generations apart for certain.
+    /// A key leaves out the scene. It names one object of one scene for ever: no key is given twice
+    /// in the life of a scene. In another scene the same key may name another object, and nothing
+    /// tells it apart there; in a clone it names the same object if that was there when the clone
+    /// was made. Where ids of several scenes may be mixed up, keep the [`ObjectId`]: 64 bits cannot
+    /// tell scenes, indices and generations apart for certain.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.

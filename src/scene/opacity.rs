@@ -1,8 +1,9 @@
 //! The opacity matrices O and Os, for each mask of layers apart.
 //!
-//! A view on some layers must not be told that a cell is opaque for the sake of an object that it does not show. So the
-//! cells that occluders fill are kept apart by the layers of their objects, and solids are joined only with solids on the
-//! same layers. A scene whose occluders are all on the same layers has one part, as if there were no layers.
+//! A view on some layers must not be told that a cell is opaque for the sake of an object that it
+//! does not show. So the cells that occluders fill are kept apart by the layers of their objects,
+//! and solids are joined only with solids on the same layers. A scene whose occluders are all on
+//! the same layers has one part, as if there were no layers.
 
 use glam::IVec3;
 
@@ -12,8 +13,8 @@ use crate::matrix::fused::Fused;
 use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
 
-/// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for each 64x64x64 cells
-/// of the grid and matrix, and each query asks all parts that its view shows.
+/// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
+/// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
 pub(crate) const MOST_PARTS: usize = 16;
 
 /// The place of a part in the list of a scene.
@@ -90,8 +91,8 @@ impl LayerOpacity {
         self.fused.add(cell);
     }
 
-    /// A static occluder less fills a page of cells. Clears it if no other does; false, without a change, if there are
-    /// others.
+    /// A static occluder less fills a page of cells. Clears it if no other does; false, without a
+    /// change, if there are others.
     pub(super) fn clear_page(&mut self, page: IVec3) -> bool {
         let cleared = self.fixed.take_page(page);
         if cleared {
@@ -100,7 +101,8 @@ impl LayerOpacity {
         cleared
     }
 
-    /// A static occluder less fills these cells of a brick by itself: clears and gives those that no other fills.
+    /// A static occluder less fills these cells of a brick by itself: clears and gives those that
+    /// no other fills.
     pub(super) fn take_fixed(&mut self, brick: IVec3, mask: &Mask) -> Mask {
         let gone = self.fixed.take(brick, mask);
         if gone != NONE {
@@ -171,8 +173,8 @@ impl Opacity {
         &mut self.parts[usize::from(part.0)]
     }
 
-    /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if there are too many
-    /// masks.
+    /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if
+    /// there are too many masks.
     pub(super) fn join(&mut self, layers: u64) -> Option<OpacityPart> {
         if layers == 0 {
             return None;

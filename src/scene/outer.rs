@@ -1,8 +1,9 @@
 //! Boxes that leave the grid: an object that stands on the floor of the grid may go below it.
 //!
-//! The matrices end with the grid, and so do the walks. Volumes that reach beyond, and listed objects that do, are kept
-//! in buckets of the size of a brick, and these in pages of 8x8x8 of them. Buckets and pages have boxes around their
-//! contents: a query tests those first. Since these volumes are in no cells, they need not be made of whole ones.
+//! The matrices end with the grid, and so do the walks. Volumes that reach beyond, and listed
+//! objects that do, are kept in buckets of the size of a brick, and these in pages of 8x8x8 of
+//! them. Buckets and pages have boxes around their contents: a query tests those first. Since these
+//! volumes are in no cells, they need not be made of whole ones.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +61,8 @@ pub(crate) struct Outer {
     placed: Vec<(u32, Block)>,
 }
 
-/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it or near it.
+/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it
+/// or near it.
 fn brick_of(cells: &CellBox) -> IVec3 {
     (cells.lo + cells.hi) >> 4i32
 }

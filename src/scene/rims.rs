@@ -1,7 +1,8 @@
 //! Rims: opaque cells of one static solid beside opaque cells of another.
 //!
-//! Where solids abut along a plane of the grid, no cell is filled by both together, and no box of cells would bridge
-//! their seam. The cells on both sides of such a plane are marked, so that boxes of opaque cells are drawn across it.
+//! Where solids abut along a plane of the grid, no cell is filled by both together, and no box of
+//! cells would bridge their seam. The cells on both sides of such a plane are marked, so that boxes
+//! of opaque cells are drawn across it.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +17,8 @@ use crate::scene::{OpacityPart, Scene};
 use crate::shape::Shape;
 use crate::shape::pieces::{Piece, opaque};
 
-/// The cells of a solid by brick, for bricks that have opaque cells of others in them or beside them.
+/// The cells of a solid by brick, for bricks that have opaque cells of others in them or beside
+/// them.
 type Near = BTreeMap<[i32; 3], Mask>;
 
 impl Scene {
@@ -73,7 +75,8 @@ impl Scene {
         near
     }
 
-    /// The bricks of the grid that share a face with a brick, with the axis across it, and whether they lie above.
+    /// The bricks of the grid that share a face with a brick, with the axis across it, and whether
+    /// they lie above.
     fn bricks_beside(&self, brick: IVec3) -> impl Iterator<Item = (IVec3, usize, bool)> + use<> {
         let last = (self.grid.dims() - 1) >> 3i32;
         IVec3::AXES.into_iter().enumerate().flat_map(move |(axis, step)| {
@@ -84,7 +87,8 @@ impl Scene {
         })
     }
 
-    /// Forgets the rims in a block of cells around a solid that is gone, where no other solids abut.
+    /// Forgets the rims in a block of cells around a solid that is gone, where no other solids
+    /// abut.
     pub(super) fn forget_rims(&mut self, part: OpacityPart, lo: IVec3, hi: IVec3) {
         let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(self.grid.dims() - 1));
         let mut idle: Vec<(IVec3, Mask)> = Vec::new();

@@ -57,23 +57,27 @@ impl Tbv {
 }
 
 impl Scene {
-    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by it, those of the grid, the
-    /// objects and the volumes alike. For large worlds, whose renderer keeps the camera near the origin. Shift everything else
-    /// in the same frame: cameras, lights and your own copies of positions.
+    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by
+    /// it, those of the grid, the objects and the volumes alike. For large worlds, whose renderer
+    /// keeps the camera near the origin. Shift everything else in the same frame: cameras, lights
+    /// and your own copies of positions.
     ///
-    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is snapped down to
-    /// a 2^22nd part of a cell. All sums round as those of an application that subtracts in single precision: bounds round
-    /// outwards, occluders inwards, and transforms of [placed](crate::ObjectDesc::placed) objects and of
-    /// [`Instance`](crate::Instance)s to nearest, as [`Scene::translate`] does. Where the offset is a multiple of a
-    /// power of two that the coordinates are multiples of, nothing is rounded; multiples of the cell are a good choice. An
-    /// occluder that is thinner than the rounding hides nothing from then on.
+    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is
+    /// snapped down to a 2^22nd part of a cell. All sums round as those of an application that
+    /// subtracts in single precision: bounds round outwards, occluders inwards, and transforms of
+    /// [placed](crate::ObjectDesc::placed) objects and of [`Instance`](crate::Instance)s to
+    /// nearest, as [`Scene::translate`] does. Where the offset is a multiple of a power of two that
+    /// the coordinates are multiples of, nothing is rounded; multiples of the cell are a good
+    /// choice. An occluder that is thinner than the rounding hides nothing from then on.
     ///
-    /// No result from before is taken for one of the new coordinates: [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
-    /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a [`KeptQuery`](crate::KeptQuery) finds a
-    /// new result. [`Scene::end_frame`] still takes earlier results. Ids stay. Hidden objects stay in their volumes, unless rounding takes
-    /// them out.
+    /// No result from before is taken for one of the new coordinates:
+    /// [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
+    /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a
+    /// [`KeptQuery`](crate::KeptQuery) finds a new result. [`Scene::end_frame`] still takes earlier
+    /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out.
     ///
-    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few hundred cells of the camera's way.
+    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few
+    /// hundred cells of the camera's way.
     ///
     /// ```
     /// use casca::{Aabb, Error, GridSpec, ObjectDesc, Scene};
@@ -90,8 +94,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would lie too far from the
-    /// origin, scenes with meshes in world space ([`Error::FixedMesh`]: give instances of them), and convex occluders as
+    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would
+    /// lie too far from the origin, scenes with meshes in world space ([`Error::FixedMesh`]: give
+    /// instances of them), and convex occluders as
     /// [`Convex::translated`](crate::Convex::translated) does. Nothing is changed then.
     pub fn shift_origin(&mut self, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
@@ -121,7 +126,8 @@ impl Scene {
         self.members = Membership::default();
     }
 
-    /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it where it was.
+    /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
+    /// where it was.
     fn place_shifted(&mut self, slot: Slot, shape: Shifted, offset: Vec3) {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
@@ -143,7 +149,8 @@ impl Scene {
         }
     }
 
-    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still inside.
+    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
+    /// inside.
     fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
         let is_outer = self.volumes.is_outer(slot);
         let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
@@ -172,7 +179,8 @@ impl Scene {
         self.hide(slot, Hidden { tbv, expires, ..hidden });
     }
 
-    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported, and its report is due.
+    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported,
+    /// and its report is due.
     fn lose(&mut self, slot: Slot, enclosed: bool) {
         if enclosed {
             self.volumes.remove(slot);

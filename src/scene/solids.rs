@@ -1,8 +1,9 @@
 //! The cells that static solids make opaque, alone and together.
 //!
-//! A cell is opaque if the union of the static solids on the same layers contains it. A solid that is inserted adds the cells that it
-//! fills alone, and those that it fills together with solids that share the cell. Cells that only several solids fill
-//! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
+//! A cell is opaque if the union of the static solids on the same layers contains it. A solid that
+//! is inserted adds the cells that it fills alone, and those that it fills together with solids
+//! that share the cell. Cells that only several solids fill are kept apart
+//! ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
 
 use casca_slots::Slot;
 use glam::IVec3;
@@ -16,8 +17,8 @@ use crate::object::{Occluder, union_contains};
 use crate::scene::{OpacityPart, Scene};
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 
-/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
-/// fill a cell together with it. More than that leave the cell transparent.
+/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other
+/// solids that fill a cell together with it. More than that leave the cell transparent.
 const MOST_ASKED: usize = 256;
 
 /// Of the objects in a brick, so many are looked at.
@@ -45,8 +46,8 @@ pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
 }
 
 impl Scene {
-    /// The cells that static solids touch and that are not opaque by those on the same layers, again and again where
-    /// several do. Each comes with where the opaque cells of such solids are.
+    /// The cells that static solids touch and that are not opaque by those on the same layers,
+    /// again and again where several do. Each comes with where the opaque cells of such solids are.
     pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(OpacityPart, IVec3)) {
         for (_, object) in self.living().filter(|(_, o)| o.is_static()) {
             let Some(occluder) = object.occluder().filter(|o| o.is_solid()) else { continue };
@@ -67,7 +68,8 @@ impl Scene {
         self.opacity.part(part).fixed()
     }
 
-    /// The static occluders on the same layers that touch a cell, up to a limit, and those too large to be in cells.
+    /// The static occluders on the same layers that touch a cell, up to a limit, and those too
+    /// large to be in cells.
     pub(crate) fn static_solids(&self, cell: IVec3, part: OpacityPart) -> impl Iterator<Item = &Occluder> {
         let large = self.always().iter().copied().filter(|&s| !self.object(s).in_cells);
         let block = Block::new(self.grid.cell_bounds(cell));
@@ -117,7 +119,8 @@ impl Scene {
         large.iter().any(|&s| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max)))
     }
 
-    /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill it.
+    /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill
+    /// it.
     fn solid_with(&self, cell: IVec3, near: &Near, own: Option<&(&Occluder, Block)>) -> bool {
         let block = Block::new(self.grid.cell_bounds(cell));
         let others = || near.iter().filter(|(_, b)| b.overlaps(&block)).take(MOST_ASKED);
@@ -158,8 +161,8 @@ impl Scene {
         self.join(part, joint);
     }
 
-    /// Takes away the cells that a static solid made opaque, except those inside the union of others. The object is
-    /// in no list of cells any more.
+    /// Takes away the cells that a static solid made opaque, except those inside the union of
+    /// others. The object is in no list of cells any more.
     pub(super) fn remove_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let own = Own { slot, part };
         let large = self.large_solids(occluder, own);
@@ -209,7 +212,8 @@ impl Scene {
         cleared
     }
 
-    /// Clears the cells in a block that a solid filled together with others, and that those do not fill without it.
+    /// Clears the cells in a block that a solid filled together with others, and that those do not
+    /// fill without it.
     fn part(&mut self, own: Own, lo: IVec3, hi: IVec3, large: &Large) {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
         self.opacity.part(own.part).fused().for_cells(lo, hi, &mut |brick, mask| {

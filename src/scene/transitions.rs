@@ -1,4 +1,5 @@
-//! The transitions of objects between their states, with their effects on matrices, lists and volumes.
+//! The transitions of objects between their states, with their effects on matrices, lists and
+//! volumes.
 //!
 //! Each function causes the events that the tables of [`crate::scene::state`] name for it.
 
@@ -12,7 +13,8 @@ use crate::scene::state::{Event, Hidden, State};
 use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
 
-/// An unlocated object keeps its old volume if the room there is at least this share of the slack of a new one.
+/// An unlocated object keeps its old volume if the room there is at least this share of the slack
+/// of a new one.
 const WORTH_KEEPING: f64 = 0.5;
 
 impl Scene {
@@ -53,7 +55,8 @@ impl Scene {
         }
     }
 
-    /// Puts an object on other layers, wherever it is. The cells of a listed occluder are kept by its layers.
+    /// Puts an object on other layers, wherever it is. The cells of a listed occluder are kept by
+    /// its layers.
     pub(super) fn change_layers(&mut self, slot: Slot, layers: u64) {
         let object = self.object(slot);
         let overdue = object.is_overdue();
@@ -97,7 +100,8 @@ impl Scene {
         self.enclose_or_list(slot, volume);
     }
 
-    /// An unlocated object was reported. Where a new volume would not last much longer, the old one stays.
+    /// An unlocated object was reported. Where a new volume would not last much longer, the old one
+    /// stays.
     fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
         self.members.remove_always(slot);
         self.changes.changed();
@@ -119,8 +123,8 @@ impl Scene {
         self.enclose_or_list(slot, next);
     }
 
-    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides
-    /// nothing. Its cells stay as they are, since the report mostly comes at once.
+    /// The place of a listed object is no longer known: until it is reported it counts as visible
+    /// and hides nothing. Its cells stay as they are, since the report mostly comes at once.
     pub(super) fn miss(&mut self, slot: Slot) {
         let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
@@ -142,8 +146,8 @@ impl Scene {
         }
     }
 
-    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went
-    /// backwards, no volume is certain.
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the
+    /// clock went backwards, no volume is certain.
     pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
         if self.slots.of_generation(entry.slot, entry.generation).is_none() {
             return false;
@@ -224,7 +228,8 @@ impl Scene {
         self.slots.remove(slot);
     }
 
-    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in the queue.
+    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in
+    /// the queue.
     fn make_volume(&self, slot: Slot) -> Option<Hidden> {
         let object = self.object(slot);
         let (speed, block) = (object.promised_speed(), object.bounds.block());
@@ -258,8 +263,8 @@ impl Scene {
         self.hide(slot, hidden);
     }
 
-    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time of its
-    /// entry in the queue, if it has one.
+    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time
+    /// of its entry in the queue, if it has one.
     fn enclose_again(&mut self, slot: Slot, tbv: Tbv, room: f64, queued: f64) {
         let speed = self.object(slot).promised_speed().unwrap_or(0.0);
         self.hide(slot, Hidden { tbv, expires: earliest_arrival(self.now, room, speed), queued });

@@ -1,4 +1,5 @@
-//! All temporal bounding volumes of a scene: their cells in the matrices, and the structures that find them.
+//! All temporal bounding volumes of a scene: their cells in the matrices, and the structures that
+//! find them.
 
 use casca_slots::Slot;
 use glam::IVec3;

@@ -1,7 +1,7 @@
 //! Boxes turned by a rotation.
 //!
-//! A cell is inside if its corners are, and touched if no face of the box keeps it out. Faces are moved by
-//! [`DISTANCE`] of the coordinates, outwards or inwards.
+//! A cell is inside if its corners are, and touched if no face of the box keeps it out. Faces are
+//! moved by [`DISTANCE`] of the coordinates, outwards or inwards.
 
 use glam::{DMat3, DVec3, IVec3, Vec3};
 

@@ -1,5 +1,5 @@
-//! The frustum in cells: half-spaces around the viewer's cell, clipped against one row of cells at a time
-//! (thesis, section 3.4.2).
+//! The frustum in cells: half-spaces around the viewer's cell, clipped against one row of cells at
+//! a time (thesis, section 3.4.2).
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
@@ -30,8 +30,8 @@ pub(crate) enum Start {
 
 /// The cells that may intersect the frustum, relative to the viewer's cell V.
 ///
-/// Every half-space is widened until it contains the [`Start`]. The region is then convex, so segments from there to
-/// any point in it stay in it.
+/// Every half-space is widened until it contains the [`Start`]. The region is then convex, so
+/// segments from there to any point in it stay in it.
 #[derive(Debug, Clone)]
 pub(crate) struct CellFrustum {
     planes: SmallVec<[CellPlane; 6]>,

@@ -28,28 +28,32 @@ pub(crate) enum LightKind {
 }
 
 impl Light {
-    /// A light infinitely far away, such as the sun. `direction` is the one in which light travels, of any length.
+    /// A light infinitely far away, such as the sun. `direction` is the one in which light travels,
+    /// of any length.
     pub const fn directional(direction: Vec3) -> Self {
         Self { kind: LightKind::Directional(direction), layers: u64::MAX }
     }
 
-    /// A light that shines from a point in all directions, and lights nothing farther away than `range`. Both are in world
-    /// units; the range may be infinite.
+    /// A light that shines from a point in all directions, and lights nothing farther away than
+    /// `range`. Both are in world units; the range may be infinite.
     pub const fn point(position: Vec3, range: f32) -> Self {
         Self { kind: LightKind::Point { position, range }, layers: u64::MAX }
     }
 
-    /// A light that shines from the eye of a view on all that lies inside the view: the camera of a shadow map. Rays
-    /// start at its near plane: objects before that cast no shadow. An orthographic view ([`View::orthographic`]) is a
-    /// directional light that lights a box. Its layers are those of the view.
+    /// A light that shines from the eye of a view on all that lies inside the view: the camera of a
+    /// shadow map. Rays start at its near plane: objects before that cast no shadow. An
+    /// orthographic view ([`View::orthographic`]) is a directional light that lights a box. Its
+    /// layers are those of the view.
     pub fn spot(view: View) -> Self {
         Self { layers: view.layers(), kind: LightKind::Spot(Box::new(view)) }
     }
 
-    /// The same light, whose shadows are cast by objects on some layers only, a bit for each. All others let it through:
-    /// they are no casters, and do not keep the light from those behind them.
+    /// The same light, whose shadows are cast by objects on some layers only, a bit for each. All
+    /// others let it through: they are no casters, and do not keep the light from those behind
+    /// them.
     ///
-    /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's matter.
+    /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's
+    /// matter.
     #[must_use]
     pub fn with_layers(self, mask: u64) -> Self {
         Self { layers: mask, ..self }
@@ -83,7 +87,8 @@ impl Lamp {
         self.rays.whole_view().with_layers(self.layers)
     }
 
-    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there are no boxes.
+    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there
+    /// are no boxes.
     pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
         Some(self.rays.view_of(pieces)?.with_layers(self.layers))
     }

@@ -19,20 +19,21 @@ use crate::shape::convex::Convex;
 /// Corners, faces or edges of a part, at most: twice what a box with 20 planes cut off can have.
 const MOST_OF_PART: usize = 144;
 
-/// Groups are nested no deeper: far deeper than those of prepared meshes, and shallow enough for reading to cost the
-/// file's length.
+/// Groups are nested no deeper: far deeper than those of prepared meshes, and shallow enough for
+/// reading to cost the file's length.
 const DEEPEST: usize = 64;
 
 impl TriMesh {
-    /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for bytes
-    /// that are there.
+    /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for
+    /// bytes that are there.
     ///
     /// It checks the checksum, and that a prepared mesh can have every number in the file: no file
     /// makes the library panic. It also checks that the mesh is closed if the file says so.
     ///
     /// It trusts that the patches and parts are those of the triangles. The checksum finds
-    /// accidents, but not intent: a file that was made by hand can hide objects that its triangles do not
-    /// hide, or be hidden where its triangles are seen. Prepare meshes of unknown origin yourself.
+    /// accidents, but not intent: a file that was made by hand can hide objects that its triangles
+    /// do not hide, or be hidden where its triangles are seen. Prepare meshes of unknown origin
+    /// yourself.
     ///
     /// # Errors
     /// Refuses bytes that are no such mesh; the stream is then left somewhere in them. At

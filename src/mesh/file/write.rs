@@ -11,11 +11,11 @@ use crate::mesh::tri_mesh::TriMesh;
 use crate::shape::convex::Convex;
 
 impl TriMesh {
-    /// Writes the mesh as prepared, so that [`TriMesh::read`] gets it back in a fraction of the time that
-    /// preparing took. Several meshes may follow each other in a stream.
+    /// Writes the mesh as prepared, so that [`TriMesh::read`] gets it back in a fraction of the
+    /// time that preparing took. Several meshes may follow each other in a stream.
     ///
-    /// The layout, described at the top of `src/mesh/file/mod.rs`, has a version. Files of other versions are
-    /// refused, so keep the sources of your meshes.
+    /// The layout, described at the top of `src/mesh/file/mod.rs`, has a version. Files of other
+    /// versions are refused, so keep the sources of your meshes.
     ///
     /// ```
     /// use casca::TriMesh;

@@ -1,4 +1,5 @@
-//! Offsets of planes of given directions, so that each triangle of a sample lies beyond one and much room is left.
+//! Offsets of planes of given directions, so that each triangle of a sample lies beyond one and
+//! much room is left.
 
 use std::f64::consts::PI;
 
@@ -86,7 +87,8 @@ impl Extents {
         Self { count: directions.len(), least, greatest }
     }
 
-    /// The direction in which a triangle takes the least share of the offset, and the share that is left.
+    /// The direction in which a triangle takes the least share of the offset, and the share that is
+    /// left.
     fn best(&self, row: &Row, offsets: &Row) -> (usize, f32) {
         let mut best = (0, f32::NEG_INFINITY);
         for i in 0..self.count {
@@ -98,7 +100,8 @@ impl Extents {
         best
     }
 
-    /// Offsets of planes such that each triangle lies beyond one; `None` if that leaves no room around the origin.
+    /// Offsets of planes such that each triangle lies beyond one; `None` if that leaves no room
+    /// around the origin.
     fn offsets(&self) -> Option<Vec<f32>> {
         let mut offsets = self.greatest;
         // The deepest dents first: the planes that they need may suffice for others.

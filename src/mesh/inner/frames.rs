@@ -1,5 +1,5 @@
-//! Directions of planes: sets that are spread evenly over a ball or a box, in frames in which the mesh is about as large
-//! along all axes.
+//! Directions of planes: sets that are spread evenly over a ball or a box, in frames in which the
+//! mesh is about as large along all axes.
 
 use glam::{DMat3, DQuat, DVec3};
 

@@ -8,8 +8,8 @@ use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::weld::{Welded, key};
 use crate::numeric::mesh::SLACK;
 
-/// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and then at its middle.
-/// Few chains get that far: cuts at the farthest point are mostly balanced.
+/// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and
+/// then at its middle. Few chains get that far: cuts at the farthest point are mostly balanced.
 const DEPTH: u32 = 4;
 
 /// Chains of up to this many points are cut at their farthest points only.
@@ -146,8 +146,8 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     (p - a - d * t).length()
 }
 
-/// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points that costs n
-/// log n: a chain that was cut too often is halved.
+/// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points
+/// that costs n log n: a chain that was cut too often is halved.
 fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
     let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
     let deepest = SHORT + DEPTH * chain.len().ilog2();

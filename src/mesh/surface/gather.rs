@@ -1,4 +1,5 @@
-//! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
+//! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their
+//! sides.
 
 use crate::error::Error;
 use crate::mesh::lists::Lists;
@@ -19,7 +20,8 @@ struct Rings {
     given: Vec<u32>,
     /// The start of each directed edge and its place, in order.
     by_start: Vec<(u32, u32)>,
-    /// How many edges were taken of those with the start of a place in `by_start`, if it is the first of them.
+    /// How many edges were taken of those with the start of a place in `by_start`, if it is the
+    /// first of them.
     taken: Vec<u32>,
 }
 
@@ -57,8 +59,8 @@ impl Rings {
     }
 }
 
-/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if the patch runs against
-/// it.
+/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if
+/// the patch runs against it.
 fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
     straight.iter().zip(0u32..).flat_map(|(edge, i)| {
         edge.runs.iter().flat_map(move |&(patch, steps)| {
@@ -170,7 +172,8 @@ pub(crate) fn gather(
     Ok(surface)
 }
 
-/// Reads the nodes that come next from memory, so that the processor waits for many of them at once.
+/// Reads the nodes that come next from memory, so that the processor waits for many of them at
+/// once.
 fn read_ahead(
     mesh: &Welded,
     grown: &Patches,
@@ -187,7 +190,8 @@ fn read_ahead(
     std::hint::black_box(corners.chain(ends).map(x).sum::<f32>());
 }
 
-/// The border between the two patches that an edge separates, if they run along it in opposite directions.
+/// The border between the two patches that an edge separates, if they run along it in opposite
+/// directions.
 fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<Border> {
     let &Beside::Two([p, q], true) = beside else { return None };
     let [a, b] = edge.ends.map(|v| mesh.positions[v as usize].as_dvec3());

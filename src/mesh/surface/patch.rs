@@ -23,12 +23,12 @@ pub(crate) struct Side {
 
 /// Neighbouring triangles of similar directions, or a group of patches that can be drawn as one.
 ///
-/// Groups come before their parts, and these follow each other: the parts of patch `i` start at `i + 1`, each next
-/// one where the one before ends ([`Patch::next`]).
+/// Groups come before their parts, and these follow each other: the parts of patch `i` start at
+/// `i + 1`, each next one where the one before ends ([`Patch::next`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
-    /// Its outline: a range of the list of sides, or of that of rims if it has parts. Empty if it can only be drawn
-    /// in parts.
+    /// Its outline: a range of the list of sides, or of that of rims if it has parts. Empty if it
+    /// can only be drawn in parts.
     pub(crate) first: u32,
     pub(crate) last: u32,
     /// The place after that of its last part: the place after its own if it has none.
@@ -57,7 +57,8 @@ pub(crate) struct Surface {
     pub(crate) patches: Vec<Patch>,
     /// Whether triangles hide from their front only.
     pub(crate) front: bool,
-    /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts if it is positive.
+    /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts
+    /// if it is positive.
     pub(crate) outward: f64,
     /// Sides with one patch only, and a number that tells their chains apart.
     pub(crate) open: Vec<(u32, u64)>,

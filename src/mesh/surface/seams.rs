@@ -24,8 +24,8 @@ struct Open {
     upwards: bool,
 }
 
-/// A link of an object's side that comes, or goes: object, side, number of the other patch and whether
-/// the two run in opposite directions.
+/// A link of an object's side that comes, or goes: object, side, number of the other patch and
+/// whether the two run in opposite directions.
 type Change = (Slot, u32, Option<(PatchNumber, bool)>);
 
 /// Up to this many changes of an object's links are made one by one; more are merged into the list.
@@ -51,8 +51,8 @@ pub(crate) struct Seams {
     end: PatchNumber,
     /// Ranges given back, by the logarithm of their length.
     free: Vec<Vec<PatchNumber>>,
-    /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
-    /// Thousands may share one.
+    /// The open sides of static objects at each chain: number of the patch and its direction, by
+    /// object and side. Thousands may share one.
     open: BTreeMap<(Chain, Slot, u32), (PatchNumber, bool)>,
 }
 
@@ -76,8 +76,8 @@ impl Seams {
         count.next_power_of_two().trailing_zeros() as usize
     }
 
-    /// Numbers the patches of an object's surface, for as long as it has it; false, without a change, if there are
-    /// no numbers left.
+    /// Numbers the patches of an object's surface, for as long as it has it; false, without a
+    /// change, if there are no numbers left.
     pub(crate) fn insert(&mut self, slot: Slot, surface: &Surface, fixed: bool) -> bool {
         if self.places.len() <= slot.index() {
             self.places.resize_with(slot.index() + 1, Place::default);

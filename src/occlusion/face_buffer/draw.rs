@@ -12,8 +12,8 @@ use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
 
 impl FaceBuffer {
-    /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and whether it hides
-    /// more than before.
+    /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and
+    /// whether it hides more than before.
     pub(crate) fn draw(&mut self, solid: &Solid, index: u32, owner: Slot) -> (bool, bool) {
         let Some(seen) = solid.on_face(&self.face) else { return (false, false) };
         let pixels = self.window.touched_by(&seen.rect);
@@ -36,8 +36,8 @@ impl FaceBuffer {
     }
 }
 
-/// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that hides more than
-/// before.
+/// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that
+/// hides more than before.
 fn cover_rows(coverage: &mut Coverage, window: &Window, rows: &Rows, front: &Front, nearest: f32) -> bool {
     let mut changed = false;
     let (tiles_x, tiles_y) = (rows.pixels().tiles_x(), rows.pixels().tiles_y());

@@ -13,7 +13,8 @@ use crate::view::{Origin, View};
 impl FaceBuffer {
     /// Takes over the frustum of a view. Returns a rectangle around its part on the face.
     ///
-    /// A plane that passes the eye at some distance bounds directions only for points beyond the nearest depth.
+    /// A plane that passes the eye at some distance bounds directions only for points beyond the
+    /// nearest depth.
     pub(crate) fn set_frustum(&mut self, view: &View, origin: DVec3, pitch: &Pitch) -> Option<Rect> {
         self.halves.clear();
         for plane in &view.planes {

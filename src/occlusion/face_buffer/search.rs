@@ -62,8 +62,8 @@ impl FaceBuffer {
         listed.iter().any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
     }
 
-    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
-    /// its owner.
+    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
+    /// occluders but those of its owner.
     pub(crate) fn shows(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
@@ -101,7 +101,8 @@ impl FaceBuffer {
         (!hidden).then_some(OpenPixel { pixel: (x, y), at: (u, v), near })
     }
 
-    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
+    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not
+    /// count.
     pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: Slot) -> bool {
         solids.iter().all(|listed| {
             if f64::from(listed.near) <= near || !listed.rect.contains(u, v) {
@@ -113,8 +114,9 @@ impl FaceBuffer {
     }
 }
 
-/// Calls `found` with those of the pixels `open` of a tile that are not hidden and that a target may touch, until that
-/// returns true. Returns whether it did. `(x, y)` is the tile's first pixel in the window.
+/// Calls `found` with those of the pixels `open` of a tile that are not hidden and that a target
+/// may touch, until that returns true. Returns whether it did. `(x, y)` is the tile's first pixel
+/// in the window.
 #[inline(always)]
 pub(crate) fn search_tile(
     coverage: &Coverage,
@@ -174,7 +176,8 @@ mod tests {
         assert!(open(-2.0).is_empty() && !buffer.sees(&target(-2.0).on_face(&face).unwrap()));
         let half = open(0.0);
         assert!(buffer.sees(&target(0.0).on_face(&face).unwrap()));
-        // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for rounding.
+        // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for
+        // rounding.
         assert!(half.iter().all(|p| (31..37).contains(&p.0)), "{half:?}");
         assert!(half.len() >= 5 * 9, "{half:?}");
         let mut count = 0;

@@ -7,8 +7,8 @@ use crate::mesh::surface::PatchNumber;
 /// Patches in a page.
 const PAGE: usize = 256;
 
-/// A value for each patch of a scene, by its number. Memory is taken where values were set, so that scenes may have
-/// hundreds of millions of patches.
+/// A value for each patch of a scene, by its number. Memory is taken where values were set, so that
+/// scenes may have hundreds of millions of patches.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ByPatch<T> {
     pages: Vec<Option<Box<[T; PAGE]>>>,

@@ -17,8 +17,8 @@ pub(crate) struct Drawable<'a> {
     pub(crate) id: u32,
     /// Its number among all patches of the scene. Those of one surface follow each other.
     pub(crate) number: PatchNumber,
-    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether the two run
-    /// along it in opposite directions), in order of sides.
+    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether
+    /// the two run along it in opposite directions), in order of sides.
     pub(crate) links: &'a [(u32, PatchNumber, bool)],
     /// A box around it.
     pub(crate) block: Block,
@@ -31,16 +31,16 @@ pub(crate) struct Drawable<'a> {
     pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
-    /// Whether every triangle of it is known to be turned to the eye with the same side. Without meaning where the eye may
-    /// not go from its place.
+    /// Whether every triangle of it is known to be turned to the eye with the same side. Without
+    /// meaning where the eye may not go from its place.
     pub(crate) faces_eye: bool,
     /// Its points may be this far from where the surface says.
     pub(crate) error: f64,
 }
 
 impl<'a> Drawable<'a> {
-    /// The patch beyond a side of its outline, which is given with its number: the number of the patch, and whether the
-    /// two run along the side in opposite directions.
+    /// The patch beyond a side of its outline, which is given with its number: the number of the
+    /// patch, and whether the two run along the side in opposite directions.
     #[inline]
     pub(crate) fn beyond(&self, number: u32, side: &Side) -> Option<(PatchNumber, bool)> {
         beyond(self.number.base(self.patch), self.links, number, side)

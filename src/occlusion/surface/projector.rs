@@ -145,8 +145,8 @@ impl<'a> Projector<'a> {
         (self.reach > 0.0).then(|| Rims { sides: self.deep_sides(), reach: self.reach })
     }
 
-    /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere, and lengths in units of
-    /// the face.
+    /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere,
+    /// and lengths in units of the face.
     fn frame(&self, d: &Drawable) -> Frame {
         let origin = self.origin;
         let Face { right, up, forward, parallel } = *self.face;
@@ -181,8 +181,8 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the patch may
-    /// touch; `None` if there are none, or if it cannot be drawn.
+    /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the
+    /// patch may touch; `None` if there are none, or if it cannot be drawn.
     #[inline]
     pub(super) fn project(&self, d: &Drawable, within: PixelRect, out: &mut SeenSides) -> Option<PixelRect> {
         let frame = self.frame(d);
@@ -224,7 +224,8 @@ impl<'a> Projector<'a> {
         if finite { self.tighter(&extent, within) } else { None }
     }
 
-    /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is deep enough.
+    /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
+    /// deep enough.
     fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
         if !extent.known.iter().all(|&known| known) {
             return Some(within);

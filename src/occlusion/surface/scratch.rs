@@ -108,8 +108,8 @@ impl Joint {
     }
 }
 
-/// A patch in the order of drawing, nearest components first: farness of the component, its root, index of
-/// the patch.
+/// A patch in the order of drawing, nearest components first: farness of the component, its root,
+/// index of the patch.
 pub(super) type Place = (u32, u32, u32);
 
 /// The memory for drawing surfaces.
@@ -118,7 +118,8 @@ pub(crate) struct SurfaceScratch {
     pub(super) seen: Vec<Seen>,
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
-    /// For each patch of the scene, the last drawing of a face that saw it, and its index in `seen`.
+    /// For each patch of the scene, the last drawing of a face that saw it, and its index in
+    /// `seen`.
     places: ByPatch<(u32, u32)>,
     /// Counts drawings of faces.
     drawing: u32,

@@ -1,4 +1,5 @@
-//! Views from which nothing is taken to be hidden: objects are compared with the frustum, and no cells are visited.
+//! Views from which nothing is taken to be hidden: objects are compared with the frustum, and no
+//! cells are visited.
 
 use casca_slots::Slot;
 
@@ -12,8 +13,8 @@ enum Found {
 }
 
 impl Walk<'_> {
-    /// Finds the volumes and objects in the frustum, in the order of the shells in which their boxes begin. The cost
-    /// follows the number of objects, whatever the size of the grid.
+    /// Finds the volumes and objects in the frustum, in the order of the shells in which their
+    /// boxes begin. The cost follows the number of objects, whatever the size of the grid.
     pub(super) fn find_everything(&mut self) {
         let scene = self.scene;
         let begins = self.shells.begins(scene.grid());

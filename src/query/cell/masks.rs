@@ -73,7 +73,8 @@ impl DirectionMasks {
             || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
     }
 
-    /// The first pixel between two rows and two columns, all included, that is not set, and how many words were read.
+    /// The first pixel between two rows and two columns, all included, that is not set, and how
+    /// many words were read.
     pub(crate) fn first_open(
         &self,
         side: usize,
@@ -95,7 +96,8 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
-    /// The columns, of some, from the first to the last in which a pixel of some rows is not set; `None` if all are set.
+    /// The columns, of some, from the first to the last in which a pixel of some rows is not set;
+    /// `None` if all are set.
     pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
         if !self.used[side] {
             return Some(cols);

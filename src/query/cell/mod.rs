@@ -46,7 +46,8 @@ pub(crate) struct Walk<'a> {
     record: Record<'a>,
     /// The shells around the viewer's cell; around the middle of the grid without one.
     shells: Shells,
-    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye and all of that cell.
+    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye
+    /// and all of that cell.
     from_eye: bool,
     /// The cells that count as opaque.
     opaque: SmallVec<[&'a BitMatrix; 4]>,
@@ -125,7 +126,8 @@ impl<'a> Walk<'a> {
         self.pvs.stats = self.stats;
     }
 
-    /// Records the cells of the frustum, if cells are recorded, where everything was found without them.
+    /// Records the cells of the frustum, if cells are recorded, where everything was found without
+    /// them.
     fn record_frustum(&mut self) {
         if self.record.is_some() {
             Slot::below(self.scene.slot_count()).for_each(|slot| _ = self.marks.decide(slot));
@@ -133,7 +135,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken to be hidden.
+    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken
+    /// to be hidden.
     fn occlusion_slack(&mut self) -> Option<f64> {
         let (at, error) = (self.view.eye()?, self.view.eye_room());
         let grid = self.scene.grid();
@@ -157,7 +160,8 @@ impl<'a> Walk<'a> {
         if inside {
             self.first_cell();
         }
-        // A segment from inside the grid to a farther cell passes each shell inside the grid, on the same side.
+        // A segment from inside the grid to a farther cell passes each shell inside the grid, on
+        // the same side.
         let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
             // All cells are recorded, also those without objects.

@@ -11,7 +11,8 @@ use crate::query::cell::shell_scale::ShellScale;
 use crate::scene::Object;
 use crate::shape::Shape;
 
-/// A revealed object with more cells than this is decided without testing which of them are in sight.
+/// A revealed object with more cells than this is decided without testing which of them are in
+/// sight.
 const MAX_PENDING: u64 = 1 << 18;
 
 impl Walk<'_> {

@@ -4,8 +4,8 @@ use casca_slots::Slot;
 
 use crate::grid::cell_box::CellBox;
 
-/// So many slots are looked at after each shell, and one more for so many rows that were walked in it: the search costs
-/// a small part of the walk.
+/// So many slots are looked at after each shell, and one more for so many rows that were walked in
+/// it: the search costs a small part of the walk.
 const SLOTS: i64 = 64;
 const ROWS_FOR_A_SLOT: i64 = 8;
 
@@ -22,8 +22,8 @@ pub(super) struct Remaining {
     pub(super) budget: i64,
     /// Rows walked since the last search.
     pub(super) rows: i64,
-    /// Slots of objects that reach beyond the grid, in order, with a box around the cells on the border that decide about
-    /// those parts.
+    /// Slots of objects that reach beyond the grid, in order, with a box around the cells on the
+    /// border that decide about those parts.
     exits: Vec<(Slot, CellBox)>,
 }
 

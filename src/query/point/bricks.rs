@@ -112,7 +112,8 @@ impl Walk<'_> {
             self.finish_bricks(0);
         }
         self.scratch.bricks = bricks;
-        // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
+        // Rays may start inside a volume, or enter it where no brick of the view is: all are
+        // tested.
         for slot in Slot::below(self.scene.slot_count()) {
             if self.scene.is_hidden(slot) {
                 self.test_volume(slot);
@@ -203,7 +204,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches it.
+    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches
+    /// it.
     fn side_in_grid<'s>(
         &self,
         shells: &Shells,
@@ -285,7 +287,8 @@ impl Walk<'_> {
         self.scratch.open = open;
     }
 
-    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is hidden.
+    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is
+    /// hidden.
     fn open_brick(&mut self, brick: IVec3, open: &mut Vec<Slot>, volumes: bool) {
         let scene = self.scene;
         let has_fused = self.has_fused(brick);
@@ -296,7 +299,8 @@ impl Walk<'_> {
                 return;
             }
         }
-        // In a loop that does little else, the processor waits for the memory of many objects at once.
+        // In a loop that does little else, the processor waits for the memory of many objects at
+        // once.
         open.retain(|&slot| scene.object(slot).is_shown(self.view));
         for &slot in open.iter() {
             self.find(slot);

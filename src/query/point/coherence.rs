@@ -1,18 +1,19 @@
-//! Coherent queries: a run begins with the occluders that were of use in the last one, and leaves out those that were
-//! not, as long as nothing that was hidden comes into sight.
+//! Coherent queries: a run begins with the occluders that were of use in the last one, and leaves
+//! out those that were not, as long as nothing that was hidden comes into sight.
 //!
-//! Bittner, Wimmer, Piringer & Purgathofer 2004 (coherent hierarchical culling) guess from the last frame which objects
-//! are visible; Haar & Aaltonen 2015 draw those first. Here the guess is about patches and solids:
+//! Bittner, Wimmer, Piringer & Purgathofer 2004 (coherent hierarchical culling) guess from the last
+//! frame which objects are visible; Haar & Aaltonen 2015 draw those first. Here the guess is about
+//! patches and solids:
 //!
 //! 1. Those that hid something at the end of the last run are drawn first, patches in one batch.
 //! 2. The walk goes as ever. It draws occluders that the last run did not draw. Others wait.
-//! 3. An object that the last view could have seen, that it did not see, and that is not hidden yet, is suspicious: those
-//!    that wait before such objects are drawn now.
-//! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once: their open
-//!    pixels are examined in every sixteenth run only. All others are examined as ever.
+//! 3. An object that the last view could have seen, that it did not see, and that is not hidden
+//!    yet, is suspicious: those that wait before such objects are drawn now.
+//! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once:
+//!    their open pixels are examined in every sixteenth run only. All others are examined as ever.
 //!
-//! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an object in the set, and
-//! hides nothing.
+//! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an
+//! object in the set, and hides nothing.
 
 use casca_slots::Slot;
 
@@ -54,7 +55,8 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
+    /// Draws patches of objects of which only the slots are known, those of which `wanted` says so
+    /// by their box.
     fn draw_patches_of(
         &mut self,
         patches: &mut [(Slot, PatchIndex)],
@@ -78,8 +80,9 @@ impl<'a> Walk<'a> {
         self.draw_batch(batch);
     }
 
-    /// Appends some patches of an object to a batch, in order of their numbers. The groups around them are drawn in parts from now
-    /// on, and the patches in them not again: no two patches drawn in a run have triangles in common.
+    /// Appends some patches of an object to a batch, in order of their numbers. The groups around
+    /// them are drawn in parts from now on, and the patches in them not again: no two patches drawn
+    /// in a run have triangles in common.
     fn collect_some(
         &mut self,
         source: &Source<'a>,
@@ -90,7 +93,8 @@ impl<'a> Walk<'a> {
         let (surface, base) = (source.surface, source.place.base);
         let mut at = PatchIndex::FIRST;
         for &(_, patch) in patches {
-            // Groups come before their parts: those that end before the patch are passed by, the others contain it.
+            // Groups come before their parts: those that end before the patch are passed by, the
+            // others contain it.
             while at < patch && at.index() < surface.patches.len() {
                 let next = surface.patch(at).next;
                 if next > patch {
@@ -135,7 +139,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// How a patch takes part in this run, by its place and its number in the scene. Patches that wait are listed.
+    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
+    /// wait are listed.
     pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         if !self.coherent {
             return Role::Fresh;
@@ -155,7 +160,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than before.
+    /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than
+    /// before.
     pub(super) fn drew_batch(&mut self, batch: &Batch) {
         if !self.coherent {
             return;
@@ -238,7 +244,8 @@ impl<'a> Walk<'a> {
         before != (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len())
     }
 
-    /// Whether a box in world units touches a tile with an object that is nowhere nearer than a nearness, and the box is.
+    /// Whether a box in world units touches a tile with an object that is nowhere nearer than a
+    /// nearness, and the box is.
     fn is_before(&self, world: &Block, tiles: &[Vec<f32>]) -> bool {
         let buffers = &self.scratch.buffers;
         let block = buffers.relative(world);

@@ -119,8 +119,9 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether every triangle of a patch is turned to every ray: the directions from its points to the eye differ from
-    /// its normal by less than a right angle less the greatest angle of its triangles, whose sine is given.
+    /// Whether every triangle of a patch is turned to every ray: the directions from its points to
+    /// the eye differ from its normal by less than a right angle less the greatest angle of its
+    /// triangles, whose sine is given.
     fn is_front(&self, normal: DVec3, block: &Block, sine: f64) -> bool {
         let sine = sine + FRONT_SINE;
         match self.scratch.buffers.direction() {
@@ -148,9 +149,9 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side: the directions from its
-/// points to the eye differ from its normal, or from the opposite one, by less than a right angle less the greatest angle of its
-/// triangles, whose sine is given.
+/// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side:
+/// the directions from its points to the eye differ from its normal, or from the opposite one, by
+/// less than a right angle less the greatest angle of its triangles, whose sine is given.
 fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bool {
     let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     // How far the eye lies above all of the patch, or below.
@@ -160,7 +161,8 @@ fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -
     height > (sine + FRONT_SINE) * farthest
 }
 
-/// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range of numbers.
+/// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
+/// of numbers.
 fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {

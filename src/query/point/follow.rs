@@ -1,16 +1,19 @@
 //! A run that goes on after static objects came, went or changed.
 //!
-//! The buffers of the run before stay. Where an occluder is gone, the tiles around its box are opened, that box grown by the
-//! reach; the occluders of other objects that reach into them are drawn again, and the walk finds the objects that come into
-//! sight. Objects that are new are tested, and their occluders drawn, like any others.
+//! The buffers of the run before stay. Where an occluder is gone, the tiles around its box are
+//! opened, that box grown by the reach; the occluders of other objects that reach into them are
+//! drawn again, and the walk finds the objects that come into sight. Objects that are new are
+//! tested, and their occluders drawn, like any others.
 //!
-//! Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it hides, from any eye within reach,
-//! met a solid, a patch or a box of opaque cells. A ray that ends in a pixel that was not opened passes no point of an
-//! occluder that is gone: otherwise the ray from the middle to the same end would pass within the reach of that point. So the
-//! ray met others, which are there; also in a box of cells, each of which solids fill that are there or that the ray does not
-//! meet. Occluders that were never offered need no hole: no free ray reached them.
+//! Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it hides,
+//! from any eye within reach, met a solid, a patch or a box of opaque cells. A ray that ends in a
+//! pixel that was not opened passes no point of an occluder that is gone: otherwise the ray from
+//! the middle to the same end would pass within the reach of that point. So the ray met others,
+//! which are there; also in a box of cells, each of which solids fill that are there or that the
+//! ray does not meet. Occluders that were never offered need no hole: no free ray reached them.
 //!
-//! Open pixels are not refined, since the lists of occluders in the buffers name some that are gone.
+//! Open pixels are not refined, since the lists of occluders in the buffers name some that are
+//! gone.
 
 use casca_slots::Slot;
 use smallvec::SmallVec;
@@ -39,8 +42,9 @@ impl PointOptions {
 }
 
 impl Walk<'_> {
-    /// Goes on with the buffers of the last run, which was of the same view. `offered` are the objects that
-    /// they rest on and that stayed. Fills the set with the objects that are not known. Returns the share of the pixels that were opened.
+    /// Goes on with the buffers of the last run, which was of the same view. `offered` are the
+    /// objects that they rest on and that stayed. Fills the set with the objects that are not
+    /// known. Returns the share of the pixels that were opened.
     pub(crate) fn follow(mut self, changes: &Changes, offered: &Offered) -> f64 {
         changes.known.iter().for_each(|&slot| {
             self.marks.decide(slot);

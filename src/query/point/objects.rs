@@ -6,8 +6,8 @@ use glam::DVec3;
 use crate::query::point::Walk;
 use crate::query::point::scratch::Candidate;
 
-/// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole numbers are
-/// compared without branches.
+/// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
+/// numbers are compared without branches.
 fn sort_key(distance: f64, slot: Slot, place: u32) -> u128 {
     let bits = distance.to_bits();
     // The bits of negative numbers run the other way.
@@ -52,8 +52,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen: at once, or,
-    /// where only some may be drawn, the largest of the shell first.
+    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen:
+    /// at once, or, where only some may be drawn, the largest of the shell first.
     pub(super) fn settle(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.found);
         let limited = self.options.max_occluders < u32::MAX;

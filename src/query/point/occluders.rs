@@ -12,15 +12,16 @@ use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
 
-/// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer pixels they hide too
-/// little for the time that they take: scenes of thousands lose less than one object of a thousand.
+/// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
+/// pixels they hide too little for the time that they take: scenes of thousands lose less than one
+/// object of a thousand.
 pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
 pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 
-/// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more pixels than this. Narrower
-/// rims hide less than the pixels that the outlines of patches touch.
+/// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more
+/// pixels than this. Narrower rims hide less than the pixels that the outlines of patches touch.
 const MOST_RIM: f64 = 3.0;
 
 impl Walk<'_> {
@@ -62,7 +63,8 @@ impl Walk<'_> {
         self.around_starts.as_ref().is_none_or(|around| around.may_meet(block))
     }
 
-    /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
+    /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns
+    /// whether it did.
     fn draw_convex_mesh(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
         let origin = buffers.origin();
@@ -92,9 +94,10 @@ impl Walk<'_> {
         true
     }
 
-    /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box around the mesh.
-    /// Returns whether it covers nearly the same pixels, so that the triangles need not be drawn. Larger solids are drawn
-    /// beside the triangles: they close pixels that outlines of patches touch, and hide some of those patches.
+    /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box
+    /// around the mesh. Returns whether it covers nearly the same pixels, so that the triangles
+    /// need not be drawn. Larger solids are drawn beside the triangles: they close pixels that
+    /// outlines of patches touch, and hide some of those patches.
     fn draw_inner_solid(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
@@ -114,7 +117,8 @@ impl Walk<'_> {
         is_alike
     }
 
-    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh and the width of the rim.
+    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
+    /// and the width of the rim.
     fn is_like_solid(&self, block: &Block, rim: f64) -> bool {
         self.is_small(&self.scratch.buffers.relative(block), MOST_RIM / rim)
     }
@@ -152,7 +156,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
+    /// Whether opaque cells hide anything: rays must start outside the solids that make them
+    /// opaque.
     pub(super) fn may_fuse(&mut self) -> bool {
         let in_occluder = || rays_start_in_occluder(self.scene, self.view, &self.starts);
         *self.fuses.get_or_insert_with(|| !in_occluder())

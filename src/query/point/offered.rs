@@ -2,8 +2,9 @@
 
 use casca_slots::Slot;
 
-/// The objects on whose occluders a kept result may rest: all that were not hidden when they were found, whether their
-/// occluders were drawn, waited or were too small. The occluders of others are hidden: no ray of the view reaches them.
+/// The objects on whose occluders a kept result may rest: all that were not hidden when they were
+/// found, whether their occluders were drawn, waited or were too small. The occluders of others are
+/// hidden: no ray of the view reaches them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Offered(Vec<Slot>);
 

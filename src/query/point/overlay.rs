@@ -22,8 +22,8 @@ pub(crate) struct Overlay {
 }
 
 impl Overlay {
-    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for the view of that. Small ones
-    /// are left out, and those that rays start in.
+    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for
+    /// the view of that. Small ones are left out, and those that rays start in.
     pub(crate) fn draw(
         &mut self,
         base: &PointScratch,

@@ -1,4 +1,5 @@
-//! The memory of coherent queries: the use of each occluder, and the objects found visible, in the last run.
+//! The memory of coherent queries: the use of each occluder, and the objects found visible, in the
+//! last run.
 
 use casca_slots::Slot;
 
@@ -8,7 +9,8 @@ use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::view::View;
 
-/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many runs: each in its turn.
+/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many
+/// runs: each in its turn.
 const TURN: u32 = 16;
 
 /// The use of an occluder in a run.
@@ -65,7 +67,8 @@ pub(crate) struct Coherence {
     pub(super) useful_patches: Vec<(Slot, PatchIndex)>,
     /// Solids drawn in this run, and whether they hid more than before.
     pub(super) drawn_solids: Vec<(Slot, bool)>,
-    /// For the patches drawn in this run, in order of first drawing, whether they hid more than before.
+    /// For the patches drawn in this run, in order of first drawing, whether they hid more than
+    /// before.
     pub(super) changed: Vec<bool>,
     /// Where faces see those patches. The index is that in order of first drawing.
     pub(super) sights: Vec<Sighting>,
@@ -116,8 +119,8 @@ impl Coherence {
         Role::Fresh
     }
 
-    /// How a patch that was not drawn in this run takes part in it, by its object and its number in the scene. One that waits
-    /// is listed.
+    /// How a patch that was not drawn in this run takes part in it, by its object and its number in
+    /// the scene. One that waits is listed.
     pub(super) fn patch(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         let Recall { run, usage } = self.patches.get(number);
         if run == self.run && usage == Usage::Parts {

@@ -27,7 +27,8 @@ pub(super) struct DrawnPatch {
     pub(super) whole: PatchIndex,
 }
 
-/// An object that may be visible, with all that a test of its box takes: objects themselves are far apart in memory.
+/// An object that may be visible, with all that a test of its box takes: objects themselves are far
+/// apart in memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) id: ObjectId,
@@ -85,8 +86,9 @@ pub(crate) struct PointScratch {
 }
 
 impl PointScratch {
-    /// Forgets the last query. `slots` and `patches` are the numbers of those of the scene, and `epoch` the number of the
-    /// query, which starts at 1 again when it has reached its greatest value.
+    /// Forgets the last query. `slots` and `patches` are the numbers of those of the scene, and
+    /// `epoch` the number of the query, which starts at 1 again when it has reached its greatest
+    /// value.
     pub(super) fn begin(&mut self, slots: usize, patches: usize, epoch: u32) {
         self.useful.begin(slots);
         self.candidates.clear();
@@ -112,7 +114,8 @@ impl PointScratch {
             && (b.max - b.min).length_squared() * 0.25 < radius * radius * distance
     }
 
-    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are tested as one convex shape.
+    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are
+    /// tested as one convex shape.
     pub(crate) fn hides_bounds(&self, bounds: &Bounds) -> bool {
         let buffers = &self.buffers;
         let block = bounds.block();

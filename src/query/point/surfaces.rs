@@ -12,16 +12,17 @@ use crate::query::point::drawables::Source;
 use crate::query::point::recall::Role;
 use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
 
-/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
-/// their outlines touch do not count.
+/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
+/// the pixels that their outlines touch do not count.
 const SMALLEST_PATCH: f64 = 4.0;
 
-/// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
-/// share as large as its distance.
+/// A group is drawn as one if its slab is at most this share as thick as the eye is away from it,
+/// or all of it that share as large as its distance.
 const THIN: f64 = 0.35;
 
-/// If the eye may go some way, a batch has at least one patch for so many that were drawn before, those at the end of the
-/// walk excepted: so the number of batches grows like the logarithm of the number of patches.
+/// If the eye may go some way, a batch has at least one patch for so many that were drawn before,
+/// those at the end of the walk excepted: so the number of batches grows like the logarithm of the
+/// number of patches.
 const BATCH_SHARE: u64 = 3;
 
 /// How the walk goes on with a patch.
@@ -47,8 +48,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count` is the number of patches in
-    /// it, with itself.
+    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count`
+    /// is the number of patches in it, with itself.
     fn wait(&mut self, shell: usize, slot: Slot, patch: PatchIndex, count: u32) {
         let waiting = &mut self.scratch.waiting;
         if waiting.len() <= shell {
@@ -68,14 +69,16 @@ impl<'a> Walk<'a> {
         self.scratch.is_small(b, pixels)
     }
 
-    /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are too few for a batch.
+    /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
+    /// too few for a batch.
     pub(super) fn draw_patches(&mut self, m: i32) {
         if !self.defers_patches(m) {
             self.draw_all_patches(m);
         }
     }
 
-    /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a batch was not worth.
+    /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a
+    /// batch was not worth.
     pub(super) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
         let count = self.scratch.waiting[..last].iter().map(|shell| shell.listed.len()).sum();
@@ -89,8 +92,8 @@ impl<'a> Walk<'a> {
         self.scratch.waiting.len().min(m.max(0) as usize + 1)
     }
 
-    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the eye may go some way, a batch
-    /// draws the neighbours of its patches again, as wholes.
+    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the
+    /// eye may go some way, a batch draws the neighbours of its patches again, as wholes.
     fn defers_patches(&self, m: i32) -> bool {
         let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
         let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
@@ -150,8 +153,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
-    /// `m` wait.
+    /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that
+    /// begin beyond shell `m` wait.
     fn collect(&mut self, slot: Slot, whole: PatchIndex, m: usize, batch: &mut Batch<'a>) {
         let Some(source) = self.source(slot) else { return };
         let surface = source.surface;
@@ -229,8 +232,8 @@ impl<'a> Walk<'a> {
         if has_parts { Next::Parts } else { Next::Done }
     }
 
-    /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin compared to its
-    /// distance.
+    /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin
+    /// compared to its distance.
     fn is_thin(&self, d: &Drawable) -> bool {
         let (lo, hi) = d.slab;
         let (thickness, height) = (hi - lo, lo.max(-hi));
@@ -242,7 +245,8 @@ impl<'a> Walk<'a> {
         thickness <= THIN * height || across <= THIN * distance
     }
 
-    /// Appends the neighbours of a batch that were drawn before, so that no seam stays between batches.
+    /// Appends the neighbours of a batch that were drawn before, so that no seam stays between
+    /// batches.
     fn collect_neighbours(&mut self, batch: &mut Batch<'a>) {
         let (epoch, number) = (self.marks.epoch(), self.scratch.batches);
         for i in 0..batch.drawables.len() {

@@ -8,7 +8,8 @@ use crate::grid::cell_box::CellBox;
 use crate::query::point::Walk;
 
 impl Walk<'_> {
-    /// Reveals the volumes around the eye: their surface is not between the eye and the objects in them.
+    /// Reveals the volumes around the eye: their surface is not between the eye and the objects in
+    /// them.
     pub(super) fn reveal_around(&mut self, eye: DVec3) {
         let scene = self.scene;
         let cell = scene.grid().cell_of(eye);
@@ -21,7 +22,8 @@ impl Walk<'_> {
         around.into_iter().for_each(|slot| self.reveal(slot));
     }
 
-    /// Tests the volumes of the bricks walked since the last call, after all objects as near are drawn.
+    /// Tests the volumes of the bricks walked since the last call, after all objects as near are
+    /// drawn.
     pub(super) fn test_volumes(&mut self) {
         let mut bricks = std::mem::take(&mut self.scratch.volumes);
         let scene = self.scene;
@@ -51,8 +53,8 @@ impl Walk<'_> {
         self.settle();
     }
 
-    /// Finds the objects that reach beyond the grid and were not found in their bricks: a brick out of sight, or a
-    /// hidden one, tells nothing about the parts of its objects beyond the grid.
+    /// Finds the objects that reach beyond the grid and were not found in their bricks: a brick out
+    /// of sight, or a hidden one, tells nothing about the parts of its objects beyond the grid.
     pub(super) fn find_overhanging(&mut self) {
         let scene = self.scene;
         let mut slots = std::mem::take(&mut self.scratch.open);

@@ -45,19 +45,21 @@ pub struct Convex {
     pub(crate) faces: Vec<HalfSpace>,
     /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
-    /// The solid asked for reaches beyond faces and bounding box by this much at most, in world units.
+    /// The solid asked for reaches beyond faces and bounding box by this much at most, in world
+    /// units.
     pub(crate) lost: f64,
 }
 
 impl Convex {
     /// The hull of points. Costs about n^2 for n points.
     ///
-    /// The solid lies inside the hull. It may leave out points that are nearer than a millionth of the hull's size to
-    /// the hull of the others: corners may come several times, each a few roundings elsewhere.
+    /// The solid lies inside the hull. It may leave out points that are nearer than a millionth of
+    /// the hull's size to the hull of the others: corners may come several times, each a few
+    /// roundings elsewhere.
     ///
     /// # Errors
-    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points that lie
-    /// in one plane to within a millionth of their size.
+    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points
+    /// that lie in one plane to within a millionth of their size.
     pub fn from_points(points: &[Vec3]) -> Result<Self, Error> {
         for &p in points {
             finite3("a point of a convex solid", p)?;
@@ -71,14 +73,14 @@ impl Convex {
 
     /// The intersection of half-spaces. Costs about n^4 for n of them.
     ///
-    /// The solid lies inside the intersection: each of its corners satisfies every half-space exactly, and
-    /// so do all points behind its faces. Corners nearer than a millionth of the solid's size to the hull of
-    /// the others may be cut off.
+    /// The solid lies inside the intersection: each of its corners satisfies every half-space
+    /// exactly, and so do all points behind its faces. Corners nearer than a millionth of the
+    /// solid's size to the hull of the others may be cut off.
     ///
     /// # Errors
-    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], half-spaces whose
-    /// intersection is empty, flat or unbounded, and solids so thin and so far from the origin that double
-    /// precision does not resolve them.
+    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], half-spaces
+    /// whose intersection is empty, flat or unbounded, and solids so thin and so far from the
+    /// origin that double precision does not resolve them.
     pub fn from_planes(planes: &[Plane]) -> Result<Self, Error> {
         if !(4..=MAX_CONVEX).contains(&planes.len()) {
             return Err(Error::Convex("it needs 4 to 64 half-spaces"));
@@ -118,11 +120,13 @@ impl Convex {
         points.iter().map(over).fold(0.0, f64::max)
     }
 
-    /// The same solid, moved. Where sums round, it is smaller than the solid moved exactly, inside which it lies:
-    /// by a few units in the last place of its coordinates, more for corners far from its middle.
+    /// The same solid, moved. Where sums round, it is smaller than the solid moved exactly, inside
+    /// which it lies: by a few units in the last place of its coordinates, more for corners far
+    /// from its middle.
     ///
     /// # Errors
-    /// Refuses an offset that is not finite, and one that takes the solid where double precision hardly resolves it.
+    /// Refuses an offset that is not finite, and one that takes the solid where double precision
+    /// hardly resolves it.
     pub fn translated(&self, offset: Vec3) -> Result<Self, Error> {
         const TOO_FAR: Error = Error::Convex("it is too thin to be moved so far from the origin");
         finite3("the offset", offset)?;
@@ -140,8 +144,8 @@ impl Convex {
         let reach = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let mut pull = 0.0;
         if !self.vertices.iter().all(exact) {
-            // A ball of the pull times the depth around each corner as pulled exactly lies in the solid: it
-            // leaves room for the roundings that follow.
+            // A ball of the pull times the depth around each corner as pulled exactly lies in the
+            // solid: it leaves room for the roundings that follow.
             let middle = self.middle();
             let depth = self.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
             let room = 2.0 * CORNER * (reach + self.reach());
@@ -169,14 +173,15 @@ impl Convex {
         }
     }
 
-    /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if hardly anything of
-    /// it is left.
+    /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if
+    /// hardly anything of it is left.
     pub(crate) fn inside_hull(points: &[DVec3], room: f64) -> Option<Self> {
         let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         let mut solid = Self::hull(points, CORNER * reach)?;
         let middle = solid.middle();
         let depth = solid.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
-        // A ball of the pull times the depth around each corner as pulled lies in the hull, and a ball of the room.
+        // A ball of the pull times the depth around each corner as pulled lies in the hull, and a
+        // ball of the room.
         let pull = (room + 2.0 * CORNER * reach) / depth;
         if !(0.0..MOST_PULL).contains(&pull) {
             return None;
@@ -189,8 +194,8 @@ impl Convex {
         Some(solid)
     }
 
-    /// The intersection of half-spaces that are given relative to a point inside all of them, smaller by `room` at least
-    /// on all sides; `None` if hardly anything of it is left.
+    /// The intersection of half-spaces that are given relative to a point inside all of them,
+    /// smaller by `room` at least on all sides; `None` if hardly anything of it is left.
     pub(crate) fn inside_planes(center: DVec3, planes: &[HalfSpace], room: f64) -> Option<Self> {
         let corners = planes::corners_around(planes)?;
         // How far rounding put corners beyond planes: no point of their hull lies farther beyond.
@@ -215,7 +220,8 @@ impl Convex {
         self.faces.iter().zip(0..).map(face).sum()
     }
 
-    /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it is left.
+    /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it
+    /// is left.
     pub(crate) fn placed(&self, placement: &Placement) -> Option<Self> {
         let points: Vec<DVec3> =
             self.vertices.iter().map(|&v| placement.affine.transform_point3(v)).collect();

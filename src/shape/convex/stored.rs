@@ -1,4 +1,5 @@
-//! Convex solids with serde: by their corners. Faces and edges are found anew, so that no file can contradict itself.
+//! Convex solids with serde: by their corners. Faces and edges are found anew, so that no file can
+//! contradict itself.
 
 use std::sync::Arc;
 

@@ -127,8 +127,8 @@ impl Found {
         }
     }
 
-    /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if one of its cells is in sight; one that
-    /// goes unreported may be anywhere in the volume.
+    /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if
+    /// one of its cells is in sight; one that goes unreported may be anywhere in the volume.
     fn settle(&mut self, scene: &Scene, sight: &Sight, walk: &Walk) {
         // The order of look-ups among volumes must not show.
         self.revealed.sort_unstable();
@@ -148,7 +148,8 @@ impl Found {
     }
 }
 
-/// Whether the eye is inside a solid occluder. One sees through its inside then, so that opaque cells hide nothing.
+/// Whether the eye is inside a solid occluder. One sees through its inside then, so that opaque
+/// cells hide nothing.
 fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     let in_cell = if scene.grid().contains(v) { scene.lists().get(v) } else { &[] };
     let mut around = in_cell.iter().chain(scene.outer()).filter_map(|&slot| scene.object(slot));
@@ -157,7 +158,8 @@ fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     })
 }
 
-/// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it bounds nothing.
+/// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it
+/// bounds nothing.
 fn region_of(scene: &Scene, view: &View, v: IVec2) -> Region {
     let (lo, hi) = scene.grid().cell_bounds(v);
     let per_cell = 1.0 / scene.grid().cell_size();

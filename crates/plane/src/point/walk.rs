@@ -1,4 +1,5 @@
-//! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their occluders.
+//! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their
+//! occluders.
 
 use casca_slots::Slot;
 use glam::IVec2;
@@ -80,7 +81,8 @@ impl Walk {
         }
     }
 
-    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide them.
+    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide
+    /// them.
     fn keep_shown(&mut self, circle: &Circle, shells: &Shells, first: usize) {
         let mut kept = first;
         for i in first..self.walls.len() {

@@ -13,14 +13,17 @@ use crate::scene::state::State;
 use crate::solid::filled;
 
 impl Scene {
-    /// Adds an object. A dynamic one counts as visible until a frame ends without it. Costs the cells that its bounds touch: four
-    /// bytes each, and 1.5 kB for each 8x8 cells that were empty; also the cells inside its occluder. An object that touches the border
-    /// of the grid or leaves it, or touches more cells than twice the number around the grid, is looked at in every query instead.
+    /// Adds an object. A dynamic one counts as visible until a frame ends without it. Costs the
+    /// cells that its bounds touch: four bytes each, and 1.5 kB for each 8x8 cells that were empty;
+    /// also the cells inside its occluder. An object that touches the border of the grid or leaves
+    /// it, or touches more cells than twice the number around the grid, is looked at in every query
+    /// instead.
     ///
     /// # Errors
-    /// Refuses shapes that are not finite or inverted, or have a negative radius, occluders that stick out of the rectangle
-    /// around their bounds by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed objects,
-    /// objects without speed that are reported on expiry, and more than 2^31 objects.
+    /// Refuses shapes that are not finite or inverted, or have a negative radius, occluders that
+    /// stick out of the rectangle around their bounds by more than a thousandth of its diagonal,
+    /// speeds that are not finite or negative, speeds of fixed objects, objects without speed that
+    /// are reported on expiry, and more than 2^31 objects.
     pub fn insert(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let object = Object::new(desc, self.now);
@@ -30,15 +33,16 @@ impl Scene {
         Ok(self.id(slot))
     }
 
-    /// Moves an object or changes its shape: all of it, in world units. For an object that is reported on expiry this is the report, also
-    /// where nothing changed.
+    /// Moves an object or changes its shape: all of it, in world units. For an object that is
+    /// reported on expiry this is the report, also where nothing changed.
     ///
-    /// A hidden object that stays inside its temporal bounding volume costs a comparison. One that leaves its volume, as fast as
-    /// it promised or faster, gets another one. Others cost the cells that they touched and touch, and those inside their occluders.
+    /// A hidden object that stays inside its temporal bounding volume costs a comparison. One that
+    /// leaves its volume, as fast as it promised or faster, gets another one. Others cost the cells
+    /// that they touched and touch, and those inside their occluders.
     ///
     /// # Errors
-    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without occluder of an object that
-    /// has one (see [`Scene::set_occluder`]).
+    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update
+    /// without occluder of an object that has one (see [`Scene::set_occluder`]).
     pub fn update(
         &mut self,
         id: ObjectId,
@@ -53,8 +57,9 @@ impl Scene {
         self.replace(id, bounds, occluder)
     }
 
-    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay. Costs as [`Scene::update`]; like that it is
-    /// the report of an object that is reported on expiry: it says that the object is where its bounds are.
+    /// Gives an object another occluder, or takes away the one that it has. Its bounds stay. Costs
+    /// as [`Scene::update`]; like that it is the report of an object that is reported on expiry: it
+    /// says that the object is where its bounds are.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
@@ -76,8 +81,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes an object out. Costs the cells that it touches, and the other objects in them; those of the outline of its volume, if it
-    /// is hidden.
+    /// Takes an object out. Costs the cells that it touches, and the other objects in them; those
+    /// of the outline of its volume, if it is hidden.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -107,8 +112,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Enters an object that is in no matrix into the lists of its cells, or into the list of those that are in none, and fills the cells
-    /// inside its occluder.
+    /// Enters an object that is in no matrix into the lists of its cells, or into the list of those
+    /// that are in none, and fills the cells inside its occluder.
     pub(super) fn list(&mut self, slot: Slot) {
         let Some(object) = self.slots.get(slot) else { return };
         let (dynamic, on_expiry) = (object.mover.is_some(), object.on_expiry());
@@ -180,7 +185,8 @@ impl Scene {
         filled(occluder, &self.grid, &mut |y, xs| xs.for_each(|x| opacity.remove(x as u32, y as u32)));
     }
 
-    /// Whether a shape is in no lists of cells: it leaves the grid, or touches more cells than twice the number around the grid.
+    /// Whether a shape is in no lists of cells: it leaves the grid, or touches more cells than
+    /// twice the number around the grid.
     pub(super) fn is_outer(&self, bounds: &Shape) -> bool {
         let (grid, block) = (&self.grid, bounds.block());
         if !grid.surrounds(block.min, block.max) {

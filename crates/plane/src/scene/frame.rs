@@ -16,8 +16,8 @@ pub struct FrameReport {
     pub hidden: usize,
     /// Volumes that a view saw.
     pub revealed: usize,
-    /// Volumes that were drawn since the last frame ended: also those of objects that left their volume, and of objects that were
-    /// reported when their volume had expired.
+    /// Volumes that were drawn since the last frame ended: also those of objects that left their
+    /// volume, and of objects that were reported when their volume had expired.
     pub drawn: usize,
 }
 
@@ -32,12 +32,14 @@ impl Seen {
 
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
-    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no longer contain them, and the ones in no
-    /// volume, unless the last frame ended with them in sight: those are reported unasked. Until each is
-    /// [updated](Scene::update), every query counts it as visible, and it hides nothing.
+    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no
+    /// longer contain them, and the ones in no volume, unless the last frame ended with them in
+    /// sight: those are reported unasked. Until each is [updated](Scene::update), every query
+    /// counts it as visible, and it hides nothing.
     ///
-    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that is reported on expiry
-    /// is in no volume, a look at each dynamic one that is in none.
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if
+    /// any object that is reported on expiry is in no volume, a look at each dynamic one that is in
+    /// none.
     ///
     /// # Errors
     /// Refuses a time that is not finite; then nothing changes.
@@ -62,7 +64,8 @@ impl Scene {
         Ok(due)
     }
 
-    /// Listed objects that are reported on expiry were surely there only when they were last reported.
+    /// Listed objects that are reported on expiry were surely there only when they were last
+    /// reported.
     fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
         let frame = self.frame;
         self.frame += 1;
@@ -84,9 +87,10 @@ impl Scene {
         }
     }
 
-    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal bounding volumes, those whose volume
-    /// a view saw come out. Without results nothing changes; those of queries that never ran are passed over. A frame that ends without
-    /// a call costs reports and time, but loses nobody.
+    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal
+    /// bounding volumes, those whose volume a view saw come out. Without results nothing changes;
+    /// those of queries that never ran are passed over. A frame that ends without a call costs
+    /// reports and time, but loses nobody.
     ///
     /// Costs the dynamic objects that are visible or whose volume was seen.
     ///

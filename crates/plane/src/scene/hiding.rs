@@ -12,8 +12,8 @@ use crate::scene::state::{Hidden, State};
 use crate::volume::{Tbv, Validity};
 
 impl Scene {
-    /// The cells of the outline of the temporal bounding volume that stands for an object, those beyond the grid included; none if it
-    /// is not in a volume.
+    /// The cells of the outline of the temporal bounding volume that stands for an object, those
+    /// beyond the grid included; none if it is not in a volume.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -22,8 +22,9 @@ impl Scene {
         Ok(hidden.map_or(Vec::new(), |hidden| hidden.tbv.outline().collect()))
     }
 
-    /// For how many seconds the next temporal bounding volume of an object is made to last: longer after volumes that no view saw,
-    /// shorter after ones that a view saw. `None` for fixed objects.
+    /// For how many seconds the next temporal bounding volume of an object is made to last: longer
+    /// after volumes that no view saw, shorter after ones that a view saw. `None` for fixed
+    /// objects.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -67,7 +68,8 @@ impl Scene {
     /// A hidden object was reported elsewhere: inside its volume it stays.
     fn hidden_moved(&mut self, slot: Slot, hidden: Hidden) {
         let Some(object) = self.slots.get(slot) else { return };
-        // Outlines have no cells beyond the border of the grid: an object that leaves the grid leaves its volume.
+        // Outlines have no cells beyond the border of the grid: an object that leaves the grid
+        // leaves its volume.
         let (inside, in_grid) =
             (hidden.tbv.room(&self.grid, &object.bounds), self.room_in_grid(&object.bounds));
         let room = inside.min(in_grid);
@@ -89,15 +91,16 @@ impl Scene {
         (block.min - self.grid.min()).min(self.grid.max() - block.max).min_element()
     }
 
-    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides nothing.
+    /// The place of a listed object is no longer known: until it is reported it counts as visible
+    /// and hides nothing.
     pub(super) fn miss(&mut self, slot: Slot) {
         self.unfill(slot);
         self.set_state(slot, State::Overdue);
         self.lost.insert(slot);
     }
 
-    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went backwards, no
-    /// volume is certain.
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the
+    /// clock went backwards, no volume is certain.
     pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
         let Expiry { slot, generation, at } = entry;
         let object = self.slots.of_generation(slot, generation);

@@ -1,15 +1,17 @@
 //! The scene: objects, lists of them by cell, and the frame loop.
 //!
-//! Every object is stored in a [`Slot`]. Objects inside the grid are in the lists of the cells that they touch
-//! ([`lists`]). Those that leave the grid, or touch more cells than a query would skip by them, are in the list `outer`, which every
-//! query looks at.
+//! Every object is stored in a [`Slot`]. Objects inside the grid are in the lists of the cells that
+//! they touch ([`lists`]). Those that leave the grid, or touch more cells than a query would skip
+//! by them, are in the list `outer`, which every query looks at.
 //!
-//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those and the cells inside dynamic ones
-//! ([`crate::matrix`]); I is the lists; T has the outlines of the volumes that stand for hidden dynamic objects ([`crate::volume`],
-//! [`state`]). H belongs to a query ([`crate::cell`]).
+//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those
+//! and the cells inside dynamic ones ([`crate::matrix`]); I is the lists; T has the outlines of the
+//! volumes that stand for hidden dynamic objects ([`crate::volume`], [`state`]). H belongs to a
+//! query ([`crate::cell`]).
 //!
-//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the application moves objects; queries
-//! read the scene; [`Scene::end_frame`] takes their results, and puts dynamic objects that no view saw into volumes.
+//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the
+//! application moves objects; queries read the scene; [`Scene::end_frame`] takes their results, and
+//! puts dynamic objects that no view saw into volumes.
 
 mod edit;
 mod frame;
@@ -36,11 +38,12 @@ pub(crate) use object::Object;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
-/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that moved, queries, and [`Scene::end_frame`] with
-/// their results.
+/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that moved,
+/// queries, and [`Scene::end_frame`] with their results.
 ///
-/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids that the original gives out
-/// later, nor the other way round. Each refuses a [`crate::Pvs`] that was found on the other.
+/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
+/// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
+/// was found on the other.
 ///
 /// ```
 /// use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
@@ -182,7 +185,8 @@ impl Scene {
         self.now
     }
 
-    /// Changes whenever an object came, went or changed. Results that were found at another revision may not hold any more.
+    /// Changes whenever an object came, went or changed. Results that were found at another
+    /// revision may not hold any more.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -202,8 +206,9 @@ impl Scene {
         &self.volumes
     }
 
-    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline does not stand for them. For a cell
-    /// outside of the grid these are all, as outlines end at the border.
+    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline
+    /// does not stand for them. For a cell outside of the grid these are all, as outlines end at
+    /// the border.
     pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(Slot)) {
         if self.grid.contains(cell) {
             self.volumes.holding(cell, found);
@@ -217,7 +222,8 @@ impl Scene {
         self.lost.as_slice()
     }
 
-    /// The objects that are in no cells, as they are too large or leave the grid: every query looks at them.
+    /// The objects that are in no cells, as they are too large or leave the grid: every query looks
+    /// at them.
     pub(crate) fn outer(&self) -> &[Slot] {
         &self.outer
     }

@@ -1,4 +1,5 @@
-//! Finds the volumes that contain a cell, to keep the rule that a hollow volume must not contain the viewer.
+//! Finds the volumes that contain a cell, to keep the rule that a hollow volume must not contain
+//! the viewer.
 
 use std::collections::HashMap;
 
@@ -10,8 +11,8 @@ use crate::volume::tbv::Tbv;
 /// The volumes of one level by the place of their centre. Never iterated.
 type Level = HashMap<IVec2, Vec<(Slot, Tbv)>>;
 
-/// A volume of up to 2^level cells along an axis is filed by its centre in squares of that size, so that four squares a level are looked
-/// up. Volumes of one square are looked through one by one.
+/// A volume of up to 2^level cells along an axis is filed by its centre in squares of that size, so
+/// that four squares a level are looked up. Volumes of one square are looked through one by one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Containing {
     levels: Vec<Level>,

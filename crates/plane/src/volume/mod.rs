@@ -1,5 +1,5 @@
-//! Temporal bounding volumes (TBVs): circles of cells that hold hidden moving objects for a while, so that motion inside changes no matrix
-//! (Sudarsky & Gotsman 1996; thesis, section 3.3.2).
+//! Temporal bounding volumes (TBVs): circles of cells that hold hidden moving objects for a while,
+//! so that motion inside changes no matrix (Sudarsky & Gotsman 1996; thesis, section 3.3.2).
 
 mod circle;
 mod containing;
