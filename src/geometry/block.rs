@@ -57,8 +57,8 @@ impl Block {
     /// Whether they may share a point, with room for the rounding of the tests that follow; in
     /// doubt, yes.
     pub(crate) fn may_meet(&self, other: &Self) -> bool {
-        let reach = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
-        let room = 2.0 * REGION * (1.0 + reach(self) + reach(other));
+        let largest = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
+        let room = 2.0 * REGION * (1.0 + largest(self) + largest(other));
         // Also if a number is not one.
         !((self.min - room).cmpgt(other.max).any() || (self.max + room).cmplt(other.min).any())
     }
@@ -109,10 +109,10 @@ impl Block {
 impl Block {
     /// Whether it may have points in each of the half-spaces; in doubt, yes.
     pub(crate) fn may_reach(&self, planes: &[HalfSpace]) -> bool {
-        let reach = self.min.abs().max(self.max.abs()).max_element();
+        let largest = self.min.abs().max(self.max.abs()).max_element();
         planes.iter().all(|p| {
             let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), self.max, self.min);
-            p.distance(farthest) >= -p.margin(reach)
+            p.distance(farthest) >= -p.margin(largest)
         })
     }
 

@@ -36,16 +36,16 @@ impl Placement {
         let m = affine.matrix3;
         let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
         let growth = (x.length_squared() + y.length_squared() + z.length_squared()).sqrt();
-        let reach = growth * largest + affine.translation.abs().max_element();
-        if reach.is_nan() || reach > f64::from(f32::MAX) {
-            return Err(Error::NotFinite { what, value: DVec3::splat(reach) });
+        let bound = growth * largest + affine.translation.abs().max_element();
+        if bound.is_nan() || bound > f64::from(f32::MAX) {
+            return Err(Error::NotFinite { what, value: DVec3::splat(bound) });
         }
         // The cofactors are the inverse transpose times the determinant, and need no division.
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let turned = m.determinant();
         let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
         let keeps_angles = turned > 0.0 && scales_alike(&m);
-        Ok(Self { affine, growth, error: SINGLE * reach, normals, keeps_angles })
+        Ok(Self { affine, growth, error: SINGLE * bound, normals, keeps_angles })
     }
 }
 

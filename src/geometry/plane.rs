@@ -54,8 +54,8 @@ impl HalfSpace {
         -self.distance(p)
     }
 
-    /// Margin for decisions about points with coordinates up to `reach`.
-    pub(crate) fn margin(&self, reach: f64) -> f64 {
-        DISTANCE * (reach + self.offset.abs())
+    /// Margin for decisions about points with coordinates up to `largest`.
+    pub(crate) fn margin(&self, largest: f64) -> f64 {
+        DISTANCE * (largest + self.offset.abs())
     }
 }

@@ -86,8 +86,8 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
                 continue;
             }
             let (p, q) = ([min, max][side][i], [min, max][other][j]);
-            let reach = greater(along, greater(p.abs(), q.abs()));
-            if max[axis] - min[axis] <= NO_EDGE * reach {
+            let largest = greater(along, greater(p.abs(), q.abs()));
+            if max[axis] - min[axis] <= NO_EDGE * largest {
                 continue;
             }
             let distance = (p * p + q * q).sqrt();
@@ -95,7 +95,7 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
             let (a, b) = (q * inverse, -p * inverse);
             let inside = a * middle.0 + b * middle.1;
             // Also if a number is not one.
-            if !(distance > NEAREST_EDGE * reach && inside.abs() >= NO_WIDTH * reach) {
+            if !(distance > NEAREST_EDGE * largest && inside.abs() >= NO_WIDTH * largest) {
                 return (Outline::Everything, fronts);
             }
             let mut normal = [0.0; 3];
@@ -183,14 +183,14 @@ impl Polytope {
                 }
             };
             let length = across.length();
-            let reach = p.abs().max_element().max(q.abs().max_element());
+            let largest = p.abs().max_element().max(q.abs().max_element());
             // Edges without length, as rays see them, bound nothing.
-            if edge.length() <= NO_EDGE * reach || direction.is_some() && length <= NO_EDGE * reach {
+            if edge.length() <= NO_EDGE * largest || direction.is_some() && length <= NO_EDGE * largest {
                 continue;
             }
             let known = match direction {
                 // Twice the triangle's area is the edge's length times its distance.
-                None => length > NEAREST_EDGE * reach * edge.length(),
+                None => length > NEAREST_EDGE * largest * edge.length(),
                 Some(_) => length > STEEPEST_EDGE * edge.length(),
             };
             if !known {
@@ -200,7 +200,7 @@ impl Polytope {
             let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
             let side = n.dot(center) + h;
             // A shape without width: which side is inside is rounding.
-            if side.abs() < NO_WIDTH * reach {
+            if side.abs() < NO_WIDTH * largest {
                 return Outline::Everything;
             }
             let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };

@@ -30,7 +30,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
     let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
     let (min, max) =
         points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
-    let (size, reach) = ((max - min).length(), min.abs().max(max.abs()).max_element());
+    let (size, largest) = ((max - min).length(), min.abs().max(max.abs()).max_element());
     let mut dent = 0.0f64;
     for t in triangles {
         let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
@@ -50,7 +50,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
         }
         dent = dent.max(before);
     }
-    Convex::inside_hull(&points, 2.0 * dent + HULL_ROOM * reach)
+    Convex::inside_hull(&points, 2.0 * dent + HULL_ROOM * largest)
 }
 
 #[cfg(test)]

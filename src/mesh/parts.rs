@@ -150,7 +150,7 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
 }
 
 /// How far points reach along each direction, both ways.
-fn reach<const N: usize>(points: &[DVec3], directions: &[DVec3; N]) -> [(f64, f64); N] {
+fn extents_along<const N: usize>(points: &[DVec3], directions: &[DVec3; N]) -> [(f64, f64); N] {
     let along: [[f64; N]; 3] = [0, 1, 2].map(|axis| directions.map(|n| n[axis]));
     let (mut lo, mut hi) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
     for p in points {
@@ -169,7 +169,9 @@ fn around(points: &[DVec3]) -> Convex {
     let box_of = |axes: &DMat3| {
         let mut half = DVec3::ZERO;
         let mut center = DVec3::ZERO;
-        for (i, (lo, hi)) in reach(points, &[axes.x_axis, axes.y_axis, axes.z_axis]).into_iter().enumerate() {
+        for (i, (lo, hi)) in
+            extents_along(points, &[axes.x_axis, axes.y_axis, axes.z_axis]).into_iter().enumerate()
+        {
             half[i] = (hi - lo) * 0.5;
             center += axes.col(i) * ((lo + hi) * 0.5);
         }
@@ -193,7 +195,7 @@ fn around(points: &[DVec3]) -> Convex {
     let mut planes: Vec<(f64, HalfSpace)> = Vec::new();
     let directions =
         DIAGONALS.map(|(x, y, z)| (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize());
-    for (n, (lo, hi)) in directions.into_iter().zip(reach(points, &directions)) {
+    for (n, (lo, hi)) in directions.into_iter().zip(extents_along(points, &directions)) {
         for plane in [HalfSpace { normal: -n, offset: hi + room }, HalfSpace { normal: n, offset: room - lo }]
         {
             planes.push((solid.beyond(&plane), plane));
@@ -245,7 +247,7 @@ impl Solid {
         let out = |v: usize| above[v] > eps;
         let mut crossings: Vec<((usize, usize), usize)> = Vec::new();
         // The new face's edges, from corner to corner.
-        let mut rim: Vec<(usize, usize)> = Vec::new();
+        let mut cut: Vec<(usize, usize)> = Vec::new();
         let mut faces = Vec::new();
         for (own, ring) in std::mem::take(&mut self.faces) {
             let mut kept = Vec::with_capacity(ring.len() + 1);
@@ -270,18 +272,18 @@ impl Solid {
                 }
             }
             if let (Some(leaves), Some(enters)) = (leaves, enters) {
-                rim.push((enters, leaves));
+                cut.push((enters, leaves));
             }
             if kept.len() >= 3 {
                 faces.push((own, kept));
             }
         }
         let mut ring: Vec<usize> = Vec::new();
-        if let Some(&(first, mut at)) = rim.first() {
+        if let Some(&(first, mut at)) = cut.first() {
             ring.push(first);
-            while at != first && ring.len() <= rim.len() {
+            while at != first && ring.len() <= cut.len() {
                 ring.push(at);
-                at = rim.iter().find(|e| e.0 == at).map_or(first, |e| e.1);
+                at = cut.iter().find(|e| e.0 == at).map_or(first, |e| e.1);
             }
         }
         if ring.len() >= 3 {

@@ -77,9 +77,9 @@ pub(crate) const NEAREST_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// The same for single precision and numbers below 2^22: 1.5 times 2^23.
 pub(crate) const NEAREST_INTEGER_SINGLE: f32 = 12_582_912.0;
 
-/// Directions this close to the rim of a ball (squared sine of half the chord, as a share) get no
+/// Directions this close to the outline of a ball (squared sine of half the chord, as a share) get no
 /// depth: the root would keep less than half of its digits.
-pub(crate) const BALL_RIM: f64 = 1e-9;
+pub(crate) const BALL_OUTLINE: f64 = 1e-9;
 
 /// A ball is entered at a depth only if the square of the tangent from the eye is more than this
 /// share of the squared distance along the ray: the difference of squares then keeps ten digits.
@@ -168,11 +168,11 @@ pub(crate) const CLEARANCE: f64 = 8.0;
 /// buffers wider.
 pub(crate) const NEAREST_IN_REACHES: f64 = 8.0;
 
-/// Parallel rays start this many times the reach of the scene before its middle, so that depths are
-/// positive and of one magnitude: from 3 to 5 reaches, which [`MAX_DEPTH`] bounds.
+/// Parallel rays start this many times the radius of the scene before its middle, so that depths are
+/// positive and of one magnitude: from 3 to 5 radii, which [`MAX_DEPTH`] bounds.
 pub(crate) const MIDDLE_DEPTH: f64 = 4.0;
 
-/// All of the scene is nearer to that start than this many times its reach.
+/// All of the scene is nearer to that start than this many times its radius.
 pub(crate) const MAX_DEPTH: f64 = 6.0;
 
 /// Pixels beyond this number are cut off before they become whole: far outside of any window (2^20

@@ -214,8 +214,8 @@ pub(crate) fn check_pair(bounds: &Bounds, occluder: Option<&Occluder>) -> Result
     let Some(occluder) = occluder else { return Ok(()) };
     occluder.check()?;
     let outer = bounds.block();
-    let reach = outer.min.abs().max(outer.max.abs()).max_element();
-    let allowed = OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach;
+    let largest = outer.min.abs().max(outer.max.abs()).max_element();
+    let allowed = OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * largest;
     // The quick box of an instance may be much larger than its vertices need.
     if outer.beyond(&occluder.block()) > allowed {
         let by = outer.beyond(&occluder.kind().least_block());

@@ -103,8 +103,8 @@ impl Cuboid {
         match self.rotation() {
             Some(rotation) => self.outer(rotation, room).into(),
             None => {
-                let reach: DVec3 = self.axes().iter().map(|axis| axis.abs()).sum();
-                let (min, max) = (self.center - reach - room, self.center + reach + room);
+                let radius: DVec3 = self.axes().iter().map(|axis| axis.abs()).sum();
+                let (min, max) = (self.center - radius - room, self.center + radius + room);
                 Block { min, max }.to_aabb().into()
             }
         }
@@ -148,8 +148,8 @@ impl Cuboid {
         let (turn, off) = (outer.turn(), self.center - outer.center.as_dvec3());
         for i in 0..3 {
             let way = turn.col(i);
-            let reach: f64 = self.axes().iter().map(|axis| way.dot(*axis).abs()).sum();
-            outer.half[i] = above(reach + way.dot(off).abs() + room);
+            let radius: f64 = self.axes().iter().map(|axis| way.dot(*axis).abs()).sum();
+            outer.half[i] = above(radius + way.dot(off).abs() + room);
         }
         outer
     }

@@ -109,12 +109,12 @@ impl OcclusionBuffers {
             }
             Origin::Direction(d) => {
                 (self.origin, self.error, self.direction) =
-                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.reach), 0.0, Some(d));
+                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.radius), 0.0, Some(d));
                 // Across the rays, along one of the view's own sides.
                 let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < ACROSS);
                 let right =
                     side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
-                SmallVec::from_iter([Face::across(d, right, pitch.reach)])
+                SmallVec::from_iter([Face::across(d, right, pitch.radius)])
             }
         }
     }
@@ -272,7 +272,7 @@ mod tests {
     use crate::random::Random;
 
     fn pitch(pixels: f64) -> Pitch {
-        Pitch { pixels, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO }
+        Pitch { pixels, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO }
     }
 
     /// Where a ray from the origin enters a box, as a share of `d`.

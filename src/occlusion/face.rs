@@ -188,9 +188,9 @@ impl Face {
         if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
             let half = (b.max - b.min) * 0.5;
-            let reach =
+            let radius =
                 DVec3::new(half.dot(self.right.abs()), half.dot(self.up.abs()), half.dot(self.forward.abs()));
-            let (lo, hi) = (c - reach, c + reach);
+            let (lo, hi) = (c - radius, c + radius);
             return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, (lo.z, hi.z)));
         }
         let ordered = |a: f64, b: f64| if a < b { (a, b) } else { (b, a) };

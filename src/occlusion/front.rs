@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Outline;
 use crate::numeric::occlusion::{
-    BALL_NEAR_EYE, BALL_RIM, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
+    BALL_NEAR_EYE, BALL_OUTLINE, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
 };
 use crate::occlusion::face::{Face, Linear, Rect};
 
@@ -54,13 +54,13 @@ impl Ball {
         if self.across > 0.0 {
             let (du, dv) = ((u - c.x) / self.across, (v - c.y) / self.across);
             let q = 1.0 - (du * du + dv * dv);
-            return (q > BALL_RIM).then(|| c.z - self.radius * q.sqrt());
+            return (q > BALL_OUTLINE).then(|| c.z - self.radius * q.sqrt());
         }
         let s = u * c.x + v * c.y + c.z;
         let d2 = u * u + v * v + 1.0;
         let q = s * s - d2 * self.power;
         // The root keeps more than half of its digits.
-        (s > 0.0 && q > BALL_RIM * s * s && self.power > BALL_NEAR_EYE * s * s)
+        (s > 0.0 && q > BALL_OUTLINE * s * s && self.power > BALL_NEAR_EYE * s * s)
             .then(|| self.power / (s + q.sqrt()))
     }
 }
@@ -75,7 +75,7 @@ impl Ball {
         }
         let s = u * c.x + v * c.y + c.z;
         let q = s * s - (u * u + v * v + 1.0) * self.power;
-        let known = (s > 0.0) & (q > BALL_RIM * s * s) & (self.power > BALL_NEAR_EYE * s * s);
+        let known = (s > 0.0) & (q > BALL_OUTLINE * s * s) & (self.power > BALL_NEAR_EYE * s * s);
         if known { (s + q.sqrt()) / self.power } else { f64::NAN }
     }
 }
@@ -88,10 +88,10 @@ impl Front {
         outline: &Outline,
         planes: &[HalfSpace],
         farthest: f64,
-        reach: f64,
+        largest: f64,
     ) -> Self {
         // Planes too close to the eye, or seen edge-on, are not known well enough.
-        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * reach;
+        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * largest;
         let mut found = SmallVec::new();
         planes.iter().filter(known).filter_map(|plane| face.nearness(plane)).for_each(|l| found.push(l));
         let ball = match outline {
@@ -170,7 +170,7 @@ impl Front {
             return f64::INFINITY;
         }
         // The ball lies behind any plane that touches it. The plane where the direction nearest to
-        // its middle enters is a good bound; on the rim, a direction a little farther in.
+        // its middle enters is a good bound; on its outline, a direction a little farther in.
         let c = ball.center;
         let (mut u, mut v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
         if c.z > 0.0 {

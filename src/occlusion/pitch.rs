@@ -19,8 +19,8 @@ pub(crate) struct Pitch {
     pub(crate) least: f64,
     /// Targets nearer than this are never taken to be hidden.
     pub(crate) nearest: f64,
-    /// A distance that reaches everything in sight: half the width of the plane of parallel rays.
-    pub(crate) reach: f64,
+    /// The radius of the scene: half the width of the plane of parallel rays.
+    pub(crate) radius: f64,
     /// The middle of that plane.
     pub(crate) middle: DVec3,
 }
@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn narrow_views_get_enough_pixels() {
-        let pitch = Pitch { pixels: 360.0, least: 128.0, nearest: 0.01, reach: 9.0, middle: DVec3::ZERO };
+        let pitch = Pitch { pixels: 360.0, least: 128.0, nearest: 0.01, radius: 9.0, middle: DVec3::ZERO };
         assert_eq!(pitch.pixels_of_face(2.0, false), 360);
         assert_eq!(pitch.pixels_of_face(0.1, false), 2560);
         assert_eq!(pitch.pixels_of_face(0.1, true), 7200);

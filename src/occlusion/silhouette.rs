@@ -154,15 +154,15 @@ impl Silhouette {
             Kind::Conic { s, k, u0, v0, e, sine } => {
                 let (u, v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
                 let (hu, hv) = ((r.u1 - r.u0) * 0.5, (r.v1 - r.v0) * 0.5);
-                let reach = hu * hu + hv * hv;
+                let squared = hu * hu + hv * hv;
                 if *e == 0.0 {
                     let (du, dv) = (((u - u0).abs() - hu).max(0.0), ((v - v0).abs() - hv).max(0.0));
                     return du * du + dv * dv <= s.c * s.c + CONIC;
                 }
                 // angle(d, c) <= alpha + rho, with sin rho = reach / |d|.
                 let d = u * u + v * v + 1.0;
-                let rest = d - reach;
-                rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * reach.sqrt() - CONIC
+                let rest = d - squared;
+                rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * squared.sqrt() - CONIC
             }
             Kind::Polygon(halves) => halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
             Kind::Everything => true,

@@ -92,7 +92,7 @@ impl Target {
     }
 
     /// The greatest magnitude of its coordinates.
-    fn reach(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.block.min.abs().max(self.block.max.abs()).max_element()
     }
 
@@ -125,7 +125,7 @@ impl Target {
         if let Some(tighter) = tighter {
             rect = rect.intersect(&tighter.grown())?;
         }
-        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.reach());
+        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.largest());
         Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
     }
 
@@ -148,7 +148,7 @@ impl Target {
                     }
                     _ => -n.dot(DVec3::select(n.cmple(DVec3::ZERO), self.block.max, self.block.min)),
                 };
-                most <= h - BEHIND * (self.reach() + h.abs())
+                most <= h - BEHIND * (self.largest() + h.abs())
             })
     }
 }

@@ -62,8 +62,8 @@ impl Containing {
                 continue;
             }
             // A volume reaches at most 2^(level-1) cells from its centre, rounded up.
-            let reach = (1 << level >> 1i32) + 1;
-            let (a, b) = ((cell - reach) >> level as i32, (cell + reach) >> level as i32);
+            let half = (1 << level >> 1i32) + 1;
+            let (a, b) = ((cell - half) >> level as i32, (cell + half) >> level as i32);
             for z in a.z..=b.z {
                 for y in a.y..=b.y {
                     for x in a.x..=b.x {

@@ -35,6 +35,7 @@
 
 mod cells;
 mod changes;
+mod contacts;
 mod containing;
 mod edit;
 mod frame;
@@ -47,7 +48,6 @@ mod objects;
 mod opacity;
 mod opaque;
 mod outer;
-mod rims;
 mod shift;
 mod solids;
 mod state;

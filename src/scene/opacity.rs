@@ -119,13 +119,13 @@ impl LayerOpacity {
     }
 
     /// Cells of a brick lie beside those of other static occluders.
-    pub(super) fn add_rims(&mut self, brick: IVec3, cells: &Mask) {
-        self.fused.add_rims(brick, cells);
+    pub(super) fn add_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.fused.add_contacts(brick, cells);
     }
 
     /// Cells of a brick do so no longer.
-    pub(super) fn forget_rims(&mut self, brick: IVec3, cells: &Mask) {
-        self.fused.forget_rims(brick, cells);
+    pub(super) fn forget_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.fused.forget_contacts(brick, cells);
     }
 
     /// A dynamic occluder fills cells.

@@ -157,8 +157,8 @@ impl Scene {
         let object = self.object(slot);
         let inside = tbv.contains(&self.grid, &object.bounds.block());
         // The place of an object that is not reported was rounded as its bounds were.
-        let reach = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
-        let off = SINGLE * (reach(&tbv.block) + reach(&hidden.tbv.block)) + 2.0 * self.grid.unit();
+        let largest = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
+        let off = SINGLE * (largest(&tbv.block) + largest(&hidden.tbv.block)) + 2.0 * self.grid.unit();
         let speed = object.promised_speed().unwrap_or(0.0);
         let mut expires = hidden.expires;
         if object.on_expiry() {

@@ -136,7 +136,7 @@ impl Scene {
     /// Adds the cells that a static solid makes opaque, alone and together with others.
     pub(super) fn add_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let me = Own { slot, part };
-        self.mark_rims(part, occluder);
+        self.mark_contacts(part, occluder);
         self.opacity.part_mut(part).add_fixed(occluder, &self.grid);
         if !occluder.is_solid() {
             return;
@@ -178,7 +178,7 @@ impl Scene {
         let (lo, hi) = self.grid.cover(around.min, around.max);
         if let Some((lo, hi)) = self.grid.clip(lo, hi) {
             self.part(own, lo, hi, &large);
-            self.forget_rims(part, lo, hi);
+            self.forget_contacts(part, lo, hi);
         }
     }
 

@@ -137,8 +137,8 @@ impl Kind for Sphere {
 
     fn may_reach(&self, planes: &[HalfSpace]) -> bool {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        let reach = c.abs().max_element() + r;
-        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+        let largest = c.abs().max_element() + r;
+        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(largest)))
     }
 
     fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {

@@ -297,17 +297,17 @@ impl VisibilityVolume {
         let at = (point.as_dvec3() - self.grid.min()) / self.grid.cell_size() - 0.5;
         let at = at.clamp(DVec3::splat(-3.0), self.grid.dims().as_dvec3() + 2.0);
         let choices = [(1.0, true), (1.5, true), (1.0, false)].into_iter().filter(move |_| point.is_finite());
-        let mut choices = choices.map(move |(reach, open)| self.within(at, reach, open).peekable());
+        let mut choices = choices.map(move |(distance, open)| self.within(at, distance, open).peekable());
         choices.find_map(|mut cells| cells.peek().is_some().then_some(cells)).into_iter().flatten()
     }
 
     /// The known shares of cells whose middle is at most `reach` cells from a place along each
     /// axis, 1 or 1.5, and their weights: of open cells or of all. The place is in cells from the
     /// middle of the first one.
-    fn within(&self, at: DVec3, reach: f64, open: bool) -> impl Iterator<Item = (f32, f32)> {
+    fn within(&self, at: DVec3, distance: f64, open: bool) -> impl Iterator<Item = (f32, f32)> {
         (0..27).filter_map(move |i| {
             let cell = at.round().as_ivec3() + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
-            let room = reach - (cell.as_dvec3() - at).abs();
+            let room = distance - (cell.as_dvec3() - at).abs();
             if room.min_element() < 0.0 || open && self.occupied.get(cell) {
                 return None;
             }

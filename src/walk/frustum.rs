@@ -44,11 +44,11 @@ impl CellFrustum {
         let center = (lo + hi) * 0.5;
         let widened = |plane: &HalfSpace| {
             let mut offset = plane.offset;
-            let reach = plane.normal.abs().element_sum();
+            let radius = plane.normal.abs().element_sum();
             if let (Some(at), true) = (view.eye(), start != Start::None) {
-                offset += (reach * view.eye_room() - plane.distance(at)).max(0.0);
+                offset += (radius * view.eye_room() - plane.distance(at)).max(0.0);
             }
-            let half = reach * 0.5;
+            let half = radius * 0.5;
             let mut at_center = (plane.normal.dot(center) + offset) / grid.cell_size();
             if start == Start::Cell {
                 // From here on the farthest corner of the cell lies in the half-space.

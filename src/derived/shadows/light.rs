@@ -136,11 +136,11 @@ impl Rays {
         match self {
             Self::Sun { .. } => Some(*block),
             Self::Bulb { at, range } => {
-                let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if block.distance_from(*at) > reach {
+                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
+                if block.distance_from(*at) > farthest {
                     return None;
                 }
-                let (min, max) = (block.min.max(at - reach), block.max.min(at + reach));
+                let (min, max) = (block.min.max(at - farthest), block.max.min(at + farthest));
                 // In doubt (NaN), it reaches all of it.
                 if min.cmple(max).all() { Some(Block { min, max }) } else { Some(*block) }
             }
@@ -153,9 +153,9 @@ impl Rays {
         match self {
             Self::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
             Self::Bulb { at, range } => {
-                let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if reach.is_finite() {
-                    Self::between(*at, at - reach, at + reach)
+                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
+                if farthest.is_finite() {
+                    Self::between(*at, at - farthest, at + farthest)
                 } else {
                     View::around(*at, SmallVec::new())
                 }
@@ -169,15 +169,15 @@ impl Rays {
         match self {
             Self::Sun { axes } => {
                 let along = axes[2];
-                let reach = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
+                let extent = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
                 let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
                 for (axis, min, max) in
-                    [(axes[0], reach.min.x, reach.max.x), (axes[1], reach.min.y, reach.max.y)]
+                    [(axes[0], extent.min.x, extent.max.x), (axes[1], extent.min.y, extent.max.y)]
                 {
                     planes.push(HalfSpace { normal: axis, offset: -min });
                     planes.push(HalfSpace { normal: -axis, offset: max });
                 }
-                planes.push(HalfSpace { normal: -along, offset: reach.max.z });
+                planes.push(HalfSpace { normal: -along, offset: extent.max.z });
                 Some(View::parallel(along, planes))
             }
             Self::Bulb { at, .. } => {
@@ -208,6 +208,6 @@ fn widened(block: &Block, axes: &[DVec3; 3]) -> Block {
     let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     let greatest = block.min.abs().max(block.max.abs()).max_element();
     let middle = DVec3::from_array(axes.map(|axis| middle.dot(axis)));
-    let reach = DVec3::from_array(axes.map(|axis| half.dot(axis.abs()))) + LIGHT_EXTENT * greatest;
-    Block { min: middle - reach, max: middle + reach }
+    let radius = DVec3::from_array(axes.map(|axis| half.dot(axis.abs()))) + LIGHT_EXTENT * greatest;
+    Block { min: middle - radius, max: middle + radius }
 }

@@ -146,7 +146,7 @@ impl Contents<'_> {
             Ok((side, chain))
         })?;
         let mut surface = Surface { sides, patches, front, open, ..Surface::default() };
-        surface.find_rims();
+        surface.find_group_outlines();
         self.section = PATCHES;
         for (i, patch) in surface.indexed().filter(|(i, p)| p.next > i.after()) {
             let along = |p: Vec3| patch.normal.dot(p.as_dvec3());

@@ -47,7 +47,7 @@ const MOST_TRIANGLES: usize = 1 << 18;
 pub(crate) struct Inner {
     pub(crate) solid: Convex,
     /// By how much the mesh is larger along each axis in the mean, as a share of its size.
-    pub(crate) rim: f64,
+    pub(crate) gap: f64,
 }
 
 /// A convex solid inside a mesh that is closed and wound alike: `None` if none is found that is
@@ -88,10 +88,10 @@ pub(super) fn inner_solid(
     if wound == 0 || front && wound < 0 {
         return None;
     }
-    let reach = min.abs().max(max.abs()).max_element();
-    let solid = Convex::inside_planes(fit.center, &planes, INNER_ROOM * reach)?;
+    let largest = min.abs().max(max.abs()).max_element();
+    let solid = Convex::inside_planes(fit.center, &planes, INNER_ROOM * largest)?;
     let share = (solid.volume() / moments.volume).min(1.0);
-    (share >= LEAST_SHARE).then(|| Inner { solid, rim: 1.0 - share.cbrt() })
+    (share >= LEAST_SHARE).then(|| Inner { solid, gap: 1.0 - share.cbrt() })
 }
 
 /// The largest solid that the frames of a mesh give for a sample of its triangles, and the frame.

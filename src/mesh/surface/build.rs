@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::error::Error;
 use crate::mesh::preparation::Progress;
 
-use crate::mesh::surface::chain::{rims, simplify};
+use crate::mesh::surface::chain::{borders, simplify};
 use crate::mesh::surface::gather::gather;
 use crate::mesh::surface::grow::grow;
 use crate::mesh::surface::patch::{Rules, Surface};
@@ -30,7 +30,7 @@ impl Surface {
     pub(crate) fn of(welded: &Welded, rules: &Rules, progress: &mut Progress) -> Result<Self, Error> {
         let patches = grow(welded, rules);
         progress.tell(0.25)?;
-        let straight = simplify(welded, &rims(welded, &patches), rules.tolerance);
+        let straight = simplify(welded, &borders(welded, &patches), rules.tolerance);
         progress.tell(0.4)?;
         gather(welded, &patches, &straight, rules, &mut progress.part(0.4, 1.0))
     }

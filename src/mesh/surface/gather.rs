@@ -168,7 +168,7 @@ pub(crate) fn gather(
         });
     }
     close_ranges(&mut surface.patches, &tree, &order);
-    surface.find_rims();
+    surface.find_group_outlines();
     Ok(surface)
 }
 

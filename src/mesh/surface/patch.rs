@@ -27,7 +27,7 @@ pub(crate) struct Side {
 /// `i + 1`, each next one where the one before ends ([`Patch::next`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
-    /// Its outline: a range of the list of sides, or of that of rims if it has parts. Empty if it
+    /// Its outline: a range of the list of sides, or of that of the outlines of groups if it has parts. Empty if it
     /// can only be drawn in parts.
     pub(crate) first: u32,
     pub(crate) last: u32,
@@ -52,7 +52,7 @@ pub(crate) struct Surface {
     /// The sides of patches without parts, in their order.
     pub(crate) sides: Vec<Side>,
     /// The outlines of groups, as numbers of sides.
-    pub(crate) rims: Vec<u32>,
+    pub(crate) group_outlines: Vec<u32>,
     /// All patches; the first one contains all others.
     pub(crate) patches: Vec<Patch>,
     /// Whether triangles hide from their front only.
@@ -82,7 +82,7 @@ impl Surface {
     pub(crate) fn bytes(&self) -> usize {
         self.sides.capacity() * size_of::<Side>()
             + self.patches.capacity() * size_of::<Patch>()
-            + self.rims.capacity() * size_of::<u32>()
+            + self.group_outlines.capacity() * size_of::<u32>()
             + self.open.capacity() * size_of::<(u32, u64)>()
     }
 
@@ -101,8 +101,9 @@ impl Surface {
     #[inline]
     pub(crate) fn outline(&self, patch: PatchIndex) -> Outline<'_> {
         let Patch { first, last, next, .. } = *self.patch(patch);
-        let rims = if next > patch.after() { &self.rims[first as usize..last as usize] } else { &[] };
-        Outline { sides: &self.sides, rims, at: first, last }
+        let group =
+            if next > patch.after() { &self.group_outlines[first as usize..last as usize] } else { &[] };
+        Outline { sides: &self.sides, group, at: first, last }
     }
 
     /// How many patches have no parts.
@@ -125,8 +126,8 @@ impl Surface {
     }
 
     /// Finds the outlines of all groups: the sides of their parts that no other part cancels.
-    pub(crate) fn find_rims(&mut self) {
-        self.rims.clear();
+    pub(crate) fn find_group_outlines(&mut self) {
+        self.group_outlines.clear();
         // Where the sides of each patch, or of its parts, begin.
         let mut starts = vec![0; self.patches.len() + 1];
         let mut reached = 0;
@@ -142,20 +143,20 @@ impl Surface {
             if next == i.after() {
                 continue;
             }
-            let first = self.rims.len() as u32;
+            let first = self.group_outlines.len() as u32;
             // One that can be drawn only in parts has an empty slab.
             if lo <= hi {
                 let inside = i..next;
                 let own = starts[i.index()]..starts[next.index()];
                 let sides = &self.sides;
-                self.rims.extend(own.filter(|&s| {
+                self.group_outlines.extend(own.filter(|&s| {
                     let side = &sides[s as usize];
                     !(side.opposite && inside.contains(&side.twin))
                 }));
             }
-            let slack = self.rims[first as usize..].iter().map(|&s| self.sides[s as usize].slack);
+            let slack = self.group_outlines[first as usize..].iter().map(|&s| self.sides[s as usize].slack);
             let slack = slack.fold(0.0, f32::max);
-            let last = self.rims.len() as u32;
+            let last = self.group_outlines.len() as u32;
             let patch = &mut self.patches[i.index()];
             (patch.first, patch.last, patch.slack) = (first, last, slack);
         }
@@ -167,7 +168,7 @@ impl Surface {
 pub(crate) struct Outline<'a> {
     sides: &'a [Side],
     /// Their numbers, if the patch has parts.
-    rims: &'a [u32],
+    group: &'a [u32],
     at: u32,
     last: u32,
 }
@@ -180,9 +181,9 @@ impl<'a> Iterator for Outline<'a> {
         if self.at >= self.last {
             return None;
         }
-        let number = match self.rims.split_first() {
+        let number = match self.group.split_first() {
             Some((&number, rest)) => {
-                self.rims = rest;
+                self.group = rest;
                 number
             }
             None => self.at,

@@ -150,7 +150,7 @@ impl Walk<'_> {
     pub(crate) fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
         let side = Side::ALL[index];
         let cells = &mut self.scratch.sides[index];
-        let (reach, rows) = (scale.reach(), cells.rows as usize);
+        let (spread, rows) = (scale.spread(), cells.rows as usize);
         let base = cells.offset as i32 - cells.col0;
         let columns = (cells.col0, cells.col0 + cells.cols - 1);
         let on_side = self.shells.frustum.on_side(&side, m * side.sign);
@@ -160,8 +160,8 @@ impl Walk<'_> {
             if !cells.fresh[r] {
                 continue;
             }
-            let first = r.saturating_sub(reach).max(done);
-            done = (r + reach + 1).min(rows);
+            let first = r.saturating_sub(spread).max(done);
+            done = (r + spread + 1).min(rows);
             if first >= done {
                 continue;
             }

@@ -172,9 +172,9 @@ impl DirectionMasks {
             let end = cells.fresh.iter().rposition(|&f| f);
             let (Some(start), Some(end)) = (start, end) else { return };
             let (start, end) = (row_start + start as i64, row_start + end as i64);
-            let reach = scale.whole_slack() + 1;
-            let from = ((start - reach + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
-            let to = ((end + reach + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
+            let spread = scale.whole_slack() + 1;
+            let from = ((start - spread + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
+            let to = ((end + spread + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
             ((from - 1).max(0), to.min(size - 1))
         };
         self.used[side] = true;

@@ -221,9 +221,9 @@ impl Walk<'_> {
             return None;
         }
         // Edges belong to the first of their sides.
-        let reach = |axis: usize| if axis < index / 2 { m - 1 } else { m };
+        let last = |axis: usize| if axis < index / 2 { m - 1 } else { m };
         let span = |axis: usize| {
-            let r = reach(axis);
+            let r = last(axis);
             ((-brick[axis]).max(-r), (dims[axis] - 1 - brick[axis]).min(r))
         };
         let part = BrickSide { side, brick, depth, rows: span(axes.row), cols: span(axes.col) };

@@ -139,11 +139,11 @@ impl<'a> Walk<'a> {
         let eye = self.scratch.buffers.origin();
         self.starts.cut().iter().any(|(region, around)| {
             let middle = normal.dot((around.min + around.max) * 0.5 - eye);
-            let reach = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
+            let radius = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
             around.min.cmple(world.max).all()
                 && world.min.cmple(around.max).all()
-                && middle + reach >= slab.0
-                && middle - reach <= slab.1
+                && middle + radius >= slab.0
+                && middle - radius <= slab.1
                 && region.may_see_block(world)
         })
     }
@@ -187,7 +187,7 @@ fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
     let Some(p) = placement else { return *block };
     let (center, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     let m = p.affine.matrix3;
-    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
+    let radius = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
     let center = p.affine.transform_point3(center);
-    Block { min: center - reach, max: center + reach }
+    Block { min: center - radius, max: center + radius }
 }

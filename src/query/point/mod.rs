@@ -77,7 +77,7 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
         pixels: 90.0 / f64::from(options.pixel_degrees),
         least: f64::from(options.min_pixels),
         nearest: NEAREST * scene.grid().cell_size(),
-        reach: (max - min).length() * 0.5,
+        radius: (max - min).length() * 0.5,
         middle: (min + max) * 0.5,
     }
 }

@@ -21,8 +21,8 @@ pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 
 /// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more
-/// pixels than this. Narrower rims hide less than the pixels that the outlines of patches touch.
-const MOST_RIM: f64 = 3.0;
+/// pixels than this. Narrower gaps hide less than the pixels that the outlines of patches touch.
+const MOST_GAP: f64 = 3.0;
 
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
@@ -75,8 +75,8 @@ impl Walk<'_> {
         // Outside of the mesh, too: between it and the solid one sees into the mesh.
         let outside = |block: &Block| {
             let (middle, half) = ((block.min + block.max) * 0.5 - origin, (block.max - block.min) * 0.5);
-            let reach = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
-            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + reach;
+            let room = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
+            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + room;
             polytope.faces.iter().any(clear)
         };
         let starts_outside = match buffers.direction() {
@@ -105,7 +105,7 @@ impl Walk<'_> {
         if buffers.uncertainty() > 0.0 || self.starts_near(&block) {
             return false;
         }
-        let is_alike = self.is_like_solid(&block, inner.rim);
+        let is_alike = self.is_like_solid(&block, inner.gap);
         let buffers = &mut self.scratch.buffers;
         let polytope = occluder.inner_from(buffers.origin());
         let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction(), buffers.reach()))
@@ -118,15 +118,15 @@ impl Walk<'_> {
     }
 
     /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
-    /// and the width of the rim.
-    fn is_like_solid(&self, block: &Block, rim: f64) -> bool {
-        self.is_small(&self.scratch.buffers.relative(block), MOST_RIM / rim)
+    /// and the width of the gap between them.
+    fn is_like_solid(&self, block: &Block, gap: f64) -> bool {
+        self.is_small(&self.scratch.buffers.relative(block), MOST_GAP / gap)
     }
 
     /// Whether an object is drawn as a solid and, beside it, as patches.
     pub(super) fn has_patches_beside_solid(&self, slot: Slot) -> bool {
         let Some(occluder) = self.scene.object(slot).occluder() else { return false };
-        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.rim))
+        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.gap))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &

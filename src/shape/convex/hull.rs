@@ -14,8 +14,8 @@ use crate::numeric::shape::DISTANCE;
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above
 /// that corner.
-pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
-    least - DISTANCE * reach
+pub(crate) fn lowered(least: f64, largest: f64) -> f64 {
+    least - DISTANCE * largest
 }
 
 /// A closed convex surface.
@@ -225,14 +225,14 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Op
             }
         }
     }
-    let reach = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let largest = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let middle = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
     let mut faces = Vec::with_capacity(facets.len());
     for facet in facets {
         let own = || facet.triangles.iter().map(|&t| triangles[t].map(|i| points[i]));
         let n = own().map(|[a, b, c]| (b - a).cross(c - a)).sum::<DVec3>().normalize_or_zero();
         let least = own().flatten().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
-        let h = lowered(least, reach);
+        let h = lowered(least, largest);
         let inwards = h - n.dot(middle);
         if inwards.is_nan() || inwards <= 0.0 {
             return None;

@@ -92,12 +92,12 @@ impl Convex {
             }
         }
         let corners = planes::corners(planes)?;
-        let reach = corners.inside.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if reach > f64::from(f32::MAX) {
+        let largest = corners.inside.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        if largest > f64::from(f32::MAX) {
             return Err(Error::Convex("its corners lie beyond the range of single precision"));
         }
-        let mut solid = Self::hull(&corners.inside, CORNER * reach).ok_or(planes::NO_SOLID)?;
-        solid.lost = solid.beyond(&corners.found) + FLAT * size_of_hull(&corners.found) + CORNER * reach;
+        let mut solid = Self::hull(&corners.inside, CORNER * largest).ok_or(planes::NO_SOLID)?;
+        solid.lost = solid.beyond(&corners.found) + FLAT * size_of_hull(&corners.found) + CORNER * largest;
         Ok(solid)
     }
 
@@ -141,14 +141,14 @@ impl Convex {
         for v in &mut moved.vertices {
             *v += by;
         }
-        let reach = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        let largest = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let mut pull = 0.0;
         if !self.vertices.iter().all(exact) {
             // A ball of the pull times the depth around each corner as pulled exactly lies in the
             // solid: it leaves room for the roundings that follow.
             let middle = self.middle();
             let depth = self.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
-            let room = 2.0 * CORNER * (reach + self.reach());
+            let room = 2.0 * CORNER * (largest + self.largest());
             pull = room / depth;
             if !(0.0..MAX_PULL).contains(&pull) {
                 return Err(TOO_FAR);
@@ -158,39 +158,39 @@ impl Convex {
                 *v = center + (*v - center) * (1.0 - pull);
             }
         }
-        moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (reach + self.reach());
-        moved.fit_faces(reach);
+        moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (largest + self.largest());
+        moved.fit_faces(largest);
         Ok(moved)
     }
 
     /// Moves faces, whose directions stay, to their corners.
-    fn fit_faces(&mut self, reach: f64) {
+    fn fit_faces(&mut self, largest: f64) {
         for (f, face) in self.faces.iter_mut().enumerate() {
             let own = self.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
             let ends =
                 own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(self.vertices[usize::from(v)]));
-            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
+            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), largest);
         }
     }
 
     /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if
     /// hardly anything of it is left.
     pub(crate) fn inside_hull(points: &[DVec3], room: f64) -> Option<Self> {
-        let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let mut solid = Self::hull(points, CORNER * reach)?;
+        let largest = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let mut solid = Self::hull(points, CORNER * largest)?;
         let middle = solid.middle();
         let depth = solid.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
         // A ball of the pull times the depth around each corner as pulled lies in the hull, and a
         // ball of the room.
-        let pull = (room + 2.0 * CORNER * reach) / depth;
+        let pull = (room + 2.0 * CORNER * largest) / depth;
         if !(0.0..MOST_PULL).contains(&pull) {
             return None;
         }
         for v in &mut solid.vertices {
             *v = middle + (*v - middle) * (1.0 - pull);
         }
-        solid.fit_faces(reach);
-        solid.lost = solid.beyond(points) + room + CORNER * reach;
+        solid.fit_faces(largest);
+        solid.lost = solid.beyond(points) + room + CORNER * largest;
         Some(solid)
     }
 
@@ -266,7 +266,7 @@ impl Convex {
     }
 
     /// The greatest coordinate.
-    fn reach(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 

@@ -87,8 +87,8 @@ fn middle(near: &[HalfSpace]) -> Option<DVec3> {
         for j in 1..k {
             for i in 0..j {
                 let Some(x) = meet([near[i], near[j], near[k]], ASKEW) else { continue };
-                let reach = x.abs().max_element();
-                if near.iter().all(|plane| plane.beyond(x) <= FLAT * (reach + plane.offset.abs())) {
+                let largest = x.abs().max_element();
+                if near.iter().all(|plane| plane.beyond(x) <= FLAT * (largest + plane.offset.abs())) {
                     (sum, count) = (sum + x, count + 1.0);
                 }
             }
@@ -142,14 +142,14 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
         x * shares.fold(1.0, f64::min)
     };
     let drawn_in: Vec<DVec3> = found.iter().map(entered).collect();
-    let reach = drawn_in.iter().map(|x| (center.abs() + x.abs()).max_element()).fold(0.0, f64::max);
+    let largest = drawn_in.iter().map(|x| (center.abs() + x.abs()).max_element()).fold(0.0, f64::max);
     let mut pull = 0.0;
     loop {
         let inside: Vec<DVec3> = drawn_in.iter().map(|&x| center + x * (1.0 - pull)).collect();
         if inside.iter().all(|&x| planes.iter().all(|p| surely_holds(p, x))) {
             return Ok(Corners { inside, found: found.iter().map(|&x| center + x).collect() });
         }
-        pull = f64::max(2.0 * pull, CORNER * reach / depth);
+        pull = f64::max(2.0 * pull, CORNER * largest / depth);
         if pull.is_nan() || pull > MAX_PULL {
             return Err(TOO_THIN);
         }
