@@ -71,11 +71,55 @@ pub struct Stats {
     pub eye_in_occluder: bool,
 }
 
-/// The potentially visible set: every object of which any point can be seen,
-/// and a few more.
+/// The potentially visible set: every object of which any point can be seen, and a few more.
 ///
-/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone
-/// keeps it.
+/// # Use
+///
+/// Draw the objects of [`Pvs::visible`], which come roughly from near to far, or ask
+/// [`Pvs::contains`] about one. [`Pvs::changes_since`] tells which objects come and go between two
+/// sets, and [`KeySet`](crate::KeySet) sends a set to another process. At the end of a frame, give
+/// the sets of all cameras to [`Scene::end_frame`](crate::Scene::end_frame).
+///
+/// ```
+/// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+/// let ball = Sphere::new(Vec3::splat(4.0), 1.0);
+/// let id = scene.insert(ObjectDesc::dynamic(ball).user_data(7))?;
+/// let view = View::omnidirectional(Vec3::splat(9.5))?;
+/// let mut query = Query::new();
+/// for id in query.run(&scene, &view) {
+///     // An index into tables of the application.
+///     assert_eq!(scene.user_data(id)?, 7);
+/// }
+/// // A copy outlives the next run, and says itself whether it still holds.
+/// let kept = query.pvs().clone();
+/// assert!(kept.is_valid_for(&scene, &view));
+/// scene.update(id, Sphere::new(Vec3::splat(6.0), 1.0), None)?;
+/// assert!(kept.contains(id) && !kept.is_valid_for(&scene, &view));
+/// scene.end_frame([query.pvs()])?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Cost
+///
+/// Membership is one look-up. A set takes 12 bytes for each object in it and 4 for each slot of the
+/// scene, and [`crate::Query::run`] writes the next set into the same memory.
+///
+/// # Guarantees
+///
+/// No object that can be seen is missing, as long as the promises of the scene hold: occluders lie
+/// inside the objects, and movers keep to their speeds. Sets of [`Pvs::is_aggressive`] may miss
+/// some. The order is the same on every machine.
+///
+/// # Pitfalls
+///
+/// - It is a set for one moment and one view: ask [`Pvs::is_valid_for`] before using it for
+///   another, or use a [`KeptQuery`](crate::KeptQuery).
+/// - Ids in an old set may name objects that were removed: the scene then refuses them.
 #[derive(Debug, Clone)]
 pub struct Pvs {
     pub(crate) scene: u32,

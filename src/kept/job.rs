@@ -12,7 +12,7 @@ use crate::view::View;
 const COPIES: usize = 2;
 
 /// A copy of a scene, and the static objects that it was made with.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct Snapshot {
     scene: Arc<Scene>,
     stamp: Stamp,
@@ -35,7 +35,7 @@ impl Snapshot {
 }
 
 /// The copies of a scene that jobs read.
-#[derive(Clone, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Snapshots(Vec<Snapshot>);
 
 impl Snapshots {
@@ -62,6 +62,7 @@ impl Snapshots {
 
 /// A result of a [`KeptQuery`](crate::KeptQuery) that is to be found, on any thread: see
 /// [`KeptQuery::prepare`](crate::KeptQuery::prepare).
+#[derive(Debug)]
 #[must_use = "a job that is not run finds nothing"]
 pub struct KeptJob {
     snapshot: Snapshot,

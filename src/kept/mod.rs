@@ -114,7 +114,7 @@ impl KeptOptions {
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct KeptQuery {
     options: KeptOptions,
     /// A query that never ran.

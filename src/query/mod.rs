@@ -41,9 +41,57 @@ pub(crate) struct Extras<'a> {
 
 /// Finds the objects that a view can see.
 ///
-/// A query keeps its memory and its last result: use one for each view (camera, light) and run it
-/// again every frame. Any number of queries can run on one scene at the same time, each in its own
-/// thread. A clone has the same method and result, and memory of its own.
+/// A query is a [`Method`] with the memory that it works in and its last result. Keep one for each
+/// camera and light, and run it in every frame: the second run allocates next to nothing.
+///
+/// # Use
+///
+/// [`Query::run`] fills the [`Pvs`] and lends it, and [`Query::pvs`] lends it again until the next
+/// run. A run reads the scene and writes only the query, so that any number of queries can run on
+/// one scene at the same time, each in its own thread (with the feature `rayon`,
+/// `Query::run_all` does so). After the run,
+/// [`Query::sight`] answers about boxes and points that are no objects of the scene.
+///
+/// ```
+/// use casca::{Aabb, GridSpec, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
+/// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+/// let far = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0)))?;
+///
+/// let view = View::omnidirectional(Vec3::new(2.5, 16.5, 16.5))?;
+/// let mut query = Query::with_method(Method::Point(PointOptions::fast()))?;
+/// assert!(!query.run(&scene, &view).contains(far));
+/// // The result stays until the next run.
+/// assert_eq!(query.pvs().len(), 1);
+/// query.set_method(Method::Frustum)?;
+/// assert!(query.run(&scene, &view).contains(far), "the frustum alone hides nothing");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Cost
+///
+/// A run costs the cells and objects that can be seen rather than those that there are: see
+/// [`Method`], and [`Stats`](crate::Stats) for the work of one. The memory grows to what the
+/// largest run needs, with a few bytes for each slot of the scene. A clone has the same method and
+/// result, and memory of its own.
+///
+/// # Guarantees
+///
+/// The set contains every object of which a point can be seen (but for
+/// [`Query::run_aggressive`]). It is the same on every machine and does not depend on threads, nor
+/// on what the query ran before unless [`PointOptions::coherent`](crate::PointOptions::coherent) is
+/// set. Nothing panics: views are checked when they are made.
+///
+/// # Pitfalls
+///
+/// - One query that serves several cameras in turn is right, but loses what coherent runs and
+///   [`Scene::end_frame`] gain: that takes the result of each camera.
+/// - A run overwrites the result. Clone the [`Pvs`] to compare it with the next one.
 #[derive(Debug, Clone)]
 pub struct Query {
     method: Method,

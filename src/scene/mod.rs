@@ -83,8 +83,11 @@ pub(crate) use opacity::{LayerOpacity, OpacityPart};
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
-/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that
-/// moved, queries, and [`Scene::end_frame`] with their results.
+/// # Use
+///
+/// [`Scene::insert`] takes descriptions of objects, and gives the ids by which they are moved
+/// ([`Scene::update`], [`Scene::set_transform`]) and removed. A frame is [`Scene::begin_frame`]
+/// with the time, the moves, queries, and [`Scene::end_frame`] with their results.
 ///
 /// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
 /// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
@@ -106,6 +109,30 @@ pub(crate) use opacity::{LayerOpacity, OpacityPart};
 /// # Ok(())
 /// # }
 /// ```
+///
+/// # Cost
+///
+/// An object costs its record and the cells that it touches, a move the cells that it enters and
+/// leaves. A moving object that no view saw is put into a temporal bounding volume at the end of
+/// the frame: until it leaves that, its moves cost a comparison each, and queries do not look at
+/// it. [`Scene::memory`] tells the memory of all parts.
+///
+/// # Guarantees
+///
+/// Ids are never used again, and those of other scenes are refused, as are shapes that are not
+/// finite; a call that is refused changes nothing. What queries find depends neither on the order
+/// of hashes, nor on threads, nor on the clock of the machine.
+///
+/// # Pitfalls
+///
+/// - Objects that are promised to keep to a speed ([`crate::ObjectDesc::max_speed`]) and are
+///   [reported on expiry](crate::Reports::OnExpiry) must keep to it: the promise is what hides
+///   them.
+/// - Occluders must lie inside the geometry that is drawn. What they hide is not drawn.
+/// - A frame that ends without [`Scene::end_frame`] loses nothing, but hidden movers stay in the
+///   matrices and cost every query.
+/// - A grid that is far smaller than the scene works, but what lies outside is tested in every
+///   query.
 #[derive(Clone)]
 pub struct Scene {
     grid: Grid,

@@ -1,5 +1,7 @@
 //! Reading the objects of a scene: one by its id, or all of them.
 
+use std::fmt;
+
 use casca_slots::Slot;
 use glam::{Affine3A, DVec3};
 
@@ -38,6 +40,12 @@ impl<'a> ObjectRef<'a> {
     /// The number that the application gave it: see [`Scene::user_data`].
     pub fn user_data(&self) -> u64 {
         self.0.user_data
+    }
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Scene({} objects in {:?})", self.len(), self.grid())
     }
 }
 

@@ -27,11 +27,55 @@ pub const MAX_PLANES: usize = 32;
 
 /// The part of space that a camera sees: rays from an eye (or parallel ones), bounded by planes.
 ///
+/// # Use
+///
+/// Give [`View::perspective`] the eye and the matrix with which the camera draws,
+/// [`View::orthographic`] the direction and the matrix of a camera or light with parallel rays, or
+/// [`View::omnidirectional`] the eye alone. Then say which layers it shows ([`View::with_layers`]),
+/// how far its eye may go ([`View::with_reach`]) and by how much it may turn ([`View::with_turn`])
+/// before the set is found anew.
+///
+/// ```
+/// use casca::View;
+/// use glam::{Mat4, Vec3, Vec4};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// // 60 degrees high and 16:9, with reversed depth from 0.1 on, looking along -z.
+/// let projection =
+///     Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
+/// let eye = Vec3::new(4.0, 2.0, 9.0);
+/// let matrix = projection * Mat4::from_translation(-eye);
+/// let view = View::perspective(eye, matrix)?.with_reach(0.25)?.with_layers(0b1);
+/// assert_eq!((view.eye(), view.reach(), view.layers()), (Some(eye.as_dvec3()), 0.25, 1));
+/// assert!(View::perspective(eye + Vec3::X, matrix).is_err(), "the matrix is of another eye");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Conventions
+///
+/// Units are those of the world, in single precision. Depth runs from 0 to 1 as in wgpu, Vulkan and
+/// Direct3D (glam's `camera::rh::proj::directx` and the like; before 0.33.2
+/// `Mat4::perspective_rh`), also reversed or with an infinite far plane; OpenGL's -1 to 1 has
+/// constructors of its own.
+///
+/// # Cost
+///
+/// A view is made in some hundred arithmetic operations, and is a few hundred bytes without memory
+/// on the heap unless it has more than six planes or may turn.
+///
+/// # Guarantees
+///
 /// The planes of a matrix are moved outwards by the distance that single precision leaves open
-/// about them: about 2e-7 of the eye's distance from the origin. Depth runs from 0 to 1 as in wgpu,
-/// Vulkan and Direct3D (glam's `camera::rh::proj::directx` and the like; before 0.33.2
-/// `Mat4::perspective_rh`), also reversed or with an infinite far plane; OpenGL's -1 to 1 has its
-/// own constructor.
+/// about them: about 2e-7 of the eye's distance from the origin. So no object is lost that the
+/// renderer draws with the same matrix. What is not finite, or contradicts itself, is refused.
+///
+/// # Pitfalls
+///
+/// - [`View::from_view_projection`] has to find the eye from the matrix, and knows it only roughly:
+///   occluders then hide less. Give the eye where you have it.
+/// - Far from the origin single precision leaves more open: see [`crate::Scene::shift_origin`].
+/// - Parallel rays get occlusion only from [`View::orthographic`], which is told where they start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
     pub(crate) origin: Origin,
