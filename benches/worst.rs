@@ -1,5 +1,5 @@
-//! What costs most for its size: solids that fill the grid, crowds in one place, emptiness, and meshes of few
-//! but large triangles.
+//! What costs most for its size: solids that fill the grid, crowds in one place, emptiness, and
+//! meshes of few but large triangles.
 //!
 //! `cargo bench --bench worst`
 

@@ -19,8 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let before = scene.insert(ball(40.0))?;
     let behind = scene.insert(ball(20.0))?;
 
-    // The matrix of your renderer; the eye is given beside it. This camera looks along -z: 60 degrees high, 16:9, with
-    // reversed depth from 0.1 m on.
+    // The matrix of your renderer; the eye is given beside it. This camera looks along -z: 60
+    // degrees high, 16:9, with reversed depth from 0.1 m on.
     let eye = Vec3::new(32.0, 2.0, 60.0);
     let projection = Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
     let camera = projection * Mat4::from_translation(-eye);

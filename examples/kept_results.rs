@@ -1,4 +1,5 @@
-//! Many frames from one result: a camera walks down a street, and another thread finds the next result in time.
+//! Many frames from one result: a camera walks down a street, and another thread finds the next
+//! result in time.
 //!
 //! `cargo run --release --example kept_results`
 

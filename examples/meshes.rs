@@ -1,6 +1,7 @@
 //! Meshes need no hand-made occluders: a wall with a doorway, and a door that opens.
 //!
-//! `TriMesh` prepares any triangles. An `Instance` is a mesh under a transform, for objects that move.
+//! `TriMesh` prepares any triangles. An `Instance` is a mesh under a transform, for objects that
+//! move.
 //!
 //! `cargo run --release --example meshes`
 

@@ -1,7 +1,8 @@
 //! Moving objects in a frame loop. Birds fly behind a wall, and one of them comes out at its end.
 //!
-//! A temporal bounding volume stands in for a hidden bird, for as long as the bird cannot have left it at its
-//! greatest speed. Until then the bird needs no update: `begin_frame` lists those that do.
+//! A temporal bounding volume stands in for a hidden bird, for as long as the bird cannot have left
+//! it at its greatest speed. Until then the bird needs no update: `begin_frame` lists those that
+//! do.
 //!
 //! `cargo run --release --example moving_objects`
 

@@ -1,7 +1,8 @@
 //! Several cameras on one scene: two players on both sides of a wall, and a runner behind it.
 //!
-//! Each camera has a query of its own. `end_frame` takes the results of all of them, because an object is
-//! hidden only if no camera sees it. With the feature `rayon`, `Query::run_all` runs the queries in parallel.
+//! Each camera has a query of its own. `end_frame` takes the results of all of them, because an
+//! object is hidden only if no camera sees it. With the feature `rayon`, `Query::run_all` runs the
+//! queries in parallel.
 //!
 //! `cargo run --release --example several_cameras`
 

@@ -1,8 +1,10 @@
-//! Shadow casters: the objects that may cast a shadow of the sun or of a lamp onto anything visible.
+//! Shadow casters: the objects that may cast a shadow of the sun or of a lamp onto anything
+//! visible.
 //!
-//! A tower stands behind the camera, and its shadow falls before it. A ball stands in the shadow of a hill, a second
-//! one lies so that its shadow falls out of sight, and a third one behind a wall, where the camera does not see the
-//! ground: none of them needs to be drawn into the shadow map. A lamp shines on the side of the third one that no camera sees.
+//! A tower stands behind the camera, and its shadow falls before it. A ball stands in the shadow of
+//! a hill, a second one lies so that its shadow falls out of sight, and a third one behind a wall,
+//! where the camera does not see the ground: none of them needs to be drawn into the shadow map. A
+//! lamp shines on the side of the third one that no camera sees.
 //!
 //! `cargo run --release --example shadows`
 

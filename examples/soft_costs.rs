@@ -1,5 +1,6 @@
-//! Prints the costs of soft visibility: nanoseconds for each question beside the error of its answer, and bytes, at three
-//! resolutions of one scene: `cargo run --release --features soft --example soft_costs`
+//! Prints the costs of soft visibility: nanoseconds for each question beside the error of its
+//! answer, and bytes, at three resolutions of one scene: `cargo run --release --features soft
+//! --example soft_costs`
 
 use std::time::Instant;
 
@@ -38,7 +39,8 @@ fn room(n: u32) -> Result<SoftGrid, Error> {
     Ok(soft)
 }
 
-/// The time of a question in nanoseconds: the mean of each one's quickest run, since other programs interrupt. And the answers.
+/// The time of a question in nanoseconds: the mean of each one's quickest run, since other programs
+/// interrupt. And the answers.
 fn ask<T>(
     questions: &[T],
     mut answer: impl FnMut(&T) -> Result<f32, Error>,

@@ -1,4 +1,5 @@
-//! The bytes that containers of the standard library take on the heap. Where these do not tell, they are estimated.
+//! The bytes that containers of the standard library take on the heap. Where these do not tell,
+//! they are estimated.
 
 /// The words before a value that an `Arc` shares: its two counts.
 const COUNTS: usize = 2 * size_of::<usize>();

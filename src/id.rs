@@ -2,25 +2,36 @@
 
 use std::fmt;
 
+use casca_slots::{Id, Slot};
+
 /// Names an object of one scene. An id is never used again: after removal it
 /// is an error wherever it is passed, as is an id of another scene.
 ///
-/// An id has 96 bits: the scene, an [index](ObjectId::index), and how many objects had that index before. None of
-/// them can run out unnoticed: an index is given up after 2^32 objects, and scenes are told apart
-/// until a process has made 2^32 - 1 of them, clones included. [`crate::Scene::key`] gives ids of 64 bits
-/// within one scene.
+/// An id has 96 bits: the scene, an [index](ObjectId::index), and how many objects had that index
+/// before. None of them can run out unnoticed: an index is given up after 2^32 objects, and scenes
+/// are told apart until a process has made 2^32 - 1 of them, clones included. [`crate::Scene::key`]
+/// gives ids of 64 bits within one scene.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ObjectId {
-    pub(crate) scene: u32,
-    pub(crate) slot: u32,
-    pub(crate) generation: u32,
-}
+pub struct ObjectId(pub(crate) Id);
 
 impl ObjectId {
     /// A small number that no other living object of the scene has: an index for
     /// the application's own arrays. It may be given again after removal.
+    #[inline]
     pub fn index(self) -> usize {
-        self.slot as usize
+        self.slot().index()
+    }
+
+    /// Where the scene stores the object.
+    #[inline]
+    pub(crate) fn slot(self) -> Slot {
+        self.0.slot()
+    }
+
+    /// How many objects were in that slot before.
+    #[inline]
+    pub(crate) fn generation(self) -> u32 {
+        self.0.generation()
     }
 }
 
@@ -32,6 +43,7 @@ impl fmt::Debug for ObjectId {
 
 impl fmt::Display for ObjectId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "object {}.{} of scene {}", self.slot, self.generation, self.scene)
+        let (id, slot) = (self.0, self.0.slot());
+        write!(f, "object {}.{} of scene {}", slot, id.generation(), id.store())
     }
 }

@@ -1,8 +1,10 @@
 //! The data structures inside a scene and a query, for pictures, tests and experiments.
 //!
-//! Only with the feature `internals`. Applications do not need it, and its names may change in any release.
+//! Only with the feature `internals`. Applications do not need it, and its names may change in any
+//! release.
 //!
-//! Methods of [`Scene`] and [`Query`] that show internals are in two traits, to be imported by name:
+//! Methods of [`Scene`] and [`Query`] that show internals are in two traits, to be imported by
+//! name:
 //!
 //! ```
 //! use casca::internals::{QueryInternals, SceneInternals};
@@ -40,18 +42,21 @@ pub use crate::shape::Shape;
 
 /// The matrices of a scene.
 pub trait SceneInternals {
-    /// Whether a cell is opaque (O) by occluders on the same layers, whichever these are. Costs two look-ups for each
-    /// mask of layers. Cells outside the grid are not.
+    /// Whether a cell is opaque (O) by occluders on the same layers, whichever these are. Costs two
+    /// look-ups for each mask of layers. Cells outside the grid are not.
     fn is_opaque(&self, cell: IVec3) -> bool;
 
-    /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid is known to.
+    /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid
+    /// is known to.
     fn is_occupied(&self, cell: IVec3) -> bool;
 
-    /// Os: the opaque cells of static objects, on all layers. A copy if occluders are on different layers.
+    /// Os: the opaque cells of static objects, on all layers. A copy if occluders are on different
+    /// layers.
     fn static_opacity(&self) -> Cow<'_, OpacityMatrix>;
 
-    /// The opaque cells of visible dynamic objects, on all layers; with Os they make O, except while an occluder that is
-    /// [reported on expiry](crate::Reports::OnExpiry) is due for a report: then O is Os.
+    /// The opaque cells of visible dynamic objects, on all layers; with Os they make O, except
+    /// while an occluder that is [reported on expiry](crate::Reports::OnExpiry) is due for a
+    /// report: then O is Os.
     fn dynamic_opacity(&self) -> Cow<'_, OpacityMatrix>;
 
     /// I: the objects that touch each cell. The first call lists them by cell.
@@ -100,8 +105,9 @@ impl SceneInternals for Scene {
 
 /// The cells that a query visited, and the buffers that it drew.
 pub trait QueryInternals {
-    /// Says whether runs of [`crate::Method::Cell`] keep which cells they visited and which they found hidden.
-    /// A new query does not. Costs two bits for each cell of the bricks that a run visits.
+    /// Says whether runs of [`crate::Method::Cell`] keep which cells they visited and which they
+    /// found hidden. A new query does not. Costs two bits for each cell of the bricks that a run
+    /// visits.
     fn record_cells(&mut self, record: bool);
 
     /// The cells that the last run of [`crate::Method::Cell`] found hidden (H), if
@@ -114,7 +120,8 @@ pub trait QueryInternals {
     /// [`QueryInternals::record_cells`] was set.
     fn visited_cells(&self) -> Option<&BitMatrix>;
 
-    /// The occlusion buffers of the last run of [`crate::Method::Point`] as images. Costs their pixels.
+    /// The occlusion buffers of the last run of [`crate::Method::Point`] as images. Costs their
+    /// pixels.
     fn occlusion_images(&self) -> Vec<OcclusionImage>;
 }
 

@@ -32,10 +32,9 @@
 //! # }
 //! ```
 //!
-//! Data flows one way:
-//! [`Scene`] (objects, and the matrices of the [grid](GridSpec)) ->
-//! [`Query`] (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers many frames of a
-//! camera that moves little from one such walk.
+//! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](GridSpec)) -> [`Query`]
+//! (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers
+//! many frames of a camera that moves little from one such walk.
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a
@@ -47,18 +46,21 @@
 //!
 //! None is on by default. These pages show the library with all of them.
 //!
-//! - `internals`: the module `internals` with the matrices, recorded cells and occlusion buffers, for pictures and tests.
-//!   Its names may change in any release.
-//! - `serde`: options, shapes and descriptions of objects are read and written with [serde](https://serde.rs), see below.
-//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the preparation of meshes by
-//!   several threads.
-//! - `soft`: the module `soft`, which estimates how much of something can be seen, for levels of detail, priorities and light.
+//! - `internals`: the module `internals` with the matrices, recorded cells and occlusion buffers,
+//!   for pictures and tests. Its names may change in any release.
+//! - `serde`: options, shapes and descriptions of objects are read and written with
+//!   [serde](https://serde.rs), see below.
+//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the
+//!   preparation of meshes by several threads.
+//! - `soft`: the module `soft`, which estimates how much of something can be seen, for levels of
+//!   detail, priorities and light.
 //!
 //! # Versions of glam
 //!
-//! Vectors and matrices are those of [`glam`], 0.30.1 to 0.34, which is re-exported here. If a program names a glam of its own,
-//! such as `glam = "0.33"`, cargo may pick two, and the compiler says that types do not match.
-//! `cargo tree --duplicates --depth 0` lists both; this command makes casca take the older one:
+//! Vectors and matrices are those of [`glam`], 0.30.1 to 0.34, which is re-exported here. If a
+//! program names a glam of its own, such as `glam = "0.33"`, cargo may pick two, and the compiler
+//! says that types do not match. `cargo tree --duplicates --depth 0` lists both; this command makes
+//! casca take the older one:
 //!
 //! ```sh
 //! cargo update glam@0.34.2 --precise 0.33.12
@@ -68,19 +70,22 @@
 //!
 //! With the feature `serde`, these are `Serialize` and `Deserialize`:
 //!
-//! - options ([`Method`], [`CellOptions`], [`PointOptions`], [`KeptOptions`], [`MeshOptions`], [`DrawOptions`]). Fields that a file lacks have
-//!   their defaults, and fields that are not known are passed over, so that files of other versions are read. Ranges are
-//!   checked where options are used, as by [`Query::set_method`];
+//! - options ([`Method`], [`CellOptions`], [`PointOptions`], [`KeptOptions`], [`MeshOptions`],
+//!   [`DrawOptions`]). Fields that a file lacks have their defaults, and fields that are not known
+//!   are passed over, so that files of other versions are read. Ranges are checked where options
+//!   are used, as by [`Query::set_method`];
 //! - the [grid](GridSpec), which [`Scene::new`] checks;
-//! - shapes ([`Aabb`], [`Sphere`], [`Obb`], [`Plane`], [`Convex`]). Shapes that a scene would refuse are not read, and
-//!   the error says why: those that are not finite, inverted, negative, flat or without direction. A convex solid is stored
-//!   by its corners. Reading one makes its faces anew at the cost of [`Convex::from_points`], and may order its corners
-//!   anew; it lies inside the solid stored;
-//! - [`Bounds`], [`Occluder`], [`Motion`], [`Reports`] and [`ObjectDesc`]. A description that [`Scene::insert`] would refuse is
-//!   neither written nor read.
+//! - shapes ([`Aabb`], [`Sphere`], [`Obb`], [`Plane`], [`Convex`]). Shapes that a scene would
+//!   refuse are not read, and the error says why: those that are not finite, inverted, negative,
+//!   flat or without direction. A convex solid is stored by its corners. Reading one makes its
+//!   faces anew at the cost of [`Convex::from_points`], and may order its corners anew; it lies
+//!   inside the solid stored;
+//! - [`Bounds`], [`Occluder`], [`Motion`], [`Reports`] and [`ObjectDesc`]. A description that
+//!   [`Scene::insert`] would refuse is neither written nor read.
 //!
-//! Meshes are left out: a [`TriMesh`] is shared by objects, and has a file format of its own ([`TriMesh::write`]). To
-//! serialise bounds or occluders that are meshes or instances is an error. Ids, scenes and results are not stored.
+//! Meshes are left out: a [`TriMesh`] is shared by objects, and has a file format of its own
+//! ([`TriMesh::write`]). To serialise bounds or occluders that are meshes or instances is an error.
+//! Ids, scenes and results are not stored.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -104,7 +109,8 @@
 //! ```
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
-// Some functions serve `internals` only. With all features, the lint finds those that serve nothing.
+// Some functions serve `internals` only. With all features, the lint finds those that serve
+// nothing.
 #![cfg_attr(not(feature = "internals"), allow(dead_code))]
 
 mod derived;

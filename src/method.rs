@@ -18,31 +18,38 @@ use crate::error::Error;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Method {
-    /// The objects whose bounds may meet the frustum, hidden or not. Costs all objects of the scene.
+    /// The objects whose bounds may meet the frustum, hidden or not. Costs all objects of the
+    /// scene.
     Frustum,
-    /// The objects that can be seen from anywhere in the grid cell of the view's eye: for every eye in that
-    /// cell that is inside no occluder, each object of which that eye sees a point inside all half-spaces of the view.
+    /// The objects that can be seen from anywhere in the grid cell of the view's eye: for every eye
+    /// in that cell that is inside no occluder, each object of which that eye sees a point inside
+    /// all half-spaces of the view.
     ///
-    /// The half-spaces stay where they are; they bound the objects that are seen, and need not hold the other eyes. The rays
-    /// of those eyes start at the eye, so that occluders outside the half-spaces, as before a near plane, hide too. Only for the
-    /// view itself do rays start at its near plane: where that plane cuts into an occluder, or the eye may be in one,
-    /// nothing is taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`crate::Pvs::is_valid_for`] asks the same of the
-    /// near plane of another view.
+    /// The half-spaces stay where they are; they bound the objects that are seen, and need not hold
+    /// the other eyes. The rays of those eyes start at the eye, so that occluders outside the
+    /// half-spaces, as before a near plane, hide too. Only for the view itself do rays start at its
+    /// near plane: where that plane cuts into an occluder, or the eye may be in one, nothing is
+    /// taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`crate::Pvs::is_valid_for`] asks
+    /// the same of the near plane of another view.
     ///
-    /// Costs the cells in sight, as far as they may contain objects that were not found yet. Orthographic views get no
-    /// occlusion. Where nothing is taken to be hidden, it costs all objects of the scene, and no cells.
-    /// Thesis, section 3.3.
+    /// Costs the cells in sight, as far as they may contain objects that were not found yet.
+    /// Orthographic views get no occlusion. Where nothing is taken to be hidden, it costs all
+    /// objects of the scene, and no cells. Thesis, section 3.3.
     Cell(CellOptions),
-    /// The objects that can be seen from the eye, at pixel precision: the tightest method. Costs the cells and occluders
-    /// in sight. Thesis, section 5 (future work).
+    /// The objects that can be seen from the eye, at pixel precision: the tightest method. Costs
+    /// the cells and occluders in sight. Thesis, section 5 (future work).
     ///
-    /// Its sets are far smaller than those of [`Method::Cell`], but not always part of them, since whole cells know no pixels.
-    /// It may keep an object that [`Method::Cell`] hides where
-    /// - the object shows only in pixels on a seam between solids that abut, and one of those moves, was inserted
-    ///   since [`crate::Scene::begin_frame`], or shares more such seams than 32 boxes in 8x8x8 cells bridge;
-    /// - the eye is known from the matrix alone, and solids shrunk by the uncertainty of that eye no longer abut;
-    /// - only the inside of a closed mesh hides it, of which the triangles are drawn, not the cells;
-    /// - the budget of refinement in [`PointOptions`] is used up, or the options leave out occluders.
+    /// Its sets are far smaller than those of [`Method::Cell`], but not always part of them, since
+    /// whole cells know no pixels. It may keep an object that [`Method::Cell`] hides where
+    /// - the object shows only in pixels on a seam between solids that abut, and one of those
+    ///   moves, was inserted since [`crate::Scene::begin_frame`], or shares more such seams than 32
+    ///   boxes in 8x8x8 cells bridge;
+    /// - the eye is known from the matrix alone, and solids shrunk by the uncertainty of that eye
+    ///   no longer abut;
+    /// - only the inside of a closed mesh hides it, of which the triangles are drawn, not the
+    ///   cells;
+    /// - the budget of refinement in [`PointOptions`] is used up, or the options leave out
+    ///   occluders.
     Point(PointOptions),
 }
 
@@ -87,11 +94,12 @@ impl Method {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct CellOptions {
-    /// Directions along each side of the view cube: a power of two from 64 to 4096. The six masks have this
-    /// many bits squared each. Finer masks hide more and cost more. Default: 256.
+    /// Directions along each side of the view cube: a power of two from 64 to 4096. The six masks
+    /// have this many bits squared each. Finer masks hide more and cost more. Default: 256.
     pub mask_resolution: u32,
-    /// Opaque cells in sight on one side of a shell are not drawn if together they appear smaller than this, in
-    /// steradians from 0 to 1 (Coorg & Teller 1997: area over squared distance). Default: 0, which draws all.
+    /// Opaque cells in sight on one side of a shell are not drawn if together they appear smaller
+    /// than this, in steradians from 0 to 1 (Coorg & Teller 1997: area over squared distance).
+    /// Default: 0, which draws all.
     pub min_solid_angle: f32,
 }
 
@@ -132,10 +140,11 @@ impl CellOptions {
     }
 }
 
-/// Options of [`Method::Point`]. Each trades speed for tightness; none of them can hide an object that can be seen.
+/// Options of [`Method::Point`]. Each trades speed for tightness; none of them can hide an object
+/// that can be seen.
 ///
-/// Three sets of them have names, from the fastest to the one with the smallest sets: [`PointOptions::fast`],
-/// [`PointOptions::balanced`] and [`PointOptions::tight`].
+/// Three sets of them have names, from the fastest to the one with the smallest sets:
+/// [`PointOptions::fast`], [`PointOptions::balanced`] and [`PointOptions::tight`].
 ///
 /// ```
 /// use casca::{Method, PointOptions, Query};
@@ -151,40 +160,41 @@ impl CellOptions {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct PointOptions {
-    /// Occluders that appear smaller than this are not drawn, in steradians from 0 to 1 (Coorg & Teller
-    /// 1997: area over squared distance; for parallel rays their area in square world units counts instead).
-    /// Default: 0, which draws all.
+    /// Occluders that appear smaller than this are not drawn, in steradians from 0 to 1 (Coorg &
+    /// Teller 1997: area over squared distance; for parallel rays their area in square world units
+    /// counts instead). Default: 0, which draws all.
     pub min_solid_angle: f32,
-    /// Width of a pixel of the occlusion buffers in the middle of a face of the view cube, in degrees from 0.03 to
-    /// 11.25. Finer pixels hide more and cost more. For orthographic views 90 degrees mean the width of
-    /// the view. Default: 0.25.
+    /// Width of a pixel of the occlusion buffers in the middle of a face of the view cube, in
+    /// degrees from 0.03 to 11.25. Finer pixels hide more and cost more. For orthographic views 90
+    /// degrees mean the width of the view. Default: 0.25.
     pub pixel_degrees: f32,
-    /// The longer side of the view gets at least this many pixels, up to 4096, so that narrow views stay
-    /// sharp. Default: 128.
+    /// The longer side of the view gets at least this many pixels, up to 4096, so that narrow views
+    /// stay sharp. Default: 128.
     pub min_pixels: u32,
-    /// The most occluders drawn in a query: shell by shell from the eye, and within a shell those of the largest solid
-    /// angle first. Default: no limit.
+    /// The most occluders drawn in a query: shell by shell from the eye, and within a shell those
+    /// of the largest solid angle first. Default: no limit.
     pub max_occluders: u32,
-    /// The most squares of directions that are examined again for one object that only undecided pixels
-    /// show. 0 takes such objects for visible. More than the default also allow an object more undecided pixels, in
-    /// proportion, before it is taken for visible. Default: 256.
+    /// The most squares of directions that are examined again for one object that only undecided
+    /// pixels show. 0 takes such objects for visible. More than the default also allow an object
+    /// more undecided pixels, in proportion, before it is taken for visible. Default: 256.
     pub refine_squares: u32,
     /// How often an undecided pixel is halved, up to 16. Default: 6.
     pub refine_depth: u32,
-    /// The most squares examined again in a whole query: this bounds the time where thousands of objects are
-    /// smaller than a pixel. Once it is used up, the order of objects decides which of the undecided ones are left
-    /// out; until then it decides nothing. Default: 65,536.
+    /// The most squares examined again in a whole query: this bounds the time where thousands of
+    /// objects are smaller than a pixel. Once it is used up, the order of objects decides which of
+    /// the undecided ones are left out; until then it decides nothing. Default: 65,536.
     pub refine_budget: u32,
-    /// The most patches of triangles that are drawn again, eight times as fine, in pixels that leave
-    /// objects undecided, in a whole query. 0 turns it off. The order of objects matters as for
-    /// [`PointOptions::refine_budget`]. Default: 3,000.
+    /// The most patches of triangles that are drawn again, eight times as fine, in pixels that
+    /// leave objects undecided, in a whole query. 0 turns it off. The order of objects matters as
+    /// for [`PointOptions::refine_budget`]. Default: 3,000.
     pub refine_patches: u32,
-    /// Whether a run begins with the occluders that were of use in the last run of the same query, and leaves out others
-    /// until something comes into sight that the last run did not find. For cameras that move little from frame to frame
-    /// this costs 45 to 85 percent of a run that knows nothing. Sets are up to 4 percent larger, with thousands of movers
-    /// in sight up to 12, since objects that were visible are examined in one of sixteen runs only; they depend on the runs
-    /// since the last [`crate::Query::reset`]. Without effect where [`PointOptions::max_occluders`] or
-    /// [`PointOptions::min_solid_angle`] leave out occluders. Default: false.
+    /// Whether a run begins with the occluders that were of use in the last run of the same query,
+    /// and leaves out others until something comes into sight that the last run did not find. For
+    /// cameras that move little from frame to frame this costs 45 to 85 percent of a run that knows
+    /// nothing. Sets are up to 4 percent larger, with thousands of movers in sight up to 12, since
+    /// objects that were visible are examined in one of sixteen runs only; they depend on the runs
+    /// since the last [`crate::Query::reset`]. Without effect where [`PointOptions::max_occluders`]
+    /// or [`PointOptions::min_solid_angle`] leave out occluders. Default: false.
     pub coherent: bool,
 }
 
@@ -195,9 +205,9 @@ impl Default for PointOptions {
 }
 
 impl PointOptions {
-    /// The least time, and the largest sets: pixels of the default size decide, and nothing is examined again. Saves most,
-    /// and keeps most hidden objects, where those are smaller than a few pixels; the report of the laboratory has figures
-    /// for each of its scenes.
+    /// The least time, and the largest sets: pixels of the default size decide, and nothing is
+    /// examined again. Saves most, and keeps most hidden objects, where those are smaller than a
+    /// few pixels; the report of the laboratory has figures for each of its scenes.
     pub const fn fast() -> Self {
         Self::new().refine_squares(0).refine_patches(0)
     }
@@ -207,9 +217,9 @@ impl PointOptions {
         Self::new()
     }
 
-    /// The smallest sets, and the most time: pixels of 0.09 degrees, and larger budgets. Where thousands of boxes are
-    /// smaller than a pixel, it costs little more than [`PointOptions::balanced`], since finer pixels leave fewer of them
-    /// undecided.
+    /// The smallest sets, and the most time: pixels of 0.09 degrees, and larger budgets. Where
+    /// thousands of boxes are smaller than a pixel, it costs little more than
+    /// [`PointOptions::balanced`], since finer pixels leave fewer of them undecided.
     pub const fn tight() -> Self {
         Self::new()
             .pixel_degrees(0.09)

@@ -9,8 +9,8 @@ use crate::id::ObjectId;
 use crate::method::Method;
 use crate::view::View;
 
-/// The work of a query in numbers, the same on every machine. The library has no clock: measure around
-/// [`crate::Query::run`].
+/// The work of a query in numbers, the same on every machine. The library has no clock: measure
+/// around [`crate::Query::run`].
 ///
 /// They follow from the scene, the view and the method, whatever the query ran before; those of a
 /// [coherent](crate::PointOptions::coherent) run also from the runs that it builds on.
@@ -19,9 +19,9 @@ use crate::view::View;
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
-    /// Cells inside the frustum that were visited, counted once for each side
-    /// of a shell that they belong to. Large parts of the grid that are empty or hidden are passed over and not
-    /// counted, and so are all cells where [`Method::Cell`] takes nothing to be hidden.
+    /// Cells inside the frustum that were visited, counted once for each side of a shell that they
+    /// belong to. Large parts of the grid that are empty or hidden are passed over and not counted,
+    /// and so are all cells where [`Method::Cell`] takes nothing to be hidden.
     pub cells_visited: u64,
     /// How many of them were hidden.
     pub cells_hidden: u64,
@@ -41,11 +41,14 @@ pub struct Stats {
     pub occlusion_tests: u32,
     /// [`Method::Point`]: objects in sight whose occluders were drawn.
     pub occluders_drawn: u32,
-    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at the time when they were
-    /// drawn. Patches that cover pixels only together count for each of their objects. No more than were drawn,
-    /// except in a [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may be out of sight.
+    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at
+    /// the time when they were drawn. Patches that cover pixels only together count for each of
+    /// their objects. No more than were drawn, except in a
+    /// [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may
+    /// be out of sight.
     pub occluders_useful: u32,
-    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later neighbours are drawn again.
+    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later
+    /// neighbours are drawn again.
     pub patches_drawn: u32,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
@@ -68,10 +71,55 @@ pub struct Stats {
     pub eye_in_occluder: bool,
 }
 
-/// The potentially visible set: every object of which any point can be seen,
-/// and a few more.
+/// The potentially visible set: every object of which any point can be seen, and a few more.
 ///
-/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone keeps it.
+/// # Use
+///
+/// Draw the objects of [`Pvs::visible`], which come roughly from near to far, or ask
+/// [`Pvs::contains`] about one. [`Pvs::changes_since`] tells which objects come and go between two
+/// sets, and [`KeySet`](crate::KeySet) sends a set to another process. At the end of a frame, give
+/// the sets of all cameras to [`Scene::end_frame`](crate::Scene::end_frame).
+///
+/// ```
+/// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+/// let ball = Sphere::new(Vec3::splat(4.0), 1.0);
+/// let id = scene.insert(ObjectDesc::dynamic(ball).user_data(7))?;
+/// let view = View::omnidirectional(Vec3::splat(9.5))?;
+/// let mut query = Query::new();
+/// for id in query.run(&scene, &view) {
+///     // An index into tables of the application.
+///     assert_eq!(scene.user_data(id)?, 7);
+/// }
+/// // A copy outlives the next run, and says itself whether it still holds.
+/// let kept = query.pvs().clone();
+/// assert!(kept.is_valid_for(&scene, &view));
+/// scene.update(id, Sphere::new(Vec3::splat(6.0), 1.0), None)?;
+/// assert!(kept.contains(id) && !kept.is_valid_for(&scene, &view));
+/// scene.end_frame([query.pvs()])?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Cost
+///
+/// Membership is one look-up. A set takes 12 bytes for each object in it and 4 for each slot of the
+/// scene, and [`crate::Query::run`] writes the next set into the same memory.
+///
+/// # Guarantees
+///
+/// No object that can be seen is missing, as long as the promises of the scene hold: occluders lie
+/// inside the objects, and movers keep to their speeds. Sets of [`Pvs::is_aggressive`] may miss
+/// some. The order is the same on every machine.
+///
+/// # Pitfalls
+///
+/// - It is a set for one moment and one view: ask [`Pvs::is_valid_for`] before using it for
+///   another, or use a [`KeptQuery`](crate::KeptQuery).
+/// - Ids in an old set may name objects that were removed: the scene then refuses them.
 #[derive(Debug, Clone)]
 pub struct Pvs {
     pub(crate) scene: u32,
@@ -80,7 +128,8 @@ pub struct Pvs {
     pub(crate) moves: u64,
     pub(crate) method: Method,
     pub(crate) aggressive: bool,
-    /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or dynamic ones.
+    /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or
+    /// dynamic ones.
     pub(crate) partial: bool,
     pub(crate) view: Option<View>,
     pub(crate) cell: Option<IVec3>,
@@ -93,7 +142,8 @@ pub struct Pvs {
     pub(crate) stats: Stats,
 }
 
-/// An empty set, of no scene and no view: [`Scene::end_frame`](crate::Scene::end_frame) passes over it.
+/// An empty set, of no scene and no view: [`Scene::end_frame`](crate::Scene::end_frame) passes over
+/// it.
 impl Default for Pvs {
     fn default() -> Self {
         Self::empty()
@@ -146,11 +196,11 @@ impl Pvs {
         self.visible.iter().copied()
     }
 
-    /// The differences between this set and one that was found earlier: the objects to show and those to take away.
-    /// Costs one look-up for each object of both sets, when the iterators run.
+    /// The differences between this set and one that was found earlier: the objects to show and
+    /// those to take away. Costs one look-up for each object of both sets, when the iterators run.
     ///
-    /// Both may be of any view and method. Of sets of different scenes all objects differ, except those that a clone
-    /// of a scene has in common with its original.
+    /// Both may be of any view and method. Of sets of different scenes all objects differ, except
+    /// those that a clone of a scene has in common with its original.
     ///
     /// ```
     /// use casca::{GridSpec, ObjectDesc, Plane, Query, Scene, Sphere, View};
@@ -263,8 +313,8 @@ impl<'a> PvsChanges<'a> {
         self.later.iter().filter(move |&id| !self.earlier.contains(id))
     }
 
-    /// The objects of the earlier set that are not in the later one, in the order of the earlier. Some may have been
-    /// removed from the scene.
+    /// The objects of the earlier set that are not in the later one, in the order of the earlier.
+    /// Some may have been removed from the scene.
     pub fn left(self) -> impl Iterator<Item = ObjectId> + 'a {
         self.earlier.iter().filter(move |&id| !self.later.contains(id))
     }

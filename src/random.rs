@@ -18,7 +18,7 @@ impl Random {
     }
 
     /// A point with coordinates up to `reach`.
-    pub(crate) fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(self.within(-reach, reach), self.within(-reach, reach), self.within(-reach, reach))
+    pub(crate) fn point(&mut self, half: f64) -> DVec3 {
+        DVec3::new(self.within(-half, half), self.within(-half, half), self.within(-half, half))
     }
 }

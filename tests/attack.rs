@@ -1,9 +1,9 @@
-//! Plays that attack the library: whatever is done to a scene, in whatever order, no set lacks an object that a
-//! ray reaches, and no kept set is said to hold where it does.
+//! Plays that attack the library: whatever is done to a scene, in whatever order, no set lacks an
+//! object that a ray reaches, and no kept set is said to hold where it does.
 //!
-//! `CASCA_ATTACK_OPS=10000000 cargo test --release --test attack -- --ignored --nocapture` plays as many operations
-//! as it says. `CASCA_SEED` is the first seed, `CASCA_ATTACK_FAILURES` how many failures end the run, and
-//! `CASCA_ATTACK_WITHOUT=clones,kept` leaves out habits.
+//! `CASCA_ATTACK_OPS=10000000 cargo test --release --test attack -- --ignored --nocapture` plays as
+//! many operations as it says. `CASCA_SEED` is the first seed, `CASCA_ATTACK_FAILURES` how many
+//! failures end the run, and `CASCA_ATTACK_WITHOUT=clones,kept` leaves out habits.
 
 use casca_truth::attack::{Habits, Run, Tally, long_run, play_seed};
 use casca_truth::cases;

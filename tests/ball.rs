@@ -35,8 +35,8 @@ impl Dice {
     }
 }
 
-/// Aims so many rays from balls at random frames of a scene; returns how much was looked at, and the objects that were
-/// lost by sets for `share` of the reach.
+/// Aims so many rays from balls at random frames of a scene; returns how much was looked at, and
+/// the objects that were lost by sets for `share` of the reach.
 fn chunk(world: &mut World, dice: &mut Dice, rays: u64, share: f32) -> (BallCounts, Vec<String>) {
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len()).unwrap();
     world.set_frame(0);
@@ -106,7 +106,8 @@ fn long_run_of_balls() {
     let (mut aimed, mut pixels, mut lost) = (0, 0, Vec::new());
     let (mut round, scenes) = (0, (SceneKind::ALL.len() + files.len()) as u64);
     let each = wanted.div_ceil(scenes).min(CHUNK);
-    // Each round has other scenes of each kind; only whole rounds count, so that no scene is left out.
+    // Each round has other scenes of each kind; only whole rounds count, so that no scene is left
+    // out.
     while aimed < wanted {
         let options = SceneOptions { seed: seed.wrapping_add(round), ..SceneOptions::default() };
         let built = SceneKind::ALL.into_iter().map(|kind| build(kind, &options));

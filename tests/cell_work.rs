@@ -1,5 +1,5 @@
-//! The work of the cell method follows what is seen and what the scene contains, not the volume of the grid; and walks that
-//! end early find what whole walks find.
+//! The work of the cell method follows what is seen and what the scene contains, not the volume of
+//! the grid; and walks that end early find what whole walks find.
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,5 @@
-//! Coherent queries: they lose nothing, whatever the camera and the objects do between runs; they draw less than queries
-//! that know nothing of the run before; and their sets are little larger.
+//! Coherent queries: they lose nothing, whatever the camera and the objects do between runs; they
+//! draw less than queries that know nothing of the run before; and their sets are little larger.
 
 use std::sync::Arc;
 
@@ -28,8 +28,8 @@ fn driver(world: &World) -> Driver {
     Driver::new(world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap()
 }
 
-/// A person who walks and looks around: 1.5 m/s and up to 90 degrees a second at 60 frames a second, from the place of a
-/// camera.
+/// A person who walks and looks around: 1.5 m/s and up to 90 degrees a second at 60 frames a
+/// second, from the place of a camera.
 fn walk(start: &Camera, frames: usize) -> Vec<Camera> {
     let mut eye = start.eye;
     let mut forward = -Mat3::from_mat4(start.view.transpose()).z_axis;
@@ -148,7 +148,8 @@ fn other_scenes_and_free_slots_are_no_trap() {
     }
 }
 
-/// A segment through the line of a side by less than this, in m^4, passes the triangle: neighbours leave no gap between them.
+/// A segment through the line of a side by less than this, in m^4, passes the triangle: neighbours
+/// leave no gap between them.
 const ON_SIDE: f64 = 1e-9;
 
 /// Rolling ground: `n` squares along each side of 40 m.
@@ -187,8 +188,9 @@ impl Ground {
     }
 }
 
-/// Patches are remembered by slot and number, also where a slot has another mesh now. In debug builds the library checks that no two
-/// patches of a batch have triangles in common: a group and a part of it would hide more than their triangles.
+/// Patches are remembered by slot and number, also where a slot has another mesh now. In debug
+/// builds the library checks that no two patches of a batch have triangles in common: a group and a
+/// part of it would hide more than their triangles.
 #[test]
 fn a_slot_with_another_mesh_is_no_trap() {
     let grounds = [Ground::new(12, 0.5), Ground::new(40, 0.31), Ground::new(24, 0.9)];

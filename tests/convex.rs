@@ -6,7 +6,8 @@ use casca::internals::Shape;
 use casca::{Convex, Error, Plane};
 use glam::{DVec3, Vec3};
 
-/// Solids made from points or planes may lack this share of their size (documented), with room for rounding.
+/// Solids made from points or planes may lack this share of their size (documented), with room for
+/// rounding.
 const LACK: f64 = 1.1e-6;
 
 struct Random(u64);
@@ -125,7 +126,8 @@ fn solids_of_half_spaces_hold_nearly_all_of_them() {
             let (min, max) = solid.bounds();
             let size = (max - min).max_element();
             for _ in 0..40 {
-                // Where a ray from inside leaves the half-spaces, relative to `c` as far as f64 tells.
+                // Where a ray from inside leaves the half-spaces, relative to `c` as far as f64
+                // tells.
                 let d = random.direction();
                 let exits = planes.iter().map(|p| {
                     let n = p.normal.as_dvec3();
@@ -173,7 +175,8 @@ fn extent(points: &[Vec3]) -> f64 {
     f64::from((hi - lo).max_element())
 }
 
-/// How far points reach to both sides of the plane through three of them, at least: zero for flat ones.
+/// How far points reach to both sides of the plane through three of them, at least: zero for flat
+/// ones.
 fn thickness(points: &[Vec3]) -> f64 {
     let p: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
     let a = p[0];
@@ -247,7 +250,8 @@ fn hulls_reach_no_farther_than_their_points_along_any_ray() {
                             let (u, v) = (p[j] - p[i], p[k] - p[i]);
                             let volume = u.cross(v).dot(d);
                             let (s, t) = (-p[i].cross(v).dot(d) / volume, -u.cross(p[i]).dot(d) / volume);
-                            // In doubt the ray meets the triangle: the hull is not smaller than that.
+                            // In doubt the ray meets the triangle: the hull is not smaller than
+                            // that.
                             if s >= -1e-9 && t >= -1e-9 && s + t <= 1.0 + 1e-9 {
                                 exit = exit.max((p[i] + u * s + v * t).dot(d));
                             }

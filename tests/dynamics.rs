@@ -286,7 +286,8 @@ proptest! {
         }).collect();
         let mut query = Query::with_method(Method::Frustum).unwrap();
         let pvs = query.run(&scene, &view_of(eye, direction));
-        // Brute force on the clip volume: points of each object against it, and its planes one by one.
+        // Brute force on the clip volume: points of each object against it, and its planes one by
+        // one.
         let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
         let clip = (directx::perspective(1.2, 1.3, 0.05, 60.0) * look_to_mat4(eye, direction, up)).as_dmat4();
         for m in &movers {

@@ -1,5 +1,5 @@
-//! Eyes given with a matrix: the matrix's own is taken however it was computed, another is refused, and what lies
-//! between them loses nothing that is visible.
+//! Eyes given with a matrix: the matrix's own is taken however it was computed, another is refused,
+//! and what lies between them loses nothing that is visible.
 
 use casca::{Aabb, Error, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
 use glam::camera::{lh, rh};
@@ -186,7 +186,8 @@ fn eyes_apart_by_what_is_accepted_lose_nothing() {
         for round in 0..120 {
             let eye = (random.direction() * reach).as_vec3();
             let at = eye.as_dvec3();
-            // In every third round as much as single precision explains, else up to half as much again.
+            // In every third round as much as single precision explains, else up to half as much
+            // again.
             let most = 2.0 * 2f64.powi(-20) * at.length();
             let apart = DVec3::Y * most * if round % 3 == 0 { random.within(0.0, 0.9) } else { 1.5 };
             let apart = if round % 2 == 0 { apart } else { -apart };
@@ -207,7 +208,8 @@ fn eyes_apart_by_what_is_accepted_lose_nothing() {
             scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
             let mut aimed = Vec::new();
             for i in 0..24 {
-                // Points behind the edge, and at the sides of the view, as this eye or that sees them.
+                // Points behind the edge, and at the sides of the view, as this eye or that sees
+                // them.
                 let from = if i % 2 == 0 { own } else { at };
                 let sharp = if i % 3 == 0 {
                     f64::from(edge)

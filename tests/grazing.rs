@@ -1,7 +1,9 @@
-//! The grazing form of the attack: no set lacks a tiny object that is seen closely past an occluder.
+//! The grazing form of the attack: no set lacks a tiny object that is seen closely past an
+//! occluder.
 //!
-//! `CASCA_GRAZING_POINTS=1000000000 cargo test --release --test grazing -- --ignored --nocapture` asks for as many points as it
-//! says, on all cores (`CASCA_GRAZING_THREADS` for fewer; results are the same). `CASCA_SEED` is the seed of the first scene.
+//! `CASCA_GRAZING_POINTS=1000000000 cargo test --release --test grazing -- --ignored --nocapture`
+//! asks for as many points as it says, on all cores (`CASCA_GRAZING_THREADS` for fewer; results are
+//! the same). `CASCA_SEED` is the seed of the first scene.
 
 use casca_truth::attack::grazing::{Run, SHAPES, Tally, long_run};
 
@@ -14,7 +16,8 @@ fn what_is_seen_past_an_edge_is_found() {
     let run = Run { seed: number("CASCA_SEED").unwrap_or(1), points: 4_000_000, threads: 1, failures: 1 };
     let (tally, lost) = long_run(run, |_, _| ());
     assert!(lost.is_empty(), "{}", lost[0].text);
-    // The test means something: most points are decided, each shape is passed, and sets leave out what is hidden.
+    // The test means something: most points are decided, each shape is passed, and sets leave out
+    // what is hidden.
     let total = tally.total();
     assert!(total.seen * 3 > total.tried && total.open * 20 < total.tried, "{tally}");
     for shape in SHAPES {

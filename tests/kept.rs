@@ -1,5 +1,5 @@
-//! Sets that are kept over frames: while [`Pvs::is_valid_for`] says so, they have all that a new query finds; and copies of
-//! a scene, whose sets and ids are their own.
+//! Sets that are kept over frames: while [`Pvs::is_valid_for`] says so, they have all that a new
+//! query finds; and copies of a scene, whose sets and ids are their own.
 
 use std::collections::BTreeSet;
 
@@ -73,7 +73,8 @@ fn a_set_that_another_camera_outlives_does_not_hold_either() {
     }
 }
 
-/// The occluder of a hidden object is drawn when its volume is revealed: if it moves, what it hid may be seen.
+/// The occluder of a hidden object is drawn when its volume is revealed: if it moves, what it hid
+/// may be seen.
 #[test]
 fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
     let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) }).unwrap();
@@ -155,7 +156,8 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// Moves, queries of which only some are given to the end of the frame, and sets that are kept while they hold.
+/// Moves, queries of which only some are given to the end of the frame, and sets that are kept
+/// while they hold.
 fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
     let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
     for (x, y) in [(10.0, 0.0), (10.0, 14.0)] {

@@ -170,7 +170,8 @@ fn a_wall_hides_in_the_views_that_show_it_and_in_no_others() {
     }
 }
 
-/// Solids on different layers are not joined, and a view is told of no cell that solids fill which it does not show.
+/// Solids on different layers are not joined, and a view is told of no cell that solids fill which
+/// it does not show.
 #[test]
 fn solids_on_different_layers_do_not_fill_cells_together() {
     let view = View::omnidirectional(Vec3::new(8.5, 8.5, 2.5)).unwrap();
@@ -203,7 +204,8 @@ fn solids_on_different_layers_do_not_fill_cells_together() {
     }
 }
 
-/// An eye inside a solid that its view does not show sees as if the solid were not there: a player in its own body.
+/// An eye inside a solid that its view does not show sees as if the solid were not there: a player
+/// in its own body.
 #[test]
 fn an_eye_in_a_solid_of_another_layer_has_occlusion() {
     let eye = Vec3::new(8.5, 8.5, 2.5);

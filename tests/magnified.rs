@@ -1,5 +1,5 @@
-//! Magnified patches: objects that only pixels drawn again hide, compared with rays against the triangles. The rays
-//! share no code with the library.
+//! Magnified patches: objects that only pixels drawn again hide, compared with rays against the
+//! triangles. The rays share no code with the library.
 
 use std::sync::Arc;
 
@@ -12,7 +12,8 @@ use proptest::prelude::*;
 /// Quads along each side of a sheet.
 const QUADS: u32 = 5;
 
-/// A sheet of triangles: its middle, the width of a quad, its slopes, and a number that its bumps and holes follow from.
+/// A sheet of triangles: its middle, the width of a quad, its slopes, and a number that its bumps
+/// and holes follow from.
 type Sheet = (Vec3, f32, (f32, f32), u32);
 
 /// A number from 0 to 1 that follows from two others.
@@ -42,8 +43,8 @@ fn mesh(&(middle, width, slope, seed): &Sheet) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     ((0..side * side).map(corner).collect(), triangles.collect())
 }
 
-/// Rays through an edge that two triangles share count for both: triangles are larger by this share of themselves, far more
-/// than the rounding of double precision.
+/// Rays through an edge that two triangles share count for both: triangles are larger by this share
+/// of themselves, far more than the rounding of double precision.
 const SHARED: f64 = 1e-9;
 
 /// Whether the segment from the origin to a point passes a triangle (Möller & Trumbore 1997).

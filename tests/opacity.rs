@@ -1,4 +1,5 @@
-//! What solids leave behind: opaque cells go with the last solid that fills them, and stay until then.
+//! What solids leave behind: opaque cells go with the last solid that fills them, and stay until
+//! then.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! An origin that is shifted: what an eye sees stays in the set, nothing from before is taken for a result of now, and
-//! where nothing rounds, the sets are the same.
+//! An origin that is shifted: what an eye sees stays in the set, nothing from before is taken for a
+//! result of now, and where nothing rounds, the sets are the same.
 
 mod segments;
 

@@ -1,4 +1,5 @@
-//! Occluders that stick out of their bounds, and those that only seem to: boxes around shapes may be larger than these.
+//! Occluders that stick out of their bounds, and those that only seem to: boxes around shapes may
+//! be larger than these.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;

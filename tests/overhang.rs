@@ -1,5 +1,5 @@
-//! Objects that reach a little or far out of the grid, on any side: none that an eye sees is lost, by segments cut by the
-//! shapes themselves, and they cost hardly more than objects inside.
+//! Objects that reach a little or far out of the grid, on any side: none that an eye sees is lost,
+//! by segments cut by the shapes themselves, and they cost hardly more than objects inside.
 
 mod segments;
 
@@ -170,7 +170,8 @@ proptest! {
     }
 }
 
-/// A wall across the grid, and boxes that stand behind it, below the floor of the grid by a distance.
+/// A wall across the grid, and boxes that stand behind it, below the floor of the grid by a
+/// distance.
 fn street(below: f32) -> (Scene, Vec<ObjectId>) {
     let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 16, 128) };
     let mut scene = Scene::new(&spec).unwrap();

@@ -38,7 +38,8 @@ fn solid() -> impl Strategy<Value = Occluder> {
     ]
 }
 
-/// What engines make: rotation, scale and translation, mirrored or not; and products of those, which shear.
+/// What engines make: rotation, scale and translation, mirrored or not; and products of those,
+/// which shear.
 fn transform() -> impl Strategy<Value = Affine3A> {
     let scale = || prop_oneof![vector(0.2..4.0), (0.2..4.0f32).prop_map(Vec3::splat), vector(-2.0..-0.5)];
     let place = || prop_oneof![vector(-20.0..20.0), vector(-20_000.0..20_000.0)];
@@ -82,8 +83,8 @@ fn as_bounds(solid: &Occluder) -> Bounds {
     }
 }
 
-/// Points of the bounds, transformed in single precision, lie in the bounds as placed; points of the occluder as
-/// placed lie in the occluder.
+/// Points of the bounds, transformed in single precision, lie in the bounds as placed; points of
+/// the occluder as placed lie in the occluder.
 fn check(solid: &Occluder, t: Affine3A, shares: &[Vec3]) -> usize {
     let local = as_bounds(solid);
     let (bounds, occluder) = placed(ObjectDesc::fixed(local.clone()).occluder(solid.clone()), t);

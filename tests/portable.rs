@@ -1,13 +1,14 @@
-//! The library asks nothing of an operating system: no clock, thread, file, environment or network, all of
-//! which fail or panic on targets such as `wasm32-unknown-unknown`. `.ci/wasm` runs it there; this test
-//! reads the sources, which needs no such target.
+//! The library asks nothing of an operating system: no clock, thread, file, environment or network,
+//! all of which fail or panic on targets such as `wasm32-unknown-unknown`. `.ci/wasm` runs it
+//! there; this test reads the sources, which needs no such target.
 
 use std::path::{Path, PathBuf};
 
 /// Names of what is not there, wherever they are imported from.
 const NAMES: [&str; 6] =
     ["Instant", "SystemTime", "UNIX_EPOCH", "File", "available_parallelism", "thread_local"];
-/// Modules of it. Other things may have these names, too: they count in a path, or beside one from `std`.
+/// Modules of it. Other things may have these names, too: they count in a path, or beside one from
+/// `std`.
 const MODULES: [&str; 5] = ["thread", "fs", "env", "net", "process"];
 
 /// The first of those words in a line of code, comments left out.

@@ -1,4 +1,5 @@
-//! The table of lemmas in `docs/conservativeness.md` names code, constants and tests that are there.
+//! The table of lemmas in `docs/conservativeness.md` names code, constants and tests that are
+//! there.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Views whose eye may go some way: their sets have all that any of these eyes sees, by segments cut by the shapes
-//! themselves.
+//! Views whose eye may go some way: their sets have all that any of these eyes sees, by segments
+//! cut by the shapes themselves.
 
 mod worlds;
 

@@ -1,5 +1,6 @@
-//! Objects that are reported on expiry, by applications that report late, early, twice or not at all. The model:
-//! an object may be anywhere within its greatest speed times the time since its last report.
+//! Objects that are reported on expiry, by applications that report late, early, twice or not at
+//! all. The model: an object may be anywhere within its greatest speed times the time since its
+//! last report.
 
 use casca::internals::SceneInternals;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Plane, Query, Scene, Sphere, View};
@@ -49,7 +50,8 @@ fn a_report_near_the_wall_of_a_volume_makes_it_expire_sooner() {
         };
         assert!(!frame(&mut scene, 0.0, None).1, "{method:?}");
         let (_, high) = scene.tbv(id).unwrap().expect("it is hidden");
-        // A jump to a tenth of a unit from the wall of its volume: there it has a tenth of a second.
+        // A jump to a tenth of a unit from the wall of its volume: there it has a tenth of a
+        // second.
         let x = high.x as f32 - 0.35;
         frame(&mut scene, 0.001, Some(x));
         let (due, seen) = frame(&mut scene, 0.2, None);
@@ -212,7 +214,8 @@ fn an_unreported_object_may_leave_the_grid() {
         }
         let (low, high) = scene.tbv(id).unwrap().unwrap_or_else(|| panic!("{method:?}: the wall hides it"));
         assert!(low.y < -1.0 && high.y > 2.0, "{low} {high}");
-        // It may be below the floor, where eyes beside the wall look: inside the grid, below it and far away.
+        // It may be below the floor, where eyes beside the wall look: inside the grid, below it and
+        // far away.
         for eye in [Vec3::new(14.0, 5.0, 16.5), Vec3::new(15.0, -6.0, 12.0), Vec3::new(16.5, -90.0, 16.5)] {
             let down = Plane { normal: -Vec3::Y, offset: -0.2 };
             let view = View::from_planes(eye, &[down]).unwrap();

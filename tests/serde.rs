@@ -1,4 +1,5 @@
-//! Options, shapes and descriptions, stored as JSON and read back; files that are old, new, wrong or hostile.
+//! Options, shapes and descriptions, stored as JSON and read back; files that are old, new, wrong
+//! or hostile.
 
 use std::fmt::Debug;
 use std::sync::Arc;

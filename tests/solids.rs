@@ -1,5 +1,5 @@
-//! The opaque cells of a scene after solids came, moved and went, against the runs of each solid alone and
-//! against points inside them.
+//! The opaque cells of a scene after solids came, moved and went, against the runs of each solid
+//! alone and against points inside them.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! Walks pass over parts of the grid that hold nothing, and find the same as where every part holds something.
+//! Walks pass over parts of the grid that hold nothing, and find the same as where every part holds
+//! something.
 
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use glam::camera::rh::{proj::directx, view::look_to_mat4};

@@ -1,4 +1,5 @@
-//! The numbers of a query say the same in a fresh query and in one that ran before, and count what they say.
+//! The numbers of a query say the same in a fresh query and in one that ran before, and count what
+//! they say.
 
 use std::sync::Arc;
 
@@ -174,7 +175,8 @@ fn occluders_behind_others_are_of_no_use() {
     let mut query = Query::new();
     assert_eq!(query.run(&scene, &eye()).len(), 2);
     let stats = point(&query);
-    // The nearer bounds come first, and their occluder is drawn before the wall. The wall covers more.
+    // The nearer bounds come first, and their occluder is drawn before the wall. The wall covers
+    // more.
     assert_eq!((stats.occluders_drawn, stats.occluders_useful), (2, 2), "{stats:?}");
     // With the wall nearer, the other is drawn after it, and covers nothing.
     let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(14.0, 64.0, 64.0));

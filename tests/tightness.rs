@@ -1,4 +1,5 @@
-//! What the cell method proves hidden, the point method finds hidden too, but for what `Method::Point` says.
+//! What the cell method proves hidden, the point method finds hidden too, but for what
+//! `Method::Point` says.
 
 use casca::{Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, View};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
@@ -119,8 +120,8 @@ mod laboratory {
 
     use super::*;
 
-    /// On these scenes there is no exception where the eye is known, and hardly any where the matrix alone tells it:
-    /// solids are shrunk by what it leaves open, which opens seams.
+    /// On these scenes there is no exception where the eye is known, and hardly any where the
+    /// matrix alone tells it: solids are shrunk by what it leaves open, which opens seams.
     #[test]
     fn the_point_method_keeps_nothing_that_the_cell_method_hides() {
         let (mut cell, mut point) = (query(Method::cell()), query(Method::point()));

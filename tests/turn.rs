@@ -1,5 +1,5 @@
-//! Views of cameras that may go some way and turn by some angle: their sets have all that any of these cameras sees, by
-//! segments cut by the shapes themselves.
+//! Views of cameras that may go some way and turn by some angle: their sets have all that any of
+//! these cameras sees, by segments cut by the shapes themselves.
 
 mod worlds;
 
@@ -149,10 +149,12 @@ fn a_result_holds_for_all_cameras_that_turn_so_far() {
     );
 }
 
-/// The near plane of the turned camera may cut an occluder that it does not cut before: that one hides nothing.
+/// The near plane of the turned camera may cut an occluder that it does not cut before: that one
+/// hides nothing.
 #[test]
 fn occluders_before_the_near_plane_of_a_turned_camera_hide_nothing() {
-    // 1.05 before the eye: beyond the near plane, but not where the corners of the near rectangle turn to.
+    // 1.05 before the eye: beyond the near plane, but not where the corners of the near rectangle
+    // turn to.
     let wall =
         Solid::Box(casca::Aabb::new(EYE + Vec3::new(1.05, -9.0, -9.0), EYE + Vec3::new(2.0, 9.0, 9.0)));
     let world = World::new(&[wall], &[Sphere::new(EYE + Vec3::X * 9.0, 1.0)]);
@@ -164,7 +166,8 @@ fn occluders_before_the_near_plane_of_a_turned_camera_hide_nothing() {
     }
 }
 
-/// The radius of targets that show where a view ends: a hundredth of the angle by which it is turned, seen from so far.
+/// The radius of targets that show where a view ends: a hundredth of the angle by which it is
+/// turned, seen from so far.
 const SPECK: f32 = 1e-3;
 
 #[test]

@@ -1,5 +1,6 @@
-//! Results of the cell method are valid for every eye of the cell, whatever bounds the view: random scenes
-//! and frusta against rays from other eyes of the same cell. The rays share no code with the library.
+//! Results of the cell method are valid for every eye of the cell, whatever bounds the view: random
+//! scenes and frusta against rays from other eyes of the same cell. The rays share no code with the
+//! library.
 
 use std::sync::Arc;
 
@@ -11,8 +12,8 @@ use glam::{DMat4, DQuat, DVec3, DVec4, Mat4, Quat, UVec3, Vec3};
 
 /// Cells along each axis of the grid.
 const CELLS: u32 = 16;
-/// Solids are grown or shrunk by this much where a ray would be in doubt: coordinates up to 20 in single
-/// precision are off by 1e-6.
+/// Solids are grown or shrunk by this much where a ray would be in doubt: coordinates up to 20 in
+/// single precision are off by 1e-6.
 const DOUBT: f64 = 1e-4;
 /// Points looked at are inside all half-spaces by this much.
 const INSIDE: f64 = 1e-4;
@@ -208,8 +209,8 @@ impl World {
         })
     }
 
-    /// A left-out object that `eye` sees at a point inside all half-spaces. Where `cut`, rays start where
-    /// they enter those.
+    /// A left-out object that `eye` sees at a point inside all half-spaces. Where `cut`, rays start
+    /// where they enter those.
     fn missed(
         &self,
         pvs: &Pvs,

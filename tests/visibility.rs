@@ -313,7 +313,8 @@ proptest! {
         let mut objects = Vec::new();
         let mut ids = Vec::new();
         for ((b, hull), dynamic) in &boxes {
-            // Corners are rounded to single precision: the occluder inside them, the bounds outside.
+            // Corners are rounded to single precision: the occluder inside them, the bounds
+            // outside.
             let scaled = |by: f32| Obb { half: b.half * by, ..*b };
             let bounds = scaled(1.0 + 1e-5);
             let desc = if *dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
@@ -374,8 +375,9 @@ fn the_procedural_scenes_lose_nothing() {
     }
 }
 
-/// All scenes of solids, two seeds, and every resolution of the point method against exact visibility with more than
-/// 10^8 aimed rays; and what sampled buffers lose in the same frames. Prints a table.
+/// All scenes of solids, two seeds, and every resolution of the point method against exact
+/// visibility with more than 10^8 aimed rays; and what sampled buffers lose in the same frames.
+/// Prints a table.
 ///
 /// `cargo test --release --test visibility -- --ignored --nocapture long_suite`
 #[test]

@@ -16,7 +16,8 @@ fn view(eye: Vec3, forward: Vec3, degrees: f32, near: f32) -> View {
     View::perspective(eye, matrix).unwrap()
 }
 
-/// A wall across the grid from z = 20 to 22, and a mover behind it in a volume that reaches before it.
+/// A wall across the grid from z = 20 to 22, and a mover behind it in a volume that reaches before
+/// it.
 fn hidden_mover(desc: ObjectDesc) -> (Scene, ObjectId) {
     let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(40) }).unwrap();
     let wall = Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(40.0, 40.0, 22.0));

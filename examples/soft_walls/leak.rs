@@ -1,4 +1,5 @@
-//! How much light a cone lets through an opaque wall: the experiment of the digest on voxel cone tracing, in a grid one cell thick.
+//! How much light a cone lets through an opaque wall: the experiment of the digest on voxel cone
+//! tracing, in a grid one cell thick.
 
 use casca::glam::{UVec3, Vec3};
 use casca::soft::{Cone, Layer, March, SoftGrid};
@@ -52,7 +53,8 @@ pub fn slice() -> Result<SoftGrid, Error> {
     SoftGrid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(N, N, 1) })
 }
 
-/// The light that passes 34 walls, for a ray at an angle to x and a cone around it. Every wall hides all.
+/// The light that passes 34 walls, for a ray at an angle to x and a cone around it. Every wall
+/// hides all.
 pub fn through_walls(wall: Wall, degrees: f32, tan: f32, march: &March) -> Result<Leak, Error> {
     let mut soft = slice()?;
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -72,7 +74,8 @@ pub fn through_walls(wall: Wall, degrees: f32, tan: f32, march: &March) -> Resul
     Ok(Leak { mean: sum / f32::from(walls), greatest, steps: steps as f32 / f32::from(walls) })
 }
 
-/// The light that passes a wall one cell thick so many cells ahead of the apex, which is in the middle of a cell.
+/// The light that passes a wall one cell thick so many cells ahead of the apex, which is in the
+/// middle of a cell.
 pub fn near_wall(ahead: u32, tan: f32, march: &March) -> Result<f32, Error> {
     let mut soft = slice()?;
     Wall::Straight(1).insert(&mut soft, (40 + ahead) as f32)?;

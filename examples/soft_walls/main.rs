@@ -1,5 +1,6 @@
-//! What thin walls let through, by each way to follow a cone: `docs/soft-walls.csv` and `docs/soft-blind-zone.csv`, written anew by
-//! `cargo run --release --features soft --example soft_walls`.
+//! What thin walls let through, by each way to follow a cone: `docs/soft-walls.csv` and
+//! `docs/soft-blind-zone.csv`, written anew by `cargo run --release --features soft --example
+//! soft_walls`.
 
 use std::fmt::Write;
 

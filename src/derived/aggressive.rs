@@ -1,8 +1,9 @@
 //! Aggressive opacity: cells that are mostly solid pass for opaque. **Not conservative.**
 //!
-//! After the thesis' "approximate PVS by an opacity threshold" (section 3): for [`crate::Method::Cell`] only cells
-//! wholly inside solids hide, so that most of the solids hide nothing. If cells that are filled to a share count too,
-//! the PVS is smaller, but lacks objects that show through the unfilled part.
+//! After the thesis' "approximate PVS by an opacity threshold" (section 3): for
+//! [`crate::Method::Cell`] only cells wholly inside solids hide, so that most of the solids hide
+//! nothing. If cells that are filled to a share count too, the PVS is smaller, but lacks objects
+//! that show through the unfilled part.
 
 use glam::{DVec3, IVec3};
 
@@ -17,8 +18,8 @@ use crate::view::View;
 /// Points along each edge of a cell at which its filling is sampled.
 const SAMPLES: i32 = 4;
 
-/// Cells that static solids fill to at least a share of their volume, for [`Query::run_aggressive`]. **Results lose visible
-/// objects.**
+/// Cells that static solids fill to at least a share of their volume, for
+/// [`Query::run_aggressive`]. **Results lose visible objects.**
 ///
 /// ```
 /// use casca::{Aabb, AggressiveOpacity, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
@@ -46,12 +47,13 @@ pub struct AggressiveOpacity {
 }
 
 impl AggressiveOpacity {
-    /// The cells of `scene` that its static solids fill to a `share` (above 0, up to 1) or more: of 64
-    /// points in each cell, as many lie inside some solid. Open meshes and instances fill nothing.
+    /// The cells of `scene` that its static solids fill to a `share` (above 0, up to 1) or more: of
+    /// 64 points in each cell, as many lie inside some solid. Open meshes and instances fill
+    /// nothing.
     ///
-    /// Later changes of the scene do not count: make it anew when static objects change.
-    /// Costs 64 tests of points for each cell that static solids touch; one in a closed mesh goes through its
-    /// triangles.
+    /// Later changes of the scene do not count: make it anew when static objects change. Costs 64
+    /// tests of points for each cell that static solids touch; one in a closed mesh goes through
+    /// its triangles.
     ///
     /// # Errors
     /// Refuses a share out of its range.
@@ -101,16 +103,18 @@ impl AggressiveOpacity {
         self.share
     }
 
-    /// The cells that pass for opaque and are not. One that solids on different layers fill comes more than once.
+    /// The cells that pass for opaque and are not. One that solids on different layers fill comes
+    /// more than once.
     pub fn cells(&self) -> impl Iterator<Item = IVec3> {
         self.cells.parts.iter().flat_map(|(_, cells)| cells.iter())
     }
 }
 
 impl Query {
-    /// As [`Query::run`] with [`crate::Method::Cell`], but mostly solid cells pass for opaque: **visible objects
-    /// may be missing**, which [`Pvs::is_aggressive`] then says. For uses where a smaller set is worth holes in
-    /// the picture, such as the order in which to load objects. Costs as [`Query::run`].
+    /// As [`Query::run`] with [`crate::Method::Cell`], but mostly solid cells pass for opaque:
+    /// **visible objects may be missing**, which [`Pvs::is_aggressive`] then says. For uses where a
+    /// smaller set is worth holes in the picture, such as the order in which to load objects. Costs
+    /// as [`Query::run`].
     ///
     /// # Errors
     /// Refuses an opacity of another scene, and other methods.
@@ -146,7 +150,8 @@ mod tests {
     #[test]
     fn cells_count_from_the_share_that_solids_fill_together() {
         let mut scene = scene();
-        // Two boxes fill the lower and the upper quarter of cell (5, 5, 5); one fills a half of (9, 9, 9).
+        // Two boxes fill the lower and the upper quarter of cell (5, 5, 5); one fills a half of (9,
+        // 9, 9).
         for (min, max) in [([5.0, 5.0, 5.0], [6.0, 5.25, 6.0]), ([5.0, 5.75, 5.0], [6.0, 6.0, 6.0])] {
             let b = Aabb::new(min.into(), max.into());
             scene.insert(ObjectDesc::fixed(b).occluder(b)).unwrap();

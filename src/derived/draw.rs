@@ -16,38 +16,43 @@ use crate::view::{Origin, View};
 pub struct DrawItem {
     /// The object.
     pub id: ObjectId,
-    /// From the eye to the nearest point of the bounds in world units, 0 inside of them. For parallel rays, how
-    /// far along them that point lies from the plane through the origin of the world: it may be negative.
+    /// From the eye to the nearest point of the bounds in world units, 0 inside of them. For
+    /// parallel rays, how far along them that point lies from the plane through the origin of the
+    /// world: it may be negative.
     ///
     /// For a mesh it is the distance of its bounding box. For an object that goes unreported
-    /// ([`crate::Reports::OnExpiry`]) it is that of the volume around it; without a volume it is 0 (for parallel rays,
-    /// minus infinity).
+    /// ([`crate::Reports::OnExpiry`]) it is that of the volume around it; without a volume it is 0
+    /// (for parallel rays, minus infinity).
     pub distance: f32,
-    /// The angle in radians under which the eye sees a ball around the bounds, up to pi; 2 pi inside that ball.
-    /// For parallel rays, the diameter of the ball in world units.
+    /// The angle in radians under which the eye sees a ball around the bounds, up to pi; 2 pi
+    /// inside that ball. For parallel rays, the diameter of the ball in world units.
     ///
-    /// The ball is the bounds themselves if they are a sphere, else the ball around their box. For an object that goes
-    /// unreported it is the ball around its volume; without a volume the size is 2 pi (for parallel rays, infinity).
+    /// The ball is the bounds themselves if they are a sphere, else the ball around their box. For
+    /// an object that goes unreported it is the ball around its volume; without a volume the size
+    /// is 2 pi (for parallel rays, infinity).
     pub size: f32,
-    /// The share of the object that can be seen, 0 to 1: an estimate, which may err both ways. 1 unless
-    /// `SoftGrid::estimate` of the feature `soft` set it.
+    /// The share of the object that can be seen, 0 to 1: an estimate, which may err both ways. 1
+    /// unless `SoftGrid::estimate` of the feature `soft` set it.
     pub fraction: f32,
 }
 
 impl DrawItem {
-    /// The size of what can be seen of the object: [`DrawItem::size`] times the root of [`DrawItem::fraction`], since areas grow with the
-    /// square of the size. By default the size itself. The greatest first is an order for streaming.
+    /// The size of what can be seen of the object: [`DrawItem::size`] times the root of
+    /// [`DrawItem::fraction`], since areas grow with the square of the size. By default the size
+    /// itself. The greatest first is an order for streaming.
     pub fn seen_size(&self) -> f32 {
         self.size * self.fraction.sqrt()
     }
 
-    /// The level of detail by [`DrawItem::seen_size`]: how many of the `thresholds` it is below. With thresholds in
-    /// descending order, 0 is the finest level and `thresholds.len()` the coarsest. NaN counts for nothing.
+    /// The level of detail by [`DrawItem::seen_size`]: how many of the `thresholds` it is below.
+    /// With thresholds in descending order, 0 is the finest level and `thresholds.len()` the
+    /// coarsest. NaN counts for nothing.
     ///
-    /// A threshold of `n` pixels is `n * field_of_view / height` in radians, where `height` is the height of the
-    /// picture in pixels and `field_of_view` its vertical angle: exact for narrow views. In wide ones, pixels in the middle of
-    /// the picture see a larger angle: `n * 2.0 * (field_of_view / 2.0).tan() / height`. For parallel rays it is
-    /// `n` times the width of a pixel in world units.
+    /// A threshold of `n` pixels is `n * field_of_view / height` in radians, where `height` is the
+    /// height of the picture in pixels and `field_of_view` its vertical angle: exact for narrow
+    /// views. In wide ones, pixels in the middle of the picture see a larger angle: `n * 2.0 *
+    /// (field_of_view / 2.0).tan() / height`. For parallel rays it is `n` times the width of a
+    /// pixel in world units.
     ///
     /// ```
     /// use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
@@ -78,11 +83,12 @@ impl DrawItem {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct DrawOptions {
-    /// Contribution culling: objects with a [`DrawItem::size`] below this are left out, in radians (for parallel
-    /// rays, in world units); finite and not negative. 0, the default, leaves out none.
+    /// Contribution culling: objects with a [`DrawItem::size`] below this are left out, in radians
+    /// (for parallel rays, in world units); finite and not negative. 0, the default, leaves out
+    /// none.
     ///
-    /// **Not conservative**: objects that are left out can be seen, if small. Objects that go unreported while hidden are
-    /// never left out, since nobody knows how near they are.
+    /// **Not conservative**: objects that are left out can be seen, if small. Objects that go
+    /// unreported while hidden are never left out, since nobody knows how near they are.
     pub min_size: f32,
 }
 
@@ -96,11 +102,11 @@ impl DrawOptions {
 }
 
 impl Pvs {
-    /// Lists the visible objects, nearest first, with distance and projected size; at equal distances
-    /// by id. Far to near, as blending needs it, is the list from its end.
+    /// Lists the visible objects, nearest first, with distance and projected size; at equal
+    /// distances by id. Far to near, as blending needs it, is the list from its end.
     ///
-    /// All is measured from the eye of the view that this set was found for, to where objects are now. Those
-    /// removed since are left out. `out` is emptied first; its memory is used again.
+    /// All is measured from the eye of the view that this set was found for, to where objects are
+    /// now. Those removed since are left out. `out` is emptied first; its memory is used again.
     ///
     /// Costs the visible objects, and sorting them.
     ///
@@ -124,8 +130,8 @@ impl Pvs {
     /// ```
     ///
     /// # Errors
-    /// Refuses a scene other than the one that was queried, and a least size that is negative or not finite.
-    /// `out` is then left as it was.
+    /// Refuses a scene other than the one that was queried, and a least size that is negative or
+    /// not finite. `out` is then left as it was.
     pub fn draw_list(
         &self,
         scene: &Scene,

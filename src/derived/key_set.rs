@@ -9,9 +9,10 @@
 //! | any | how many objects follow or enter, and of each, in the order of their indices: twice its index less that of the one before and 1, and 1 more if its generation follows; that generation |
 //! | 4 | digest of the set that is meant |
 //!
-//! Numbers without a size have 7 bits a byte, lowest first, and the eighth bit says that more follow. All others are little
-//! endian. The first index and the first place have none before them, and are given as they are. A digest is FNV-1a of the
-//! keys, of which the halves are added modulo two: it finds accidents, not intent.
+//! Numbers without a size have 7 bits a byte, lowest first, and the eighth bit says that more
+//! follow. All others are little endian. The first index and the first place have none before them,
+//! and are given as they are. A digest is FNV-1a of the keys, of which the halves are added modulo
+//! two: it finds accidents, not intent.
 
 use std::collections::BTreeMap;
 
@@ -22,11 +23,12 @@ const VERSION: u8 = 1;
 const WHOLE: u8 = 0;
 const DIFFERENCE: u8 = 1;
 
-/// A set of objects by their keys ([`crate::Scene::key`]), to be sent and received: whole, or as the difference to a set that the
-/// receiver has. Most objects take one byte, and those that stay take none.
+/// A set of objects by their keys ([`crate::Scene::key`]), to be sent and received: whole, or as
+/// the difference to a set that the receiver has. Most objects take one byte, and those that stay
+/// take none.
 ///
-/// Keys leave out the scene: sender and receiver must mean the same one, such as a server and clients that know its objects
-/// by these keys. The order of a [`Pvs`] is not kept.
+/// Keys leave out the scene: sender and receiver must mean the same one, such as a server and
+/// clients that know its objects by these keys. The order of a [`Pvs`] is not kept.
 ///
 /// ```
 /// use casca::{GridSpec, KeySet, ObjectDesc, Query, Scene, Sphere, View};
@@ -59,7 +61,7 @@ pub struct KeySet {
 impl KeySet {
     /// The objects of a result.
     pub fn of(pvs: &Pvs) -> Self {
-        let mut entries: Vec<(u32, u32)> = pvs.iter().map(|id| (id.slot, id.generation)).collect();
+        let mut entries: Vec<(u32, u32)> = pvs.iter().map(|id| (id.slot().get(), id.generation())).collect();
         entries.sort_unstable();
         Self { entries }
     }
@@ -129,8 +131,8 @@ impl KeySet {
     /// Becomes the set that was encoded: as a whole, or as the difference to this set.
     ///
     /// # Errors
-    /// Refuses bytes that are neither, and differences to another set ([`KeySetError::Base`]: ask for the whole set
-    /// then). The set is left as it was.
+    /// Refuses bytes that are neither, and differences to another set ([`KeySetError::Base`]: ask
+    /// for the whole set then). The set is left as it was.
     pub fn apply(&mut self, bytes: &[u8]) -> Result<(), KeySetError> {
         let mut input = Input { bytes, at: 0 };
         let version = input.byte()?;
@@ -192,8 +194,8 @@ fn split(key: u64) -> (u32, u32) {
     (key as u32, (key >> 32) as u32)
 }
 
-/// The set of some keys, such as those of several results. Of keys with one index, all but one name objects that are gone: the
-/// one of the latest object counts.
+/// The set of some keys, such as those of several results. Of keys with one index, all but one name
+/// objects that are gone: the one of the latest object counts.
 impl FromIterator<u64> for KeySet {
     fn from_iter<I: IntoIterator<Item = u64>>(keys: I) -> Self {
         let mut latest = BTreeMap::new();

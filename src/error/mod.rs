@@ -1,4 +1,5 @@
-//! The reasons for which calls are refused: every refusal says which argument and why. Files have other reasons.
+//! The reasons for which calls are refused: every refusal says which argument and why. Files have
+//! other reasons.
 
 use std::fmt;
 
@@ -15,7 +16,8 @@ pub enum Error {
     NotFinite {
         /// The argument.
         what: &'static str,
-        /// Its value, component by component where it is a vector; a number stands there three times.
+        /// Its value, component by component where it is a vector; a number stands there three
+        /// times.
         value: DVec3,
     },
     /// A box whose least corner lies beyond its greatest.
@@ -82,7 +84,8 @@ pub enum Error {
         /// The limit.
         max: u64,
     },
-    /// The id belongs to no shape of this grid for soft visibility: it was removed, or comes from another grid.
+    /// The id belongs to no shape of this grid for soft visibility: it was removed, or comes from
+    /// another grid.
     #[error("shape {0} is not in this grid for soft visibility: it was removed, or belongs to another grid")]
     UnknownShape(u64),
     /// The id belongs to no object of this scene: it was removed, or comes
@@ -170,8 +173,8 @@ pub enum Error {
         given: DVec3,
         /// The eye of the matrix, in world units; NaN where the matrix hardly tells it.
         found: DVec3,
-        /// The distance of the eye given from the planes on which x, y and w of clip space are zero and which meet
-        /// in the matrix's eye: the greatest of the three, in world units.
+        /// The distance of the eye given from the planes on which x, y and w of clip space are zero
+        /// and which meet in the matrix's eye: the greatest of the three, in world units.
         off: f64,
         /// The greatest distance that single precision explains, in world units.
         allowed: f64,
@@ -279,8 +282,9 @@ pub enum FileError {
 macro_rules! codes {
     ($error:ident, $list:ident, $($variant:ident => $code:literal,)+) => {
         impl $error {
-            /// A short name of the reason in kebab-case, for logs, tables and other languages. It is stable: releases
-            /// add codes, but neither change nor reuse one. No other error of this library has the same.
+            /// A short name of the reason in kebab-case, for logs, tables and other languages. It
+            /// is stable: releases add codes, but neither change nor reuse one. No other error of
+            /// this library has the same.
             ///
             /// ```
             /// assert_eq!(casca::Error::EmptyMesh.code(), "empty-mesh");

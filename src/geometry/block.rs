@@ -35,7 +35,8 @@ impl Block {
         points.into_iter().fold(none, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// By how much another box sticks out of this one along an axis, at most; negative if by nothing.
+    /// By how much another box sticks out of this one along an axis, at most; negative if by
+    /// nothing.
     pub(crate) fn beyond(&self, other: &Self) -> f64 {
         (self.min - other.min).max(other.max - self.max).max_element()
     }
@@ -53,15 +54,17 @@ impl Block {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
     }
 
-    /// Whether they may share a point, with room for the rounding of the tests that follow; in doubt, yes.
+    /// Whether they may share a point, with room for the rounding of the tests that follow; in
+    /// doubt, yes.
     pub(crate) fn may_meet(&self, other: &Self) -> bool {
-        let reach = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
-        let room = 2.0 * REGION * (1.0 + reach(self) + reach(other));
+        let largest = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
+        let room = 2.0 * REGION * (1.0 + largest(self) + largest(other));
         // Also if a number is not one.
         !((self.min - room).cmpgt(other.max).any() || (self.max + room).cmplt(other.min).any())
     }
 
-    /// The eight corners; bit 0 of the index is the greater x, bit 1 the greater y, bit 2 the greater z.
+    /// The eight corners; bit 0 of the index is the greater x, bit 1 the greater y, bit 2 the
+    /// greater z.
     pub(crate) fn corners(&self) -> [DVec3; 8] {
         let Self { min, max } = *self;
         std::array::from_fn(|i| {
@@ -83,7 +86,8 @@ impl Block {
         Self { min: self.min - by, max: self.max + by }
     }
 
-    /// The least box in single precision around it: infinite where it ends beyond the range of that.
+    /// The least box in single precision around it: infinite where it ends beyond the range of
+    /// that.
     pub(crate) fn to_aabb(self) -> Aabb {
         Aabb {
             min: self.min.to_array().map(|v| -above(-v)).into(),
@@ -105,10 +109,10 @@ impl Block {
 impl Block {
     /// Whether it may have points in each of the half-spaces; in doubt, yes.
     pub(crate) fn may_reach(&self, planes: &[HalfSpace]) -> bool {
-        let reach = self.min.abs().max(self.max.abs()).max_element();
+        let largest = self.min.abs().max(self.max.abs()).max_element();
         planes.iter().all(|p| {
             let farthest = DVec3::select(p.normal.cmpge(DVec3::ZERO), self.max, self.min);
-            p.distance(farthest) >= -p.margin(reach)
+            p.distance(farthest) >= -p.margin(largest)
         })
     }
 

@@ -5,7 +5,8 @@ use glam::{DMat3, DVec3};
 use crate::geometry::Block;
 use crate::geometry::polytope::Polytope;
 
-/// A convex solid relative to the origin of the rays, as occlusion buffers draw and test it. Lives on the stack.
+/// A convex solid relative to the origin of the rays, as occlusion buffers draw and test it. Lives
+/// on the stack.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(crate) enum Body {

@@ -14,9 +14,10 @@ pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Vec<Vec<DVec3>> {
     (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).collect()
 }
 
-/// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by more than `slack`.
+/// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by
+/// more than `slack`.
 pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
-    let mut rim: Vec<DVec3> = Vec::new();
+    let mut cut: Vec<DVec3> = Vec::new();
     for face in faces.iter_mut() {
         let mut kept = Vec::with_capacity(face.len() + 1);
         for (i, &a) in face.iter().enumerate() {
@@ -26,23 +27,23 @@ pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
                 kept.push(a);
             }
             if da == 0.0 {
-                rim.push(a);
+                cut.push(a);
             } else if (da < 0.0) != (db < 0.0) {
                 let crossing = a.lerp(b, (da / (da - db)).clamp(0.0, 1.0));
                 kept.push(crossing);
-                rim.push(crossing);
+                cut.push(crossing);
             }
         }
         *face = kept;
     }
     faces.retain(|face| !face.is_empty());
     // The new face: the points where edges were cut, in a ring around their middle.
-    let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
+    let middle = cut.iter().sum::<DVec3>() / cut.len().max(1) as f64;
     let (u, v) = plane.normal.any_orthonormal_pair();
     let turn = |p: &DVec3| turn(u.dot(*p - middle), v.dot(*p - middle));
-    rim.sort_by(|p, q| turn(p).total_cmp(&turn(q)));
-    if !rim.is_empty() {
-        faces.push(rim);
+    cut.sort_by(|p, q| turn(p).total_cmp(&turn(q)));
+    if !cut.is_empty() {
+        faces.push(cut);
     }
 }
 

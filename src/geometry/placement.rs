@@ -23,8 +23,8 @@ impl Placement {
     /// A transform of a shape whose coordinates are no greater than `largest`.
     ///
     /// # Errors
-    /// Refuses transforms that are not finite, or may lead to coordinates that are not in single precision; `what`
-    /// names the transformed shape.
+    /// Refuses transforms that are not finite, or may lead to coordinates that are not in single
+    /// precision; `what` names the transformed shape.
     pub(crate) fn new(what: &'static str, transform: Affine3A, largest: f64) -> Result<Self, Error> {
         let affine = DAffine3::from_mat3_translation(
             Mat3::from(transform.matrix3).as_dmat3(),
@@ -36,16 +36,16 @@ impl Placement {
         let m = affine.matrix3;
         let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
         let growth = (x.length_squared() + y.length_squared() + z.length_squared()).sqrt();
-        let reach = growth * largest + affine.translation.abs().max_element();
-        if reach.is_nan() || reach > f64::from(f32::MAX) {
-            return Err(Error::NotFinite { what, value: DVec3::splat(reach) });
+        let bound = growth * largest + affine.translation.abs().max_element();
+        if bound.is_nan() || bound > f64::from(f32::MAX) {
+            return Err(Error::NotFinite { what, value: DVec3::splat(bound) });
         }
         // The cofactors are the inverse transpose times the determinant, and need no division.
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let turned = m.determinant();
         let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
         let keeps_angles = turned > 0.0 && scales_alike(&m);
-        Ok(Self { affine, growth, error: SINGLE * reach, normals, keeps_angles })
+        Ok(Self { affine, growth, error: SINGLE * bound, normals, keeps_angles })
     }
 }
 

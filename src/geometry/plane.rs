@@ -28,8 +28,8 @@ impl Plane {
     }
 }
 
-/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are inside. The normal
-/// has length 1 and points inwards.
+/// A half-space in `f64`, and its plane: the points `p` with `normal.dot(p) + offset >= 0` are
+/// inside. The normal has length 1 and points inwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,
@@ -54,8 +54,8 @@ impl HalfSpace {
         -self.distance(p)
     }
 
-    /// Margin for decisions about points with coordinates up to `reach`.
-    pub(crate) fn margin(&self, reach: f64) -> f64 {
-        DISTANCE * (reach + self.offset.abs())
+    /// Margin for decisions about points with coordinates up to `largest`.
+    pub(crate) fn margin(&self, largest: f64) -> f64 {
+        DISTANCE * (largest + self.offset.abs())
     }
 }

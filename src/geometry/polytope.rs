@@ -59,7 +59,8 @@ const BOX_EDGES: [[u16; 4]; 12] = [
 /// The silhouette of a box along the axes as seen from the origin, and its faces turned there: as
 /// [`Polytope::outline`] and [`Polytope::fronts`] of [`Polytope::block`] give them.
 ///
-/// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces and edges.
+/// The place of the eye along each axis (before the box, beside it or beyond it) tells the faces
+/// and edges.
 pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>) {
     let (min, max) = (b.min.to_array(), b.max.to_array());
     let nothing = HalfSpace { normal: DVec3::ZERO, offset: 0.0 };
@@ -85,8 +86,8 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
                 continue;
             }
             let (p, q) = ([min, max][side][i], [min, max][other][j]);
-            let reach = greater(along, greater(p.abs(), q.abs()));
-            if max[axis] - min[axis] <= NO_EDGE * reach {
+            let largest = greater(along, greater(p.abs(), q.abs()));
+            if max[axis] - min[axis] <= NO_EDGE * largest {
                 continue;
             }
             let distance = (p * p + q * q).sqrt();
@@ -94,7 +95,7 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
             let (a, b) = (q * inverse, -p * inverse);
             let inside = a * middle.0 + b * middle.1;
             // Also if a number is not one.
-            if !(distance > NEAREST_EDGE * reach && inside.abs() >= NO_WIDTH * reach) {
+            if !(distance > NEAREST_EDGE * largest && inside.abs() >= NO_WIDTH * largest) {
                 return (Outline::Everything, fronts);
             }
             let mut normal = [0.0; 3];
@@ -163,7 +164,8 @@ impl Polytope {
 
     /// The silhouette. `Everything` where it is not known well enough.
     ///
-    /// With `room`, only the directions whose rays keep farther than that from all edges of the silhouette.
+    /// With `room`, only the directions whose rays keep farther than that from all edges of the
+    /// silhouette.
     pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
         let mut planes = SmallVec::new();
         let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
@@ -181,14 +183,14 @@ impl Polytope {
                 }
             };
             let length = across.length();
-            let reach = p.abs().max_element().max(q.abs().max_element());
+            let largest = p.abs().max_element().max(q.abs().max_element());
             // Edges without length, as rays see them, bound nothing.
-            if edge.length() <= NO_EDGE * reach || direction.is_some() && length <= NO_EDGE * reach {
+            if edge.length() <= NO_EDGE * largest || direction.is_some() && length <= NO_EDGE * largest {
                 continue;
             }
             let known = match direction {
                 // Twice the triangle's area is the edge's length times its distance.
-                None => length > NEAREST_EDGE * reach * edge.length(),
+                None => length > NEAREST_EDGE * largest * edge.length(),
                 Some(_) => length > STEEPEST_EDGE * edge.length(),
             };
             if !known {
@@ -198,7 +200,7 @@ impl Polytope {
             let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
             let side = n.dot(center) + h;
             // A shape without width: which side is inside is rounding.
-            if side.abs() < NO_WIDTH * reach {
+            if side.abs() < NO_WIDTH * largest {
                 return Outline::Everything;
             }
             let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
@@ -214,11 +216,12 @@ impl Polytope {
     }
 }
 
-/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all points within `room` of the edge lie
-/// outside; `None` if the edge is too near.
+/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all
+/// points within `room` of the edge lie outside; `None` if the edge is too near.
 ///
-/// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x of the edge, so that the
-/// unit vector n cos a - c / |c| sin a with sin a = room / |c| has a product of -room with it at most.
+/// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x
+/// of the edge, so that the unit vector n cos a - c / |c| sin a with sin a = room / |c| has a
+/// product of -room with it at most.
 fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: f64) -> Option<DVec3> {
     let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
     let distance = nearest.length();

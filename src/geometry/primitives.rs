@@ -86,7 +86,8 @@ pub struct Obb {
     pub center: Vec3,
     /// Half the edge lengths along the axes of the box in world units, not negative.
     pub half: Vec3,
-    /// From the axes of the box to those of the world. Its length does not matter, but must not be 0.
+    /// From the axes of the box to those of the world. Its length does not matter, but must not
+    /// be 0.
     pub rotation: Quat,
 }
 

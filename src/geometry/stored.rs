@@ -1,4 +1,5 @@
-//! Plain geometry, read with serde: values that every function would refuse are refused here already.
+//! Plain geometry, read with serde: values that every function would refuse are refused here
+//! already.
 
 use glam::{Quat, Vec3};
 

@@ -1,7 +1,7 @@
-//! Sparse storage shared by all matrices: bricks of 8x8x8 cells in pages of
-//! 8x8x8 bricks. Memory follows occupied cells; only the page table (one word
-//! for 64x64x64 cells) grows with the volume. Full bricks and full pages can be shared, so that the inside of
-//! a solid costs no more than its pages.
+//! Sparse storage shared by all matrices: bricks of 8x8x8 cells in pages of 8x8x8 bricks. Memory
+//! follows occupied cells; only the page table (one word for 64x64x64 cells) grows with the volume.
+//! Full bricks and full pages can be shared, so that the inside of a solid costs no more than its
+//! pages.
 //!
 //! This is the "recursive grid" of the thesis' future work (section 5).
 
@@ -99,7 +99,8 @@ pub(crate) struct Bricks<T> {
     /// Brick 0 is the default one.
     store: Vec<T>,
     free: Vec<u32>,
-    /// The first pages and bricks, which are never written: the empty ones, and the full ones where there are such.
+    /// The first pages and bricks, which are never written: the empty ones, and the full ones where
+    /// there are such.
     shared: u32,
     census: Census,
 }

@@ -18,6 +18,10 @@ use crate::grid::bricks::BRICK;
 /// Greatest number of cells along one axis.
 pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 
+/// By default a grid has this many cells along its longest axis for each unit of the cube root of
+/// the number of objects.
+const CELLS_OF_CUBE_ROOT: f64 = 9.0;
+
 /// Coordinates beyond this many cells from the grid's corner are clamped: far
 /// enough to be outside, small enough for exact integer arithmetic.
 const FAR_CELLS: f64 = (1u64 << 30) as f64;
@@ -71,12 +75,12 @@ impl GridSpec {
         Ok(spec)
     }
 
-    /// The grid that covers `region` with cells that suit a number of objects: 9 times its cube root of them
-    /// along the longest axis, 32 to 512.
+    /// The grid that covers `region` with cells that suit a number of objects: 9 times its cube
+    /// root of them along the longest axis, 32 to 512.
     ///
-    /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones take longer to
-    /// walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the valley wide. Where most objects move and are
-    /// hidden, finer may be faster.
+    /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones
+    /// take longer to walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the
+    /// valley wide. Where most objects move and are hidden, finer may be faster.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec};
@@ -92,7 +96,7 @@ impl GridSpec {
     /// # Errors
     /// As [`GridSpec::covering`].
     pub fn fit(region: Aabb, objects: usize) -> Result<Self, Error> {
-        let cells = (9.0 * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
+        let cells = (CELLS_OF_CUBE_ROOT * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
         Self::with_cells(region, cells as u32)
     }
 
@@ -147,8 +151,8 @@ impl Grid {
         Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec3() })
     }
 
-    /// The grid in coordinates that are less by an offset. Its corner is snapped down as that of [`Grid::new`], by at most two
-    /// units of [`Grid::unit`].
+    /// The grid in coordinates that are less by an offset. Its corner is snapped down as that of
+    /// [`Grid::new`], by at most two units of [`Grid::unit`].
     ///
     /// # Errors
     /// As [`Grid::new`].
@@ -267,7 +271,8 @@ impl Grid {
         self.clip(IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
     }
 
-    /// As [`Grid::inside`], along one axis and beyond the grid; the last comes before the first where there is none.
+    /// As [`Grid::inside`], along one axis and beyond the grid; the last comes before the first
+    /// where there is none.
     pub(crate) fn inside_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
         let (lo, hi) = (self.cell_along(axis, min), self.cell_along(axis, max));
         (

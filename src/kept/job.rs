@@ -7,11 +7,12 @@ use crate::query::Query;
 use crate::scene::Scene;
 use crate::view::View;
 
-/// So many copies of a scene are kept: one that a job reads, and one that can be brought up to date meanwhile.
+/// So many copies of a scene are kept: one that a job reads, and one that can be brought up to date
+/// meanwhile.
 const COPIES: usize = 2;
 
 /// A copy of a scene, and the static objects that it was made with.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct Snapshot {
     scene: Arc<Scene>,
     stamp: Stamp,
@@ -22,8 +23,8 @@ impl Snapshot {
         Self { scene: Arc::new(scene.clone()), stamp: Stamp::of(scene) }
     }
 
-    /// Takes over the static objects of a scene that changed since; false, without a change, if they are too many or a
-    /// job reads the copy.
+    /// Takes over the static objects of a scene that changed since; false, without a change, if
+    /// they are too many or a job reads the copy.
     fn follow(&mut self, scene: &Scene) -> bool {
         let Some(copy) = Arc::get_mut(&mut self.scene) else { return false };
         let Some(slots) = self.stamp.changed_slots(scene) else { return false };
@@ -34,11 +35,12 @@ impl Snapshot {
 }
 
 /// The copies of a scene that jobs read.
-#[derive(Clone, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Snapshots(Vec<Snapshot>);
 
 impl Snapshots {
-    /// A copy with the static objects that a scene has now. Takes over what changed, or copies the scene.
+    /// A copy with the static objects that a scene has now. Takes over what changed, or copies the
+    /// scene.
     fn take(&mut self, scene: &Scene) -> Snapshot {
         let stamp = Stamp::of(scene);
         let ready = self.0.iter().position(|copy| copy.stamp == stamp);
@@ -60,6 +62,7 @@ impl Snapshots {
 
 /// A result of a [`KeptQuery`](crate::KeptQuery) that is to be found, on any thread: see
 /// [`KeptQuery::prepare`](crate::KeptQuery::prepare).
+#[derive(Debug)]
 #[must_use = "a job that is not run finds nothing"]
 pub struct KeptJob {
     snapshot: Snapshot,

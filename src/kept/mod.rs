@@ -16,7 +16,8 @@ use crate::view::motion::Motion;
 
 pub use job::{KeptJob, KeptResult};
 
-/// A result is made for a place that the eye goes to: ahead by this share of the reach and of the turn.
+/// A result is made for a place that the eye goes to: ahead by this share of the reach and of the
+/// turn.
 const AHEAD: f64 = 0.8;
 
 /// But not farther ahead than the eye goes in this many frames.
@@ -68,23 +69,26 @@ impl KeptOptions {
     }
 }
 
-/// Finds the objects that a camera can see, frame after frame, and answers most frames from an earlier result about static
-/// objects.
+/// Finds the objects that a camera can see, frame after frame, and answers most frames from an
+/// earlier result about static objects.
 ///
-/// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen from anywhere near the eye
-/// ([`KeptOptions`]), by [`Method::Point`], and answers frames from that while the camera is there. In
-/// each frame it cuts that set by the frustum, and tests dynamic objects where they are now, against the occlusion
-/// buffers of the static ones. When the result does not hold any more, the run finds a new one, a little ahead of the camera; or
-/// another thread does so in time ([`KeptQuery::prepare`]).
+/// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen
+/// from anywhere near the eye ([`KeptOptions`]), by [`Method::Point`], and answers frames from that
+/// while the camera is there. In each frame it cuts that set by the frustum, and tests dynamic
+/// objects where they are now, against the occlusion buffers of the static ones. When the result
+/// does not hold any more, the run finds a new one, a little ahead of the camera; or another thread
+/// does so in time ([`KeptQuery::prepare`]).
 ///
-/// Static objects may come, go and change meanwhile, as where a level is streamed: the result follows. One that comes is
-/// tested and its occluder drawn. Where an occluder goes that hid something, the pixels that it may have covered are opened,
-/// and a walk finds what lies behind. After more than 2,048 changes between two runs, or once so many pixels were opened as
-/// there are, a new result is found.
+/// Static objects may come, go and change meanwhile, as where a level is streamed: the result
+/// follows. One that comes is tested and its occluder drawn. Where an occluder goes that hid
+/// something, the pixels that it may have covered are opened, and a walk finds what lies behind.
+/// After more than 2,048 changes between two runs, or once so many pixels were opened as there are,
+/// a new result is found.
 ///
 /// No visible object is missing in any frame. Sets are larger than those of a [`Query`]: by what
-/// can be seen from near the eye only, and by what only dynamic occluders hide. It pays where large static occluders hide much, and
-/// where few objects move. Results depend only on the sequence of calls.
+/// can be seen from near the eye only, and by what only dynamic occluders hide. It pays where large
+/// static occluders hide much, and where few objects move. Results depend only on the sequence of
+/// calls.
 ///
 /// ```
 /// use casca::{Aabb, GridSpec, KeptOptions, KeptQuery, ObjectDesc, Scene, Sphere, View};
@@ -110,7 +114,7 @@ impl KeptOptions {
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct KeptQuery {
     options: KeptOptions,
     /// A query that never ran.
@@ -165,8 +169,8 @@ impl KeptQuery {
         self.options
     }
 
-    /// Changes the options of the queries that find new results: by default [`PointOptions::new`], but
-    /// [coherent](PointOptions::coherent). The present result is forgotten.
+    /// Changes the options of the queries that find new results: by default [`PointOptions::new`],
+    /// but [coherent](PointOptions::coherent). The present result is forgotten.
     ///
     /// # Errors
     /// [`Error::Setting`] if one of the options is out of its range. The query then stays as it is.
@@ -182,11 +186,13 @@ impl KeptQuery {
         (self.snapshots, self.last) = (Snapshots::default(), None);
     }
 
-    /// Finds the objects that a view can see: a superset of them. Static objects come first, roughly front to back.
+    /// Finds the objects that a view can see: a superset of them. Static objects come first,
+    /// roughly front to back.
     ///
-    /// Costs a test of each static object in the result and of each that came or changed, of each dynamic object that is in
-    /// no volume and of each volume in sight. Where a static occluder that hid something went, it also costs a walk over
-    /// the bricks in sight and a test of all volumes. If the result does not hold, it costs a query of the widened view.
+    /// Costs a test of each static object in the result and of each that came or changed, of each
+    /// dynamic object that is in no volume and of each volume in sight. Where a static occluder
+    /// that hid something went, it also costs a walk over the bricks in sight and a test of all
+    /// volumes. If the result does not hold, it costs a query of the widened view.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         let motion = self.last.as_ref().and_then(|(last, _)| Motion::between(last, view));
         self.last = Some((view.clone(), motion));
@@ -209,14 +215,15 @@ impl KeptQuery {
         &self.pvs
     }
 
-    /// The result of the last run; empty before the first. It is valid for the view of that run, as that of a [`Query`] is.
+    /// The result of the last run; empty before the first. It is valid for the view of that run, as
+    /// that of a [`Query`] is.
     pub fn pvs(&self) -> &Pvs {
         &self.pvs
     }
 
-    /// The view of the last run with the occlusion buffers of static objects, for questions about anything in space: see
-    /// [`Query::sight`]. `None` before the first run. Buffers count as long as no static object came, went or changed. Dynamic
-    /// occluders do not.
+    /// The view of the last run with the occlusion buffers of static objects, for questions about
+    /// anything in space: see [`Query::sight`]. `None` before the first run. Buffers count as long
+    /// as no static object came, went or changed. Dynamic occluders do not.
     pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let view = self.pvs.view.as_ref()?;
         let now = self.now.as_ref().filter(|now| now.is_true(scene, view));
@@ -228,25 +235,28 @@ impl KeptQuery {
         self.refreshes
     }
 
-    /// A job that finds a new result ahead of time, for views like this one. Run it on any thread, and give its result to
-    /// [`KeptQuery::install`].
+    /// A job that finds a new result ahead of time, for views like this one. Run it on any thread,
+    /// and give its result to [`KeptQuery::install`].
     ///
-    /// The job reads a copy of the scene. The first call makes it, which costs what [`Scene::clone`] costs; a call while the
-    /// job before is not done makes a second one. Other calls take over the static objects that came, went or changed
-    /// since, which costs what inserting and removing them costs. After more than 2,048 such changes between two calls
-    /// the scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
+    /// The job reads a copy of the scene. The first call makes it, which costs what
+    /// [`Scene::clone`] costs; a call while the job before is not done makes a second one. Other
+    /// calls take over the static objects that came, went or changed since, which costs what
+    /// inserting and removing them costs. After more than 2,048 such changes between two calls the
+    /// scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
     ///
-    /// If one job follows the other and each is done within a frame, a result is asked about the next frame or two only, and it is
-    /// found for a place ahead: a reach of 2 cm and a turn of 3 degrees are enough for a person who walks at 1.5 m/s at 60 frames a
-    /// second. Sets are then larger than those of a [`Query`] by 3 to 22% in the still scenes of `docs/report.md`.
+    /// If one job follows the other and each is done within a frame, a result is asked about the
+    /// next frame or two only, and it is found for a place ahead: a reach of 2 cm and a turn of 3
+    /// degrees are enough for a person who walks at 1.5 m/s at 60 frames a second. Sets are then
+    /// larger than those of a [`Query`] by 3 to 22% in the still scenes of `docs/report.md`.
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
         let (view, query) = (self.aim(scene, view), self.take_query());
         self.snapshots.job(scene, view, query)
     }
 
-    /// Takes over the result of a job. Runs answer from it as soon as it holds for their view, brought up to date with the
-    /// static objects that came, went or changed since the job saw the scene. Returns false, and changes nothing, if more
-    /// than 2,048 did, or if the scene is another one.
+    /// Takes over the result of a job. Runs answer from it as soon as it holds for their view,
+    /// brought up to date with the static objects that came, went or changed since the job saw the
+    /// scene. Returns false, and changes nothing, if more than 2,048 did, or if the scene is
+    /// another one.
     pub fn install(&mut self, result: KeptResult, scene: &Scene) -> bool {
         let fits = result.0.can_follow(scene);
         let old = if fits { self.next.replace(result.0) } else { Some(result.0) };

@@ -1,17 +1,21 @@
-//! One result that is kept: the static objects that a widened view may see, with the buffers of the static occluders.
+//! One result that is kept: the static objects that a widened view may see, with the buffers of the
+//! static occluders.
 //!
-//! Let the view of a frame be one of those that the widened view stands for. Static objects that came, went or changed since
-//! are *followed* first, by [`crate::query::point::follow`]: then the set and the buffers are as if all static objects were
-//! as they are now.
+//! Let the view of a frame be one of those that the widened view stands for. Static objects that
+//! came, went or changed since are *followed* first, by [`crate::query::point::follow`]: then the
+//! set and the buffers are as if all static objects were as they are now.
 //!
 //! - *Static objects*: one that the view sees is in the set of the widened view.
-//! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within reach the space behind static
-//!   occluders. These objects are tested where they are now.
-//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, as the query draws its own. All objects
-//!   in sight are tested again against that.
-//! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside. The volumes that the widened view
-//!   may see are watched: each frame tests them against its own frustum. All others stay hidden as long as they stay as they
-//!   are. New ones are in the scene's journal, and are tested once ([`crate::kept::watch`]).
+//! - *Dynamic objects outside of volumes*: whatever moves, the buffers hide for every eye within
+//!   reach the space behind static occluders. These objects are tested where they are now.
+//! - *Dynamic occluders* of objects in sight are drawn over a copy of the buffers, as the query
+//!   draws its own. All objects in sight are tested again against that.
+//! - *Volumes*: if an object in one is seen, so is the surface of the volume, or the eye is inside.
+//!   The volumes that the widened view may see are watched: each frame tests them against its own
+//!   frustum. All others stay hidden as long as they stay as they are. New ones are in the scene's
+//!   journal, and are tested once ([`crate::kept::watch`]).
+
+use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
@@ -35,13 +39,13 @@ struct InSight {
 /// A dynamic object whose box is in sight before static occluders.
 #[derive(Debug, Clone, Copy)]
 struct Mover {
-    slot: u32,
+    slot: Slot,
     /// Whether its place is known.
     located: bool,
 }
 
-/// A result is not followed any more once pixels were opened again this often on the mean: where they were, seams stay open
-/// and nothing is refined.
+/// A result is not followed any more once pixels were opened again this often on the mean: where
+/// they were, seams stay open and nothing is refined.
 const MOST_OPENED: f64 = 1.0;
 
 /// Tells which static objects of a scene changed since.
@@ -57,7 +61,8 @@ impl Stamp {
         Self { scene: scene.tag(), changes: scene.static_changes().end() }
     }
 
-    /// The changes of static objects of a scene since; `None` if they are too many, or if it is another scene.
+    /// The changes of static objects of a scene since; `None` if they are too many, or if it is
+    /// another scene.
     pub(super) fn changes<'a>(
         &self,
         scene: &'a Scene,
@@ -66,9 +71,10 @@ impl Stamp {
         own.then(|| scene.static_changes().since(self.changes)).flatten()
     }
 
-    /// The slots of the static objects that changed since, in order; `None` as for [`Stamp::changes`].
-    pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<u32>> {
-        let mut slots: Vec<u32> = self.changes(scene)?.map(|change| change.slot).collect();
+    /// The slots of the static objects that changed since, in order; `None` as for
+    /// [`Stamp::changes`].
+    pub(super) fn changed_slots(&self, scene: &Scene) -> Option<Vec<Slot>> {
+        let mut slots: Vec<Slot> = self.changes(scene)?.map(|change| change.slot()).collect();
         slots.sort_unstable();
         slots.dedup();
         Some(slots)
@@ -106,11 +112,11 @@ pub(super) fn serves(widened: &View, scene: &Scene, view: &View) -> bool {
 }
 
 impl Still {
-    /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the scene, or of the one that
-    /// it is a copy of.
+    /// Runs a query of a widened view on the static objects of a scene. `stamp` is that of the
+    /// scene, or of the one that it is a copy of.
     pub(super) fn find(mut query: Box<Query>, scene: &Scene, view: View, stamp: Stamp) -> Self {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
-        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
         let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
         let mut offered = Offered::default();
@@ -138,7 +144,8 @@ impl Still {
         self.stamp == Stamp::of(scene)
     }
 
-    /// Whether the result can be brought up to date with a scene at less cost than that of a new one.
+    /// Whether the result can be brought up to date with a scene at less cost than that of a new
+    /// one.
     pub(super) fn can_follow(&self, scene: &Scene) -> bool {
         self.is_of(scene) || self.opened <= MOST_OPENED && self.stamp.changes(scene).is_some()
     }
@@ -159,25 +166,25 @@ impl Still {
             return;
         }
         let Some(slots) = self.stamp.changed_slots(scene) else { return };
-        let changed = |slot: u32| slots.binary_search(&slot).is_ok();
+        let changed = |slot: Slot| slots.binary_search(&slot).is_ok();
         let mut changes = Changes::default();
         let gone = self.stamp.changes(scene).into_iter().flatten();
-        let gone = gone.filter(|change| self.offered.has(change.slot));
-        changes.gone.extend(gone.filter_map(|change| change.occluder));
+        let gone = gone.filter(|change| self.offered.has(change.slot()));
+        changes.gone.extend(gone.filter_map(|change| change.occluder()));
         self.offered.forget(&slots);
-        self.objects.retain(|object| !changed(object.id.slot));
-        let is_there = |slot: &u32| scene.living_at(*slot).is_some_and(Object::is_static);
+        self.objects.retain(|object| !changed(object.id.slot()));
+        let is_there = |slot: &Slot| scene.living_at(*slot).is_some_and(Object::is_static);
         changes.fresh.extend(slots.iter().copied().filter(is_there));
         self.stamp = Stamp::of(scene);
         if changes.fresh.is_empty() && changes.gone.is_empty() {
             return;
         }
-        changes.known.extend(self.objects.iter().map(|object| object.id.slot));
+        changes.known.extend(self.objects.iter().map(|object| object.id.slot()));
         self.opened += self.query.follow(scene, &self.view, &changes, &self.offered);
-        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot).bounds().block() };
+        let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         self.objects.extend(self.query.pvs().iter().map(in_sight));
         self.offered.append(&self.query.drawn().offered);
-        let hides = |&slot: &u32| scene.object(slot).occluder().is_some();
+        let hides = |&slot: &Slot| scene.object(slot).occluder().is_some();
         if changes.fresh.iter().any(hides) {
             let drawn = self.query.drawn();
             self.objects.retain(|object| !drawn.hides(&object.block));
@@ -187,7 +194,8 @@ impl Still {
         }
     }
 
-    /// Fills a set with the objects that a view may see for which the result holds. Static ones come first.
+    /// Fills a set with the objects that a view may see for which the result holds. Static ones
+    /// come first.
     pub(super) fn answer(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
         self.watch.update(&Drawn { scene, view: &self.view, query: &self.query });
         let mut movers = std::mem::take(&mut self.movers);
@@ -196,14 +204,14 @@ impl Still {
         self.draw_movers(scene, &movers);
         let (overlay, drawn) = (&self.overlay, self.query.drawn());
         let covered = overlay.drawn() > 0;
-        let hidden = |slot: u32| covered && overlay.hides_bounds(scene.object(slot).bounds());
-        let hidden_mover = |slot: u32| {
+        let hidden = |slot: Slot| covered && overlay.hides_bounds(scene.object(slot).bounds());
+        let hidden_mover = |slot: Slot| {
             if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
         };
         pvs.stats.occluders_drawn += overlay.drawn();
         pvs.stats.objects_tested += self.objects.len() as u32;
         for InSight { id, block } in &self.objects {
-            if view.may_see_volume(block) && !hidden(id.slot) {
+            if view.may_see_volume(block) && !hidden(id.slot()) {
                 pvs.push(*id);
             }
         }
@@ -215,7 +223,8 @@ impl Still {
         self.movers = movers;
     }
 
-    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals volumes in its sight.
+    /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals
+    /// volumes in its sight.
     fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
         for (slot, object) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
             movers.extend(self.find_mover(view, slot, object, &mut pvs.stats));
@@ -231,7 +240,7 @@ impl Still {
     }
 
     /// A dynamic object, if a view may see its box before static occluders where it is now.
-    fn find_mover(&self, view: &View, slot: u32, object: &Object, stats: &mut Stats) -> Option<Mover> {
+    fn find_mover(&self, view: &View, slot: Slot, object: &Object, stats: &mut Stats) -> Option<Mover> {
         if object.is_unlocated() || object.is_hidden_unreported() {
             return Some(Mover { slot, located: false });
         }

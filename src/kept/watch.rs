@@ -1,15 +1,17 @@
 //! The volumes of hidden objects that a widened view may see.
 
+use casca_slots::{Slot, SlotSet};
 use glam::IVec3;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::CellBox;
 use crate::query::Query;
 use crate::query::marks::Marks;
-use crate::scene::{Scene, SlotSet};
+use crate::scene::Scene;
 use crate::view::View;
 
-/// The hidden objects whose volumes are watched: all others stay hidden as long as they stay in their volumes.
+/// The hidden objects whose volumes are watched: all others stay hidden as long as they stay in
+/// their volumes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Watch {
     slots: SlotSet,
@@ -29,7 +31,7 @@ pub(super) struct Drawn<'a> {
 
 impl Drawn<'_> {
     /// Whether the volume of an object must be watched.
-    fn sees(&self, slot: u32) -> bool {
+    fn sees(&self, slot: Slot) -> bool {
         let Self { scene, view, query } = *self;
         scene.is_hidden(slot)
             && scene.object(slot).is_shown(view)
@@ -47,7 +49,7 @@ impl Drawn<'_> {
 
 impl Watch {
     /// The slots of the objects, some of which may have left their volumes.
-    pub(super) fn slots(&self) -> &[u32] {
+    pub(super) fn slots(&self) -> &[Slot] {
         self.slots.as_slice()
     }
 
@@ -61,7 +63,7 @@ impl Watch {
         self.heard = Some(journal.end());
     }
 
-    fn test(&mut self, drawn: &Drawn, slot: u32) {
+    fn test(&mut self, drawn: &Drawn, slot: Slot) {
         if drawn.sees(slot) {
             self.slots.insert(slot);
         } else {
@@ -69,7 +71,7 @@ impl Watch {
         }
     }
 
-    fn test_once(&mut self, drawn: &Drawn, slot: u32) {
+    fn test_once(&mut self, drawn: &Drawn, slot: Slot) {
         if self.marks.decide(slot) {
             self.test(drawn, slot);
         }
@@ -88,13 +90,13 @@ impl Watch {
                 around.sort_unstable();
                 around.into_iter().for_each(|slot| self.test_once(drawn, slot));
             }
-            None => (0..scene.slot_count() as u32).for_each(|slot| self.test_once(drawn, slot)),
+            None => Slot::below(scene.slot_count()).for_each(|slot| self.test_once(drawn, slot)),
         }
         for brick in scene.tbv_matrix().bricks().filter(|&brick| drawn.may_see_brick(brick)) {
             scene.tbv_matrix().ids(brick).for_each(|slot| self.test_once(drawn, slot));
         }
         for bucket in scene.volumes().outer().buckets() {
-            bucket.slots.iter().for_each(|&slot| self.test_once(drawn, slot));
+            bucket.slots().iter().for_each(|&slot| self.test_once(drawn, slot));
         }
     }
 }

@@ -27,7 +27,8 @@ pub(crate) fn both(a: &Mask, b: &Mask) -> Mask {
     std::array::from_fn(|z| a[z] & b[z])
 }
 
-/// The cells whose neighbour one up or down along an axis is in a mask, or in that of the next brick there.
+/// The cells whose neighbour one up or down along an axis is in a mask, or in that of the next
+/// brick there.
 pub(crate) fn beside(mask: &Mask, next: &Mask, axis: usize, up: bool) -> Mask {
     // The columns x = 0 of all rows.
     const FIRST: u64 = 0x0101_0101_0101_0101;
@@ -78,8 +79,9 @@ pub(crate) fn block_mask(brick: IVec3, lo: IVec3, hi: IVec3) -> Mask {
 
 /// A sparse matrix of one bit per cell.
 ///
-/// Memory follows the bricks (8x8x8 cells) with both set and clear cells: 64 bytes each. Bricks and pages (64x64x64
-/// cells) in which all cells are set share one, and empty ones take no memory but the table of pages, one word each.
+/// Memory follows the bricks (8x8x8 cells) with both set and clear cells: 64 bytes each. Bricks and
+/// pages (64x64x64 cells) in which all cells are set share one, and empty ones take no memory but
+/// the table of pages, one word each.
 #[derive(Clone)]
 pub struct BitMatrix {
     dims: IVec3,

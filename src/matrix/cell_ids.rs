@@ -1,5 +1,6 @@
 //! The objects of single cells.
 
+use casca_slots::{MOST_SLOTS, Slot};
 use glam::IVec3;
 
 use crate::grid::bricks::Bricks;
@@ -7,17 +8,32 @@ use crate::grid::side::SideAxes;
 use crate::matrix::bits::{Mask, places_of, tile_of, without};
 use crate::matrix::slots::SlotList;
 
-/// The mark of a cell with several objects; the rest of the word is the index of its list.
+/// The mark of a cell with several objects; the rest of the number is the index of their list.
+/// No slot has it: there are at most [`MOST_SLOTS`].
 const SEVERAL: u32 = 1 << 31;
 
-/// One brick: which cells have objects, and one word for each such cell, in the order of the bits.
+const _: () = assert!(MOST_SLOTS <= SEVERAL as usize);
+
+/// The index of a list, in place of a slot.
+fn several(list: u32) -> Slot {
+    Slot::new(SEVERAL | list)
+}
+
+/// The list that stands in place of a slot, if one does.
+#[inline]
+fn list_of(held: Slot) -> Option<usize> {
+    (held.get() & SEVERAL != 0).then_some((held.get() & !SEVERAL) as usize)
+}
+
+/// One brick: which cells have objects, and one number for each such cell, in the order of the
+/// bits.
 #[derive(Clone, Default)]
 struct CellBrick {
     bits: Mask,
     /// Number of set bits before each word.
     before: [u16; 8],
-    /// A slot, or [`SEVERAL`] and the index of a list.
-    cells: Vec<u32>,
+    /// A slot, or what [`several`] makes of the index of a list.
+    cells: Vec<Slot>,
 }
 
 impl CellBrick {
@@ -36,7 +52,7 @@ struct Lists {
 }
 
 impl Lists {
-    fn make(&mut self, a: u32, b: u32) -> u32 {
+    fn make(&mut self, a: Slot, b: Slot) -> u32 {
         let mut list = SlotList::default();
         list.push(a);
         list.push(b);
@@ -52,16 +68,16 @@ impl Lists {
         }
     }
 
-    /// The objects that the word of a cell stands for.
+    /// The objects that the number of a cell stands for.
     #[inline]
-    fn of<'a>(&'a self, held: &'a u32) -> &'a [u32] {
-        match held & SEVERAL {
-            0 => std::slice::from_ref(held),
-            _ => self.lists[(held & !SEVERAL) as usize].as_slice(),
+    fn of<'a>(&'a self, held: &'a Slot) -> &'a [Slot] {
+        match list_of(*held) {
+            None => std::slice::from_ref(held),
+            Some(list) => self.lists[list].as_slice(),
         }
     }
 
-    fn add(&mut self, brick: &mut CellBrick, i: usize, slot: u32) {
+    fn add(&mut self, brick: &mut CellBrick, i: usize, slot: Slot) {
         let (word, bit) = (i >> 6, (i & 63) as u32);
         let place = brick.place(word, bit);
         if brick.bits[word] >> bit & 1 == 0 {
@@ -71,30 +87,28 @@ impl Lists {
             return;
         }
         let held = &mut brick.cells[place];
-        if *held & SEVERAL != 0 {
-            self.lists[(*held & !SEVERAL) as usize].push(slot);
-        } else {
-            *held = SEVERAL | self.make(*held, slot);
+        match list_of(*held) {
+            Some(list) => self.lists[list].push(slot),
+            None => *held = several(self.make(*held, slot)),
         }
     }
 
     /// Takes an object out of a cell, if it is there.
-    fn remove(&mut self, brick: &mut CellBrick, i: usize, slot: u32) {
+    fn remove(&mut self, brick: &mut CellBrick, i: usize, slot: Slot) {
         let (word, bit) = (i >> 6, (i & 63) as u32);
         if brick.bits[word] >> bit & 1 == 0 {
             return;
         }
         let place = brick.place(word, bit);
         let held = &mut brick.cells[place];
-        if *held & SEVERAL != 0 {
-            let index = *held & !SEVERAL;
-            let list = &mut self.lists[index as usize];
+        if let Some(index) = list_of(*held) {
+            let list = &mut self.lists[index];
             let Some(at) = list.find(slot) else { return };
             list.remove(at);
             if let &[last] = list.as_slice() {
                 *held = last;
                 *list = SlotList::default();
-                self.free.push(index);
+                self.free.push(index as u32);
             }
         } else if *held == slot {
             brick.bits[word] &= !(1 << bit);
@@ -119,7 +133,7 @@ impl CellIds {
     }
 
     /// An object leaves cells of a brick and enters others.
-    pub(super) fn change(&mut self, at: IVec3, old: &Mask, new: &Mask, slot: u32) {
+    pub(super) fn change(&mut self, at: IVec3, old: &Mask, new: &Mask, slot: Slot) {
         let brick = self.bricks.get_mut(at);
         places_of(&without(old, new)).for_each(|i| self.lists.remove(brick, i, slot));
         places_of(&without(new, old)).for_each(|i| self.lists.add(brick, i, slot));
@@ -136,7 +150,7 @@ impl CellIds {
 
     pub(super) fn bytes(&self) -> usize {
         self.bricks.bytes()
-            + self.bricks.iter().map(|(_, b)| b.cells.capacity() * 4).sum::<usize>()
+            + self.bricks.iter().map(|(_, b)| b.cells.capacity() * size_of::<Slot>()).sum::<usize>()
             + self.lists.lists.capacity() * size_of::<SlotList>()
             + self.lists.lists.iter().map(SlotList::bytes).sum::<usize>()
             + self.lists.free.capacity() * 4
@@ -144,7 +158,7 @@ impl CellIds {
 
     /// The objects of a cell.
     #[inline]
-    pub(super) fn of(&self, cell: IVec3) -> &[u32] {
+    pub(super) fn of(&self, cell: IVec3) -> &[Slot] {
         let brick = self.bricks.get(cell >> 3i32);
         let (word, bit) = ((cell.z & 7) as usize, (((cell.y & 7) << 3) | (cell.x & 7)) as u32);
         if brick.bits[word] >> bit & 1 == 0 {
@@ -161,7 +175,7 @@ impl CellIds {
         axes: &SideAxes,
         at: i32,
         mut tile: u64,
-        mut found: impl FnMut(i32, &[u32]),
+        mut found: impl FnMut(i32, &[Slot]),
     ) {
         let (brick, at) = (self.bricks.get(brick), at & 7);
         while tile != 0 {

@@ -1,4 +1,5 @@
-//! How many solids make a cell opaque, so that one of them can go and leave the cells of the others.
+//! How many solids make a cell opaque, so that one of them can go and leave the cells of the
+//! others.
 //!
 //! The first is the bit of the cell itself; only cells with more than one cost more.
 
@@ -86,8 +87,8 @@ impl Counts {
         }
     }
 
-    /// Removes a solid that contains cells of a brick, all of which are set. Clears and returns the cells that no solid
-    /// is left for.
+    /// Removes a solid that contains cells of a brick, all of which are set. Clears and returns the
+    /// cells that no solid is left for.
     pub(crate) fn take(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) -> Mask {
         let gone = match self.beyond.get_existing_mut(brick) {
             Some(beyond) => {
@@ -105,7 +106,8 @@ impl Counts {
         gone
     }
 
-    /// Adds a solid that contains a whole page, if no cell of the page is set yet. Returns whether it did.
+    /// Adds a solid that contains a whole page, if no cell of the page is set yet. Returns whether
+    /// it did.
     pub(crate) fn add_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
         let free = bits.pages().page_is_empty(page);
         if free {

@@ -1,8 +1,8 @@
 //! Fused occluders: boxes of opaque cells where no single solid says why they are opaque.
 //!
-//! Solids that abut leave a seam when each is drawn for itself. The grid knows that the cells there are
-//! solid: boxes of opaque cells are grown around them, also over cells that single solids make opaque, so that they bridge the seams
-//! (thesis, section 3.3.4: occluder fusion by extension).
+//! Solids that abut leave a seam when each is drawn for itself. The grid knows that the cells there
+//! are solid: boxes of opaque cells are grown around them, also over cells that single solids make
+//! opaque, so that they bridge the seams (thesis, section 3.3.4: occluder fusion by extension).
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use crate::matrix::bits::{
 };
 
 /// Boxes reach this far beyond the brick of their first cell.
-const REACH: i32 = BRICK;
+const MOST_SPREAD: i32 = BRICK;
 
 /// Boxes of one brick, at most.
 const MOST: usize = 32;
@@ -27,8 +27,9 @@ const MOST: usize = 32;
 pub(crate) struct Fused {
     /// Opaque cells that no single drawable solid covers.
     cells: BitMatrix,
-    /// Cells that were opaque beside opaque cells of another solid. They may not be opaque any more.
-    rims: BitMatrix,
+    /// Cells that were opaque beside opaque cells of another solid. They may not be opaque any
+    /// more.
+    contacts: BitMatrix,
     boxes: Bricks<SmallVec<[CellBox; 2]>>,
     /// Bricks whose boxes are to be grown anew.
     stale: BTreeSet<[i32; 3]>,
@@ -38,7 +39,7 @@ impl Fused {
     pub(crate) fn new(dims: IVec3) -> Self {
         Self {
             cells: BitMatrix::new(dims),
-            rims: BitMatrix::new(dims),
+            contacts: BitMatrix::new(dims),
             boxes: Bricks::new(dims),
             stale: BTreeSet::new(),
         }
@@ -51,14 +52,14 @@ impl Fused {
     }
 
     /// Adds opaque cells of a brick that are beside those of another solid.
-    pub(crate) fn add_rims(&mut self, brick: IVec3, cells: &Mask) {
-        self.rims.set_mask(brick, cells);
+    pub(crate) fn add_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.contacts.set_mask(brick, cells);
         self.stale.insert(brick.to_array());
     }
 
     /// Removes cells of a brick that are no longer beside those of another solid.
-    pub(crate) fn forget_rims(&mut self, brick: IVec3, cells: &Mask) {
-        self.rims.clear_mask(brick, cells);
+    pub(crate) fn forget_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.contacts.clear_mask(brick, cells);
         self.stale.insert(brick.to_array());
     }
 
@@ -67,14 +68,16 @@ impl Fused {
         self.cells.clear_mask(brick, cells);
     }
 
-    /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block touches.
+    /// Calls `out` with the cells that are opaque for such a reason, of all bricks that a block
+    /// touches.
     pub(crate) fn for_cells(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
         masks_there(&self.cells, lo, hi, out);
     }
 
-    /// Calls `out` with the cells that were beside another solid's, of all bricks that a block touches.
-    pub(crate) fn for_rims(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
-        masks_there(&self.rims, lo, hi, out);
+    /// Calls `out` with the cells that were beside another solid's, of all bricks that a block
+    /// touches.
+    pub(crate) fn for_contacts(&self, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec3, &Mask)) {
+        masks_there(&self.contacts, lo, hi, out);
     }
 
     /// Removes the boxes with some of the cells of a brick, which are no longer opaque.
@@ -97,9 +100,9 @@ impl Fused {
         for brick in gone {
             self.boxes.release(brick);
             // Its neighbours may have relied on its boxes.
-            let reach = self.bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
+            let around = self.bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
             let growing =
-                reach.cells().filter(|&b| *self.cells.brick(b) != NONE || *self.rims.brick(b) != NONE);
+                around.cells().filter(|&b| *self.cells.brick(b) != NONE || *self.contacts.brick(b) != NONE);
             self.stale.extend(growing.map(|b| b.to_array()));
         }
     }
@@ -107,7 +110,7 @@ impl Fused {
     /// The bricks of the grid whose boxes may reach into a block.
     fn bricks_around(&self, lo: IVec3, hi: IVec3) -> CellBox {
         let last = self.cells.dims() - 1;
-        CellBox { lo: (lo - REACH).max(IVec3::ZERO) >> 3i32, hi: (hi + REACH).min(last) >> 3i32 }
+        CellBox { lo: (lo - MOST_SPREAD).max(IVec3::ZERO) >> 3i32, hi: (hi + MOST_SPREAD).min(last) >> 3i32 }
     }
 
     /// Grows the boxes of all stale bricks.
@@ -116,12 +119,12 @@ impl Fused {
             let brick = IVec3::from_array(brick);
             self.boxes.release(brick);
             let corner = brick * BRICK;
-            let bounds = CellBox { lo: corner - REACH, hi: corner + (BRICK - 1) + REACH };
-            let gone = without(self.rims.brick(brick), opaque.brick(brick));
+            let bounds = CellBox { lo: corner - MOST_SPREAD, hi: corner + (BRICK - 1) + MOST_SPREAD };
+            let gone = without(self.contacts.brick(brick), opaque.brick(brick));
             if gone != NONE {
-                self.rims.clear_mask(brick, &gone);
+                self.contacts.clear_mask(brick, &gone);
             }
-            let seeds = either(self.cells.brick(brick), self.rims.brick(brick));
+            let seeds = either(self.cells.brick(brick), self.contacts.brick(brick));
             let mut open = both(&seeds, opaque.brick(brick));
             for b in self.bricks_around(corner, corner + (BRICK - 1)).cells() {
                 for held in self.boxes.get(b) {
@@ -153,7 +156,7 @@ impl Fused {
     pub(crate) fn bytes(&self) -> usize {
         let boxes = self.boxes.iter().map(|(_, boxes)| boxes).filter(|boxes| boxes.spilled());
         self.cells.bytes()
-            + self.rims.bytes()
+            + self.contacts.bytes()
             + self.boxes.bytes()
             + in_tree::<[i32; 3]>(self.stale.len())
             + boxes.map(|b| b.capacity() * size_of::<CellBox>()).sum::<usize>()

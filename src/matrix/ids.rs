@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
@@ -19,7 +20,7 @@ struct Members {
 }
 
 impl Members {
-    fn join(&mut self, slot: u32, whole: bool) {
+    fn join(&mut self, slot: Slot, whole: bool) {
         self.all.push(slot);
         if whole {
             self.all.swap(self.all.as_slice().len() - 1, self.whole as usize);
@@ -39,8 +40,8 @@ impl Members {
 
 /// I: the objects that touch each cell, as indices of the scene's slots.
 ///
-/// The objects of each brick are listed always, those of single cells from the first time that they are asked for:
-/// only [`crate::Method::Cell`] asks.
+/// The objects of each brick are listed always, those of single cells from the first time that they
+/// are asked for: only [`crate::Method::Cell`] asks.
 #[derive(Clone)]
 pub struct IdMatrix {
     bricks: Bricks<Members>,
@@ -53,9 +54,9 @@ impl IdMatrix {
         Self { bricks: Bricks::new(dims), cells: OnceLock::new(), dims }
     }
 
-    /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in, and enters those
-    /// of `new`, which are inside the grid.
-    pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: u32) {
+    /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in,
+    /// and enters those of `new`, which are inside the grid.
+    pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: Slot) {
         if old == new {
             return;
         }
@@ -85,9 +86,9 @@ impl IdMatrix {
         }
     }
 
-    /// The objects by cell. If they were never asked for, `fill` must tell them: the cells of each object, brick by
-    /// brick.
-    pub(crate) fn by_cell(&self, fill: impl FnOnce(&mut dyn FnMut(IVec3, &Mask, u32))) -> ByCell<'_> {
+    /// The objects by cell. If they were never asked for, `fill` must tell them: the cells of each
+    /// object, brick by brick.
+    pub(crate) fn by_cell(&self, fill: impl FnOnce(&mut dyn FnMut(IVec3, &Mask, Slot))) -> ByCell<'_> {
         let cells = self.cells.get_or_init(|| {
             let mut cells = CellIds::new(self.dims);
             fill(&mut |brick, mask, slot| {
@@ -102,14 +103,14 @@ impl IdMatrix {
 
     /// The objects that touch every cell of a brick.
     #[inline]
-    fn whole(&self, brick: IVec3) -> &[u32] {
+    fn whole(&self, brick: IVec3) -> &[Slot] {
         let members = self.bricks.get(brick);
         &members.all.as_slice()[..members.whole as usize]
     }
 
     /// The objects that touch a brick.
     #[inline]
-    pub(crate) fn in_brick(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
+    pub(crate) fn in_brick(&self, brick: IVec3) -> impl ExactSizeIterator<Item = Slot> {
         self.bricks.get(brick).all.as_slice().iter().copied()
     }
 
@@ -147,7 +148,7 @@ pub(crate) struct ByCell<'a> {
 impl<'a> ByCell<'a> {
     /// The objects that touch a cell inside the grid.
     #[inline]
-    pub(crate) fn get(&self, cell: IVec3) -> impl Iterator<Item = u32> + use<'a> {
+    pub(crate) fn get(&self, cell: IVec3) -> impl Iterator<Item = Slot> + use<'a> {
         self.ids.whole(cell >> 3i32).iter().chain(self.cells.of(cell)).copied()
     }
 
@@ -160,7 +161,7 @@ impl<'a> ByCell<'a> {
         axes: &SideAxes,
         at: i32,
         tile: u64,
-        mut found: impl FnMut(i32, &[u32], &[u32]),
+        mut found: impl FnMut(i32, &[Slot], &[Slot]),
     ) {
         let whole = self.ids.whole(brick);
         self.cells.for_tile(brick, axes, at, tile, |bit, own| found(bit, whole, own));
@@ -193,20 +194,20 @@ mod tests {
     }
 
     /// Objects by cell, to compare the matrix with.
-    fn compare(m: &IdMatrix, map: &BTreeMap<([i32; 3], u32), Mask>, bricks: &[IVec3]) {
+    fn compare(m: &IdMatrix, map: &BTreeMap<([i32; 3], Slot), Mask>, bricks: &[IVec3]) {
         let mut entries = 0;
-        let none = |_: &mut dyn FnMut(IVec3, &Mask, u32)| unreachable!("it is filled");
+        let none = |_: &mut dyn FnMut(IVec3, &Mask, Slot)| unreachable!("it is filled");
         for &b in bricks {
-            let mut members: Vec<u32> = m.in_brick(b).collect();
+            let mut members: Vec<Slot> = m.in_brick(b).collect();
             members.sort_unstable();
-            let here: Vec<(u32, &Mask)> =
+            let here: Vec<(Slot, &Mask)> =
                 map.iter().filter(|((at, _), _)| *at == b.to_array()).map(|((_, s), m)| (*s, m)).collect();
             assert_eq!(members, here.iter().map(|h| h.0).collect::<Vec<_>>());
             for i in 0..512usize {
                 let c = b * 8 + IVec3::new(i as i32 & 7, i as i32 >> 3 & 7, i as i32 >> 6);
-                let mut found: Vec<u32> = m.by_cell(none).get(c).collect();
+                let mut found: Vec<Slot> = m.by_cell(none).get(c).collect();
                 found.sort_unstable();
-                let expected: Vec<u32> =
+                let expected: Vec<Slot> =
                     here.iter().filter(|h| h.1[i >> 6] >> (i & 63) & 1 != 0).map(|h| h.0).collect();
                 assert_eq!(found, expected, "{c}");
                 entries += found.len();
@@ -231,14 +232,14 @@ mod tests {
     fn agrees_with_a_map() {
         let bricks = [IVec3::new(1, 1, 1), IVec3::new(2, 0, 1), IVec3::new(9, 1, 2)];
         let mut m = matrix(IVec3::new(100, 24, 24));
-        let mut map = BTreeMap::<([i32; 3], u32), Mask>::new();
+        let mut map = BTreeMap::<([i32; 3], Slot), Mask>::new();
         let mut state = 1u32;
         let mut next = |n: u32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 8) % n
         };
         for step in 0..1500 {
-            let (b, slot) = (bricks[next(3) as usize], next(90));
+            let (b, slot) = (bricks[next(3) as usize], Slot::new(next(90)));
             let new: Mask = match next(6) {
                 0 => ALL,
                 1 | 2 => NONE,
@@ -264,7 +265,7 @@ mod tests {
         late.by_cell(|add| map.iter().for_each(|((b, slot), mask)| add(IVec3::from_array(*b), mask, *slot)));
         compare(&late, &map, &bricks);
         // Removing an object from cells that it is not in changes nothing.
-        m.change(bricks[0], &ALL, &NONE, 999);
+        m.change(bricks[0], &ALL, &NONE, Slot::new(999));
         compare(&m, &map, &bricks);
         for ((b, slot), old) in &map {
             m.change(IVec3::from_array(*b), old, &NONE, *slot);
@@ -277,10 +278,10 @@ mod tests {
         let mut m = matrix(IVec3::splat(128));
         let bare = m.bytes();
         for i in 0..4096 {
-            m.change(IVec3::new(i & 15, i >> 4 & 15, i >> 8), &NONE, &ALL, 7);
+            m.change(IVec3::new(i & 15, i >> 4 & 15, i >> 8), &NONE, &ALL, Slot::new(7));
         }
         assert_eq!(m.entries(), 128 * 128 * 128);
         assert!(m.bytes() - bare < 4096 * 512, "{} bytes", m.bytes());
-        assert_eq!(m.by_cell(|_| ()).get(IVec3::splat(77)).collect::<Vec<_>>(), [7]);
+        assert_eq!(m.by_cell(|_| ()).get(IVec3::splat(77)).collect::<Vec<_>>(), [Slot::new(7)]);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::heap::in_table;
@@ -11,29 +12,29 @@ const LONG: usize = 32;
 
 /// Where each of a list is. Apart, so that short lists stay small.
 #[derive(Clone, Default)]
-struct Places(HashMap<u32, u32>);
+struct Places(HashMap<Slot, u32>);
 
 /// A list without repetition. Short ones keep their order.
 #[derive(Clone, Default)]
 pub(crate) struct SlotList {
-    slots: SmallVec<[u32; 6]>,
+    slots: SmallVec<[Slot; 6]>,
     /// Of a long list, the place of each.
     places: Option<Box<Places>>,
 }
 
 impl SlotList {
-    pub(crate) fn as_slice(&self) -> &[u32] {
+    pub(crate) fn as_slice(&self) -> &[Slot] {
         &self.slots
     }
 
-    pub(crate) fn find(&self, slot: u32) -> Option<usize> {
+    pub(crate) fn find(&self, slot: Slot) -> Option<usize> {
         match &self.places {
             Some(places) => places.0.get(&slot).map(|&i| i as usize),
             None => self.slots.iter().position(|&s| s == slot),
         }
     }
 
-    pub(crate) fn push(&mut self, slot: u32) {
+    pub(crate) fn push(&mut self, slot: Slot) {
         self.slots.push(slot);
         if let Some(places) = &mut self.places {
             places.0.insert(slot, self.slots.len() as u32 - 1);
@@ -81,8 +82,8 @@ impl SlotList {
 
     /// Bytes on the heap.
     pub(crate) fn bytes(&self) -> usize {
-        let table = |p: &Places| size_of_val(p) + in_table::<(u32, u32)>(p.0.capacity());
-        let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<u32>() } else { 0 };
+        let table = |p: &Places| size_of_val(p) + in_table::<(Slot, u32)>(p.0.capacity());
+        let spilled = if self.slots.spilled() { self.slots.capacity() * size_of::<Slot>() } else { 0 };
         spilled + self.places.as_deref().map_or(0, table)
     }
 }
@@ -94,11 +95,11 @@ mod tests {
     #[test]
     fn long_lists_find_what_they_hold() {
         let mut list = SlotList::default();
-        let mut held: Vec<u32> = Vec::new();
+        let mut held: Vec<Slot> = Vec::new();
         let mut state = 5u32;
         for step in 0..6000 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let slot = (state >> 9) % 120;
+            let slot = Slot::new((state >> 9) % 120);
             let grows = step / 1000 % 2 == 0;
             match (list.find(slot), grows || state >> 31 == 0) {
                 (Some(i), false) => {

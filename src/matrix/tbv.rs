@@ -10,11 +10,13 @@
 //! The projections are kept brick by brick, so that a volume is found only from
 //! the part of space where it is, however many others share its rows.
 
+use casca_slots::Slot;
+use glam::IVec3;
+
 use crate::grid::bricks::{BRICK, Bricks, Pages};
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::SideAxes;
 use crate::matrix::bits::span8;
-use glam::IVec3;
 
 /// The walls of a block of cells, brick by brick.
 trait Hollow {
@@ -101,7 +103,7 @@ struct TbvBrick {
 /// A volume in the list of a brick.
 #[derive(Clone, Copy)]
 struct Held {
-    slot: u32,
+    slot: Slot,
     /// The brick's place among those that the volume's surface passes through.
     brick: u32,
 }
@@ -121,12 +123,12 @@ impl TbvMatrix {
     }
 
     /// Draws the volume of an object. It is inside the grid.
-    pub(crate) fn insert(&mut self, volume: &CellBox, slot: u32) {
+    pub(crate) fn insert(&mut self, volume: &CellBox, slot: Slot) {
         self.volumes += 1;
-        if self.places.len() <= slot as usize {
-            self.places.resize_with(slot as usize + 1, Vec::new);
+        if self.places.len() <= slot.index() {
+            self.places.resize_with(slot.index() + 1, Vec::new);
         }
-        let places = &mut self.places[slot as usize];
+        let places = &mut self.places[slot.index()];
         for (b, at) in volume.surface_bricks().zip(0..) {
             let brick = self.bricks.get_mut(b);
             brick.all = brick.all.union(volume.projections(b));
@@ -135,22 +137,23 @@ impl TbvMatrix {
         }
     }
 
-    /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in them.
-    pub(crate) fn remove(&mut self, volume: &CellBox, slot: u32) {
+    /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in
+    /// them.
+    pub(crate) fn remove(&mut self, volume: &CellBox, slot: Slot) {
         self.volumes -= 1;
-        let mut places = std::mem::take(&mut self.places[slot as usize]);
+        let mut places = std::mem::take(&mut self.places[slot.index()]);
         for (b, &place) in volume.surface_bricks().zip(&places) {
             let Some(brick) = self.bricks.get_existing_mut(b) else { continue };
             brick.held.swap_remove(place as usize);
             if let Some(moved) = brick.held.get(place as usize) {
-                self.places[moved.slot as usize][moved.brick as usize] = place;
+                self.places[moved.slot.index()][moved.brick as usize] = place;
             }
             if brick.held.is_empty() {
                 self.bricks.release(b);
             }
         }
         places.clear();
-        self.places[slot as usize] = places;
+        self.places[slot.index()] = places;
     }
 
     /// The cells of a tile on the surface of some volume (a superset).
@@ -177,7 +180,7 @@ impl TbvMatrix {
     }
 
     /// The objects whose volumes have surface in a brick.
-    pub(crate) fn ids(&self, brick: IVec3) -> impl ExactSizeIterator<Item = u32> {
+    pub(crate) fn ids(&self, brick: IVec3) -> impl ExactSizeIterator<Item = Slot> {
         self.bricks.get(brick).held.iter().map(|h| h.slot)
     }
 
@@ -235,7 +238,7 @@ mod tests {
         ];
         for volume in &boxes {
             let mut m = TbvMatrix::new(IVec3::splat(24));
-            m.insert(volume, 5);
+            m.insert(volume, Slot::new(5));
             for axes in &SideAxes::ALL {
                 for i in 0..24 * 24 * 24 {
                     let c = IVec3::new(i % 24, i / 24 % 24, i / 576);
@@ -248,7 +251,7 @@ mod tests {
                     assert_eq!(tile >> bit & 1 != 0, surface, "{volume:?} {axes:?} {c}");
                 }
             }
-            m.remove(volume, 5);
+            m.remove(volume, Slot::new(5));
             assert_eq!((m.volumes(), m.bricks.iter().count()), (0, 0));
         }
     }
@@ -256,18 +259,19 @@ mod tests {
     #[test]
     fn volumes_leave_in_any_order() {
         let mut m = TbvMatrix::new(IVec3::splat(64));
-        let volume = |slot: u32| {
-            let lo = IVec3::new(slot as i32 * 7 % 23, slot as i32 * 5 % 19, slot as i32 * 3 % 17);
-            CellBox { lo, hi: lo + IVec3::new(9 + slot as i32 % 5, 12, 3 + slot as i32 % 30) }
+        let volume = |slot: Slot| {
+            let i = slot.get() as i32;
+            let lo = IVec3::new(i * 7 % 23, i * 5 % 19, i * 3 % 17);
+            CellBox { lo, hi: lo + IVec3::new(9 + i % 5, 12, 3 + i % 30) }
         };
-        let holds = |m: &TbvMatrix, slot: u32| {
+        let holds = |m: &TbvMatrix, slot: Slot| {
             volume(slot).surface_bricks().filter(|&b| m.ids(b).any(|s| s == slot)).count()
         };
-        let mut inside: Vec<u32> = (0..60).collect();
+        let mut inside: Vec<Slot> = Slot::below(60).collect();
         inside.iter().for_each(|&s| m.insert(&volume(s), s));
         for step in 0..200usize {
             if step % 3 == 2 && inside.len() < 60 {
-                let new = (0..60).find(|s| !inside.contains(s)).unwrap();
+                let new = Slot::below(60).find(|s| !inside.contains(s)).unwrap();
                 m.insert(&volume(new), new);
                 inside.push(new);
             } else if !inside.is_empty() {

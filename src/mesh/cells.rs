@@ -1,7 +1,7 @@
 //! The cells of a mesh: those that its surface touches, and those inside.
 //!
-//! The cost is that of the cells that triangles touch and of the rows that come out, whatever the volume: rows without
-//! surface are taken together, slice by slice.
+//! The cost is that of the cells that triangles touch and of the rows that come out, whatever the
+//! volume: rows without surface are taken together, slice by slice.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -99,8 +99,8 @@ struct Rows {
 }
 
 impl SurfaceCells {
-    /// The cells that triangles touch, of the block that covers the box from `min` to `max`; `None` if that lies
-    /// beside the grid.
+    /// The cells that triangles touch, of the block that covers the box from `min` to `max`; `None`
+    /// if that lies beside the grid.
     pub(crate) fn new(
         triangles: impl Iterator<Item = [DVec3; 3]>,
         grid: &Grid,
@@ -141,8 +141,8 @@ impl SurfaceCells {
         Some(Self { lo, hi, runs })
     }
 
-    /// Where lines along x through the middles of the block's rows cross triangles, in order of slice, row and x; not
-    /// beyond the block.
+    /// Where lines along x through the middles of the block's rows cross triangles, in order of
+    /// slice, row and x; not beyond the block.
     pub(crate) fn crossings(
         &self,
         triangles: impl Iterator<Item = [DVec3; 3]>,
@@ -186,8 +186,9 @@ impl SurfaceCells {
         all
     }
 
-    /// Calls `out` with the rows of all components without surface that lie behind triangles in each of their rows.
-    /// `is_behind` says that of a number of crossings and the winding number beyond them.
+    /// Calls `out` with the rows of all components without surface that lie behind triangles in
+    /// each of their rows. `is_behind` says that of a number of crossings and the winding number
+    /// beyond them.
     pub(crate) fn inside(
         &self,
         grid: &Grid,

@@ -1,9 +1,10 @@
 //! Meshes that are convex solids, and so can be drawn as one shape.
 //!
-//! Let a closed mesh be wound alike, with normals outwards. A point that lies behind the planes of all triangles sees
-//! each of them from inside: their solid angles have one sign and do not cancel, so the mesh winds around the point. If no
-//! vertex lies more than `dent` before any of these planes, no point of the hull of all vertices does. So the hull, made
-//! smaller by `2 dent` on all sides, lies behind all planes, inside the mesh.
+//! Let a closed mesh be wound alike, with normals outwards. A point that lies behind the planes of
+//! all triangles sees each of them from inside: their solid angles have one sign and do not cancel,
+//! so the mesh winds around the point. If no vertex lies more than `dent` before any of these
+//! planes, no point of the hull of all vertices does. So the hull, made smaller by `2 dent` on all
+//! sides, lies behind all planes, inside the mesh.
 
 use glam::{DVec3, Vec3};
 
@@ -11,10 +12,12 @@ use crate::mesh::surface::key;
 use crate::numeric::mesh::{DENT, HULL_ROOM};
 use crate::shape::{Convex, MAX_CONVEX};
 
-/// A convex solid inside a mesh that is closed and wound alike, and hardly smaller: `None` if it is not convex or has
-/// many vertices. `outward` is 1 if normals point outwards, -1 if inwards. Costs triangles times vertices.
+/// A convex solid inside a mesh that is closed and wound alike, and hardly smaller: `None` if it is
+/// not convex or has many vertices. `outward` is 1 if normals point outwards, -1 if inwards. Costs
+/// triangles times vertices.
 pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: f64) -> Option<Convex> {
-    // A convex mesh of triangles has at most twice as many of them as vertices, but some may be degenerate.
+    // A convex mesh of triangles has at most twice as many of them as vertices, but some may be
+    // degenerate.
     if outward == 0.0 || triangles.len() > 4 * MAX_CONVEX {
         return None;
     }
@@ -27,7 +30,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
     let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
     let (min, max) =
         points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
-    let (size, reach) = ((max - min).length(), min.abs().max(max.abs()).max_element());
+    let (size, largest) = ((max - min).length(), min.abs().max(max.abs()).max_element());
     let mut dent = 0.0f64;
     for t in triangles {
         let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
@@ -47,7 +50,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
         }
         dent = dent.max(before);
     }
-    Convex::inside_hull(&points, 2.0 * dent + HULL_ROOM * reach)
+    Convex::inside_hull(&points, 2.0 * dent + HULL_ROOM * largest)
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Finds the triangles of a mesh near a place: a tree of boxes, halved by the median along the longest side.
+//! Finds the triangles of a mesh near a place: a tree of boxes, halved by the median along the
+//! longest side.
 
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;

@@ -1,4 +1,5 @@
-//! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is shared.
+//! Instances: meshes under a transform. An instance moves by its transform; the prepared mesh is
+//! shared.
 
 use crate::error::Error;
 use crate::geometry::placement::Placement;
@@ -19,8 +20,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
 
-/// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are those of
-/// its bounding box, and none of them is opaque.
+/// A mesh turned, scaled and moved: the way to move one without preparing it again. Its cells are
+/// those of its bounding box, and none of them is opaque.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -56,7 +57,8 @@ impl Instance {
     /// Costs the corners of the solids that the mesh is tested by: some tens.
     ///
     /// # Errors
-    /// Refuses transforms that are not finite, or lead to coordinates that are not in single precision.
+    /// Refuses transforms that are not finite, or lead to coordinates that are not in single
+    /// precision.
     pub fn new(mesh: Arc<TriMesh>, transform: Affine3A) -> Result<Self, Error> {
         let vertices = || mesh.parts().iter().flat_map(|part| part.vertices());
         let largest = vertices().map(|v| v.abs().max_element()).fold(0.0, f64::max);
@@ -86,8 +88,9 @@ impl Instance {
         Self::new(self.inner.mesh.clone(), transform)
     }
 
-    /// The box of its triangles in world units, rounded outwards; with room for a renderer that transforms their
-    /// corners in single precision. Infinite where it ends beyond the range of that. Costs the triangles.
+    /// The box of its triangles in world units, rounded outwards; with room for a renderer that
+    /// transforms their corners in single precision. Infinite where it ends beyond the range of
+    /// that. Costs the triangles.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -128,8 +131,8 @@ impl Instance {
         })
     }
 
-    /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex; with a distance by
-    /// which the mesh reaches beyond its faces at most.
+    /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex;
+    /// with a distance by which the mesh reaches beyond its faces at most.
     pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
         self.solid_from(self.inner.mesh.convex()?, origin)
     }
@@ -146,7 +149,8 @@ impl Instance {
             return None;
         }
         let placed = self.placed(convex, origin, f64::min)?;
-        // A ball of the pull times the depth around each point as pulled lies in the solid as placed.
+        // A ball of the pull times the depth around each point as pulled lies in the solid as
+        // placed.
         let room = LENGTH_OF_ERROR * placement.error;
         let pull = room / placed.depth;
         if !(0.0..MOST_PULL).contains(&pull) {
@@ -157,9 +161,9 @@ impl Instance {
         Some((placed.scaled(1.0 - pull), beyond))
     }
 
-    /// A convex solid of the mesh as placed, relative to an origin. Its faces pass through the corner that `choose`
-    /// takes: the outermost one (the greatest offset) or the innermost one. `None` if the transform flattens space, or
-    /// leaves the middle not clearly inside.
+    /// A convex solid of the mesh as placed, relative to an origin. Its faces pass through the
+    /// corner that `choose` takes: the outermost one (the greatest offset) or the innermost one.
+    /// `None` if the transform flattens space, or leaves the middle not clearly inside.
     fn placed(&self, part: &Convex, origin: DVec3, choose: fn(f64, f64) -> f64) -> Option<Placed> {
         let Placement { affine, normals, .. } = self.inner.placement;
         let normals = normals?;

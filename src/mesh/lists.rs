@@ -8,7 +8,8 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// The lists of pairs of a list and an entry, which are passed over twice. Each list keeps their order.
+    /// The lists of pairs of a list and an entry, which are passed over twice. Each list keeps
+    /// their order.
     pub(crate) fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         // Two places later, so that writing the entries leaves the starts in their places.
         let mut starts = vec![0u32; count + 2];

@@ -1,4 +1,5 @@
-//! Work that several threads share, with the feature `rayon`. Results do not depend on the number of threads.
+//! Work that several threads share, with the feature `rayon`. Results do not depend on the number
+//! of threads.
 
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! Parts: convex solids around pieces of a mesh, to test its visibility with.
 //!
-//! A box, along the axes of the world or of the piece, with edges and corners cut off where the piece leaves
-//! room (a discrete orientation polytope, Klosowski et al. 1998). Large meshes whose pieces
-//! fill much less than the whole are cut into pieces first.
+//! A box, along the axes of the world or of the piece, with edges and corners cut off where the
+//! piece leaves room (a discrete orientation polytope, Klosowski et al. 1998). Large meshes whose
+//! pieces fill much less than the whole are cut into pieces first.
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -16,6 +16,17 @@ const DEPTH: u32 = 6;
 
 /// Halves are kept if their cost together is less than this share of the cost of the whole.
 const WORTH_CUTTING: f64 = 0.8;
+
+/// The cost of an eye inside of a box, beside that of a ray that enters it: the area of a cube of
+/// the same volume.
+const INSIDE: f64 = 6.0;
+
+/// Axes whose determinant is greater span space: only rounding is between them and a rotation.
+const TURNED: f64 = 0.99;
+
+/// A box along the axes of the points is taken if its surface is less than this share of that of
+/// the box along the axes of the world, which is quicker to compare with.
+const WORTH_TURNING: f64 = 0.9;
 
 /// Planes are added where they cut off this share of the diagonal.
 const WORTH_A_PLANE: f64 = 0.02;
@@ -46,7 +57,7 @@ impl Extents {
 /// The cost of a box as a stand-in for its contents: rays that enter it, and eyes inside of it.
 fn cost(piece: &Piece) -> f64 {
     let d = piece.max.as_dvec3() - piece.min.as_dvec3();
-    d.x * d.y + d.y * d.z + d.z * d.x + 6.0 * (d.x * d.y * d.z).cbrt().powi(2)
+    d.x * d.y + d.y * d.z + d.z * d.x + INSIDE * (d.x * d.y * d.z).cbrt().powi(2)
 }
 
 impl Piece {
@@ -139,7 +150,7 @@ fn own_axes(points: &[DVec3]) -> DMat3 {
 }
 
 /// How far points reach along each direction, both ways.
-fn reach<const N: usize>(points: &[DVec3], directions: &[DVec3; N]) -> [(f64, f64); N] {
+fn extents_along<const N: usize>(points: &[DVec3], directions: &[DVec3; N]) -> [(f64, f64); N] {
     let along: [[f64; N]; 3] = [0, 1, 2].map(|axis| directions.map(|n| n[axis]));
     let (mut lo, mut hi) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
     for p in points {
@@ -158,7 +169,9 @@ fn around(points: &[DVec3]) -> Convex {
     let box_of = |axes: &DMat3| {
         let mut half = DVec3::ZERO;
         let mut center = DVec3::ZERO;
-        for (i, (lo, hi)) in reach(points, &[axes.x_axis, axes.y_axis, axes.z_axis]).into_iter().enumerate() {
+        for (i, (lo, hi)) in
+            extents_along(points, &[axes.x_axis, axes.y_axis, axes.z_axis]).into_iter().enumerate()
+        {
             half[i] = (hi - lo) * 0.5;
             center += axes.col(i) * ((lo + hi) * 0.5);
         }
@@ -167,9 +180,9 @@ fn around(points: &[DVec3]) -> Convex {
     let surface = |half: DVec3| half.x * half.y + half.y * half.z + half.z * half.x;
     let world = box_of(&DMat3::IDENTITY);
     let own = own_axes(points);
-    let turned = own.determinant().abs() > 0.99;
+    let turned = own.determinant().abs() > TURNED;
     let (axes, (half, center)) = match box_of(&own) {
-        fit if turned && surface(fit.0) < 0.9 * surface(world.0) => (own, fit),
+        fit if turned && surface(fit.0) < WORTH_TURNING * surface(world.0) => (own, fit),
         _ => (DMat3::IDENTITY, world),
     };
     // Flat pieces get some thickness: solids have an inside.
@@ -182,7 +195,7 @@ fn around(points: &[DVec3]) -> Convex {
     let mut planes: Vec<(f64, HalfSpace)> = Vec::new();
     let directions =
         DIAGONALS.map(|(x, y, z)| (axes.x_axis * x + axes.y_axis * y + axes.z_axis * z).normalize());
-    for (n, (lo, hi)) in directions.into_iter().zip(reach(points, &directions)) {
+    for (n, (lo, hi)) in directions.into_iter().zip(extents_along(points, &directions)) {
         for plane in [HalfSpace { normal: -n, offset: hi + room }, HalfSpace { normal: n, offset: room - lo }]
         {
             planes.push((solid.beyond(&plane), plane));
@@ -234,7 +247,7 @@ impl Solid {
         let out = |v: usize| above[v] > eps;
         let mut crossings: Vec<((usize, usize), usize)> = Vec::new();
         // The new face's edges, from corner to corner.
-        let mut rim: Vec<(usize, usize)> = Vec::new();
+        let mut cut: Vec<(usize, usize)> = Vec::new();
         let mut faces = Vec::new();
         for (own, ring) in std::mem::take(&mut self.faces) {
             let mut kept = Vec::with_capacity(ring.len() + 1);
@@ -259,18 +272,18 @@ impl Solid {
                 }
             }
             if let (Some(leaves), Some(enters)) = (leaves, enters) {
-                rim.push((enters, leaves));
+                cut.push((enters, leaves));
             }
             if kept.len() >= 3 {
                 faces.push((own, kept));
             }
         }
         let mut ring: Vec<usize> = Vec::new();
-        if let Some(&(first, mut at)) = rim.first() {
+        if let Some(&(first, mut at)) = cut.first() {
             ring.push(first);
-            while at != first && ring.len() <= rim.len() {
+            while at != first && ring.len() <= cut.len() {
                 ring.push(at);
-                at = rim.iter().find(|e| e.0 == at).map_or(first, |e| e.1);
+                at = cut.iter().find(|e| e.0 == at).map_or(first, |e| e.1);
             }
         }
         if ring.len() >= 3 {

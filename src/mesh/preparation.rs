@@ -5,6 +5,19 @@ use std::ops::ControlFlow;
 use crate::error::{Error, not_negative};
 use crate::mesh::surface::Rules;
 
+/// The greatest angle between the triangles of a group and the first of them that may be asked for,
+/// in degrees: near a right angle a group has no side that is turned to the eye.
+const MOST_DEGREES: f32 = 80.0;
+
+/// The same by default, for triangles that hide from their front only.
+const FRONT_DEGREES: f32 = 40.0;
+
+/// By default outlines may leave the edges by this share of the diagonal.
+const TOLERANCE: f64 = 1.0 / 2000.0;
+
+/// By default groups of a radius below this share of the diagonal hide nothing.
+const LEAST_RADIUS: f64 = 1.0 / 1000.0;
+
 /// How the triangles of a [`TriMesh`](crate::TriMesh) are prepared for hiding.
 ///
 /// ```
@@ -26,26 +39,28 @@ use crate::mesh::surface::Rules;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct MeshOptions {
-    /// How far the outlines of patches may leave the edges of triangles, in world units. The distance
-    /// is added as a margin when they are drawn: a larger one is faster, and hides less near
-    /// outlines. `None` is a 2000th of the mesh's diagonal.
+    /// How far the outlines of patches may leave the edges of triangles, in world units. The
+    /// distance is added as a margin when they are drawn: a larger one is faster, and hides less
+    /// near outlines. `None` is a 2000th of the mesh's diagonal.
     pub tolerance: Option<f32>,
-    /// Connected groups of patches of a smaller radius hide nothing, in world units. `None` is a 1000th of the
-    /// mesh's diagonal.
+    /// Connected groups of patches of a smaller radius hide nothing, in world units. `None` is a
+    /// 1000th of the mesh's diagonal.
     pub min_radius: Option<f32>,
-    /// The greatest angle between the triangles of a group of patches and the first of them, in degrees, up to 80. A
-    /// query draws groups as one where that hides as much as their parts do, and else the parts, so that a
-    /// smaller angle makes queries slower, and not tighter. `None` is 80, or 40 for triangles that hide from their
-    /// front only: a group of those hides only where all of it is seen from the front.
+    /// The greatest angle between the triangles of a group of patches and the first of them, in
+    /// degrees, up to 80. A query draws groups as one where that hides as much as their parts do,
+    /// and else the parts, so that a smaller angle makes queries slower, and not tighter. `None` is
+    /// 80, or 40 for triangles that hide from their front only: a group of those hides only where
+    /// all of it is seen from the front.
     pub max_angle: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,
-    /// Whether the mesh will hide others. One that will not is prepared faster and takes less memory, but
-    /// serves as bounds only: as an occluder it is refused.
+    /// Whether the mesh will hide others. One that will not is prepared faster and takes less
+    /// memory, but serves as bounds only: as an occluder it is refused.
     pub occludes: bool,
 }
 
-/// The sides from which triangles hide objects behind them: those from which the renderer draws them.
+/// The sides from which triangles hide objects behind them: those from which the renderer draws
+/// them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Facing {
@@ -106,23 +121,24 @@ impl MeshOptions {
             None => Ok(diagonal * share),
         };
         let degrees = f64::from(self.max_angle.unwrap_or(match self.facing {
-            Facing::Both => 80.0,
-            Facing::Front => 40.0,
+            Facing::Both => MOST_DEGREES,
+            Facing::Front => FRONT_DEGREES,
         }));
-        if !(0.0..=80.0).contains(&degrees) {
+        if !(0.0..=f64::from(MOST_DEGREES)).contains(&degrees) {
             let what = "the greatest angle of a patch in degrees";
-            return Err(Error::Setting { what, value: degrees, min: 0.0, max: 80.0 });
+            return Err(Error::Setting { what, value: degrees, min: 0.0, max: f64::from(MOST_DEGREES) });
         }
         Ok(Rules {
-            tolerance: length("the tolerance of outlines", self.tolerance, 1.0 / 2000.0)?,
-            least: length("the least radius of a patch", self.min_radius, 1.0 / 1000.0)?,
+            tolerance: length("the tolerance of outlines", self.tolerance, TOLERANCE)?,
+            least: length("the least radius of a patch", self.min_radius, LEAST_RADIUS)?,
             cosine: degrees.to_radians().cos(),
             front: self.facing == Facing::Front,
         })
     }
 }
 
-/// Tells the share of a task that is done, from 0 to 1, as a share of the task that it is a part of.
+/// Tells the share of a task that is done, from 0 to 1, as a share of the task that it is a part
+/// of.
 pub(crate) struct Progress<'a> {
     tell: &'a mut dyn FnMut(f32) -> ControlFlow<()>,
     from: f32,

@@ -1,7 +1,8 @@
 //! Triangles as rows of cells.
 //!
-//! A triangle is cut into slices between planes along z, and the outline of each slice is followed from row to row:
-//! the cost is that of the rows touched, however large the box around the triangle.
+//! A triangle is cut into slices between planes along z, and the outline of each slice is followed
+//! from row to row: the cost is that of the rows touched, however large the box around the
+//! triangle.
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
@@ -66,8 +67,8 @@ impl<'a> Raster<'a> {
         Self { grid, lo, hi, spans: Vec::new() }
     }
 
-    /// Calls `out` with runs of all cells of the block that the triangle touches, and no others but for
-    /// its margin: at most one in each row.
+    /// Calls `out` with runs of all cells of the block that the triangle touches, and no others but
+    /// for its margin: at most one in each row.
     pub(crate) fn triangle(&mut self, t: &[DVec3; 3], mut out: impl FnMut(CellRun)) {
         let (grid, room) = (self.grid, margin(t));
         let (min, max) = box_of(t);

@@ -7,8 +7,8 @@
 //! its rows count an odd number of crossings: a wrong count on one line can
 //! only make it transparent.
 //!
-//! Where triangles hide from their front only, the triangles must be wound alike, and the component must have
-//! a positive winding number: then a ray from where it is zero passes a front.
+//! Where triangles hide from their front only, the triangles must be wound alike, and the component
+//! must have a positive winding number: then a ray from where it is zero passes a front.
 
 use std::sync::Arc;
 
@@ -42,8 +42,9 @@ impl TriMesh {
         margin(&[min, max, max])
     }
 
-    /// Calls `out` with the cells that the mesh under a transform touches, and with those inside of it if it is closed:
-    /// where lines along x through their rows crossed an odd number of triangles.
+    /// Calls `out` with the cells that the mesh under a transform touches, and with those inside of
+    /// it if it is closed: where lines along x through their rows crossed an odd number of
+    /// triangles.
     #[cfg(feature = "soft")]
     pub(crate) fn filled(&self, transform: &DAffine3, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
         let corners = || self.all_corners().map(|t| t.map(|p| transform.transform_point3(p)));
@@ -66,8 +67,8 @@ impl TriMesh {
         })
     }
 
-    /// Where the line along `axis` through `point` crosses the mesh before that: how often, and the sum of
-    /// the changes of the winding number.
+    /// Where the line along `axis` through `point` crosses the mesh before that: how often, and the
+    /// sum of the changes of the winding number.
     fn crossings_before(&self, axis: usize, point: DVec3) -> (u32, i32) {
         let (mut count, mut winding) = (0, 0);
         let (mut min, mut max) = (point, point);

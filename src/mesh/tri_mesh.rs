@@ -29,7 +29,61 @@ fn check_size(triangles: usize) -> Result<(), Error> {
     }
 }
 
-/// A triangle mesh in world space, checked and prepared once.
+/// A triangle mesh, checked and prepared once, to serve as bounds and as occluder.
+///
+/// # Use
+///
+/// [`TriMesh::new`] takes positions and triangles in world units, open or closed. Objects share it
+/// by an `Arc`: as it is, for geometry that stands in world space, or as an
+/// [`Instance`](crate::Instance) with a transform for each object. [`TriMesh::bounds_only`] makes a
+/// mesh that is tested and hides nothing, and [`TriMesh::prepare`] takes
+/// [`MeshOptions`](crate::MeshOptions) and tells its progress. [`TriMesh::write`] and
+/// [`TriMesh::read`] store what was prepared.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use casca::{GridSpec, Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
+/// use glam::{Affine3A, UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// // A square of 8 by 8 units across x: two triangles that hide from both sides.
+/// let corners = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)];
+/// let positions = corners.map(|(y, z)| Vec3::new(0.0, y, z)).to_vec();
+/// let square = Arc::new(TriMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?);
+/// assert!(square.occludes() && !square.is_closed());
+///
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+/// let at = Affine3A::from_translation(Vec3::splat(8.0));
+/// let wall = Instance::new(square, at)?;
+/// let wall = scene.insert(ObjectDesc::fixed(wall.clone()).occluder(wall))?;
+/// let ball = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(12.0, 8.0, 8.0), 0.5)))?;
+/// let mut query = Query::new();
+/// let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(4.0, 8.0, 8.0))?);
+/// assert!(pvs.contains(wall) && !pvs.contains(ball));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Cost
+///
+/// Preparation sorts the triangles a few times: a second or two for a million, once. A mesh takes
+/// some dozens to hundreds of bytes a triangle ([`TriMesh::memory_bytes`]). A query draws it as
+/// patches of triangles that face nearly one way, by their outlines: large flat parts cost little,
+/// foliage much.
+///
+/// # Guarantees
+///
+/// It hides no more than its triangles do, wherever these are and however they are wound: what an
+/// outline simplifies is a margin when it is drawn. The same triangles give the same mesh on every
+/// machine and with any number of threads. Triangles of no area hide nothing and are kept.
+///
+/// # Pitfalls
+///
+/// - Transparent and alpha-tested triangles must not occlude: leave them out of the occluder.
+/// - Skinned meshes change their triangles: give them boxes as bounds
+///   ([`crate::Scene::set_bounds`]), and a simple solid as occluder.
+/// - One mesh for a whole level is one object, visible as soon as any part of it is. Cut it up.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
     pub(crate) positions: Vec<Vec3>,
@@ -53,20 +107,20 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// Takes positions in world units and triangles as indices of three
-    /// positions, and prepares them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
+    /// Takes positions in world units and triangles as indices of three positions, and prepares
+    /// them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
     /// Costs a few sorts of the triangles: a second or two for a million.
     ///
     /// # Errors
-    /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and indices of missing
-    /// vertices.
+    /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and
+    /// indices of missing vertices.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         Self::prepare(positions, triangles, &MeshOptions::default(), &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested only (see
-    /// [`MeshOptions::occludes`]).
+    /// As [`TriMesh::new`], for an object that hides nothing: the mesh is prepared to be tested
+    /// only (see [`MeshOptions::occludes`]).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -90,10 +144,12 @@ impl TriMesh {
         Self::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`TriMesh::new`], prepared as asked. `progress` is told the share of the work that is done, from 0 to 1, on the
-    /// thread that called. Where it answers [`ControlFlow::Break`], the preparation ends: soon, but not at once.
+    /// As [`TriMesh::new`], prepared as asked. `progress` is told the share of the work that is
+    /// done, from 0 to 1, on the thread that called. Where it answers [`ControlFlow::Break`], the
+    /// preparation ends: soon, but not at once.
     ///
-    /// With the feature `rayon` several threads take part. The mesh does not depend on their number.
+    /// With the feature `rayon` several threads take part. The mesh does not depend on their
+    /// number.
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -108,8 +164,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// As [`TriMesh::new`]; also settings that are not finite or out of their range, and [`Error::Cancelled`] if
-    /// `progress` ended it.
+    /// As [`TriMesh::new`]; also settings that are not finite or out of their range, and
+    /// [`Error::Cancelled`] if `progress` ended it.
     pub fn prepare(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -144,8 +200,8 @@ impl TriMesh {
         Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says whether it hides
-    /// others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says
+    /// whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -225,13 +281,15 @@ impl TriMesh {
             + self.cells.bytes()
     }
 
-    /// How many patches of triangles are kept for hiding, without the groups that they are drawn in from afar.
+    /// How many patches of triangles are kept for hiding, without the groups that they are drawn in
+    /// from afar.
     pub fn patches(&self) -> usize {
         self.surface.leaves()
     }
 
-    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs the sides that are in
-    /// sight, not its triangles; from afar, those of groups of patches, which are fewer.
+    /// How many sides the outlines of all patches have. Drawing the mesh as an occluder costs the
+    /// sides that are in sight, not its triangles; from afar, those of groups of patches, which are
+    /// fewer.
     pub fn sides(&self) -> usize {
         self.surface.sides.len()
     }
@@ -246,12 +304,14 @@ impl TriMesh {
         self.middle
     }
 
-    /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes outside.
+    /// A solid inside the mesh and hardly smaller, to be drawn in place of the triangles for eyes
+    /// outside.
     pub(crate) fn convex(&self) -> Option<&Convex> {
         self.convex.as_ref()
     }
 
-    /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from afar.
+    /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from
+    /// afar.
     pub(crate) fn inner(&self) -> Option<&Inner> {
         self.inner.as_ref()
     }
@@ -279,7 +339,8 @@ impl TriMesh {
     }
 }
 
-/// Six times the volume inside a closed surface: positive if its triangles run counter-clockwise seen from outside.
+/// Six times the volume inside a closed surface: positive if its triangles run counter-clockwise
+/// seen from outside.
 fn signed_volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
     let Some(&first) = positions.first() else { return 0.0 };
     let at = |v: u32| positions[v as usize].as_dvec3() - first.as_dvec3();

@@ -9,8 +9,8 @@ pub(crate) fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), mar
     let [a, b, c] = t.map(|p| p - center);
     let apart = |axis: DVec3| {
         let (pa, pb, pc) = (axis.dot(a), axis.dot(b), axis.dot(c));
-        let reach = axis.abs().dot(half);
-        pa.min(pb).min(pc) > reach || pa.max(pb).max(pc) < -reach
+        let radius = axis.abs().dot(half);
+        pa.min(pb).min(pc) > radius || pa.max(pb).max(pc) < -radius
     };
     let (ab, bc, ca) = (b - a, c - b, a - c);
     if [DVec3::X, DVec3::Y, DVec3::Z].into_iter().any(apart) || apart(ab.cross(bc)) {

@@ -38,11 +38,12 @@ pub enum Bounds {
 kinds!(Bounds: Sphere(Sphere), Box(Aabb), Oriented(Obb), Mesh(Arc<TriMesh>), Instance(Instance));
 
 impl Bounds {
-    /// A box around the bounds in world units, rounded outwards: the one that is compared with cells and occlusion
-    /// buffers first. Infinite where it ends beyond the range of single precision. Costs a few operations.
+    /// A box around the bounds in world units, rounded outwards: the one that is compared with
+    /// cells and occlusion buffers first. Infinite where it ends beyond the range of single
+    /// precision. Costs a few operations.
     ///
-    /// The box of an [`Instance`] is that of the convex parts that it is tested by, which may be larger than its vertices
-    /// need: see [`Instance::aabb`].
+    /// The box of an [`Instance`] is that of the convex parts that it is tested by, which may be
+    /// larger than its vertices need: see [`Instance::aabb`].
     ///
     /// ```
     /// use casca::{Aabb, Bounds, Sphere};

@@ -13,11 +13,12 @@ pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
     WhenMoved,
-    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it in sight.
-    /// Needs a greatest speed, which the object must keep while it goes unreported; a report may put it anywhere.
+    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it
+    /// in sight. Needs a greatest speed, which the object must keep while it goes unreported; a
+    /// report may put it anywhere.
     ///
-    /// It counts as visible when its volume is revealed, and from [`crate::Scene::begin_frame`] on until a report
-    /// that is due comes. Until then it hides nothing.
+    /// It counts as visible when its volume is revealed, and from [`crate::Scene::begin_frame`] on
+    /// until a report that is due comes. Until then it hides nothing.
     OnExpiry,
 }
 
@@ -121,7 +122,8 @@ impl ObjectDesc {
         self
     }
 
-    /// Gives the object a number of the application's, 0 if none is given: see [`crate::Scene::user_data`].
+    /// Gives the object a number of the application's, 0 if none is given: see
+    /// [`crate::Scene::user_data`].
     #[must_use]
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
@@ -129,31 +131,36 @@ impl ObjectDesc {
     }
 
     /// Puts the object on some layers only, a bit for each: it is shown by the views whose
-    /// [mask](crate::View::with_layers) has a bit in common with these. Without this call it is on all layers.
+    /// [mask](crate::View::with_layers) has a bit in common with these. Without this call it is on
+    /// all layers.
     ///
-    /// Its occluder hides in the views that show the object, and in no others. [`crate::Method::Cell`] joins occluders
-    /// with the same mask only, and so does [`crate::Method::Point`] where solids abut; occluders on more than 16
-    /// different masks at a time are not joined, and hide nothing from [`crate::Method::Cell`]. On no layer (0) an
+    /// Its occluder hides in the views that show the object, and in no others.
+    /// [`crate::Method::Cell`] joins occluders with the same mask only, and so does
+    /// [`crate::Method::Point`] where solids abut; occluders on more than 16 different masks at a
+    /// time are not joined, and hide nothing from [`crate::Method::Cell`]. On no layer (0) an
     /// object is shown by no view.
     ///
-    /// Engines with more than 64 layers give layers 0 to 62 a bit each and all others the last bit. Sets then contain
-    /// objects of layers that a view does not show, which the engine leaves out. An object on one of those others must
-    /// have no occluder: a view that shares the bit would take it to hide, and not show it.
+    /// Engines with more than 64 layers give layers 0 to 62 a bit each and all others the last bit.
+    /// Sets then contain objects of layers that a view does not show, which the engine leaves out.
+    /// An object on one of those others must have no occluder: a view that shares the bit would
+    /// take it to hide, and not show it.
     #[must_use]
     pub fn layers(mut self, mask: u64) -> Self {
         self.layers = mask;
         self
     }
 
-    /// Places the object: its bounds and its occluder are in a space of their own, and `transform` leads from there to
-    /// world space. [`crate::Scene::set_transform`] moves both in one call.
+    /// Places the object: its bounds and its occluder are in a space of their own, and `transform`
+    /// leads from there to world space. [`crate::Scene::set_transform`] moves both in one call.
     ///
-    /// Transforms may turn, move and scale. The scale may differ by axis, but not for spheres. In world space a box
-    /// becomes a turned box, and a mesh an [`Instance`](crate::Instance). A box that a transform shears is tested by
-    /// the box around it and hides as a convex solid. Give a mesh itself, not an instance of it.
+    /// Transforms may turn, move and scale. The scale may differ by axis, but not for spheres. In
+    /// world space a box becomes a turned box, and a mesh an [`Instance`](crate::Instance). A box
+    /// that a transform shears is tested by the box around it and hides as a convex solid. Give a
+    /// mesh itself, not an instance of it.
     ///
-    /// A renderer transforms vertices in single precision. Bounds grow by that error and occluders shrink by
-    /// it: by about two millionths of the greatest coordinate. An occluder that is hardly thicker hides nothing.
+    /// A renderer transforms vertices in single precision. Bounds grow by that error and occluders
+    /// shrink by it: by about two millionths of the greatest coordinate. An occluder that is hardly
+    /// thicker hides nothing.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
@@ -200,14 +207,15 @@ impl ObjectDesc {
     }
 }
 
-/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their bounds.
+/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their
+/// bounds.
 pub(crate) fn check_pair(bounds: &Bounds, occluder: Option<&Occluder>) -> Result<(), Error> {
     bounds.check()?;
     let Some(occluder) = occluder else { return Ok(()) };
     occluder.check()?;
     let outer = bounds.block();
-    let reach = outer.min.abs().max(outer.max.abs()).max_element();
-    let allowed = OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach;
+    let largest = outer.min.abs().max(outer.max.abs()).max_element();
+    let allowed = OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * largest;
     // The quick box of an instance may be much larger than its vertices need.
     if outer.beyond(&occluder.block()) > allowed {
         let by = outer.beyond(&occluder.kind().least_block());

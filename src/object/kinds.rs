@@ -1,7 +1,8 @@
 //! Dispatch from bounds and occluders to the kinds of shapes.
 
-/// Implements an enum of shapes by asking its variants, each of which is a [`Kind`](crate::shape::kind::Kind) or an
-/// `Arc` of one. A new kind of shape is one more name in the list.
+/// Implements an enum of shapes by asking its variants, each of which is a
+/// [`Kind`](crate::shape::kind::Kind) or an `Arc` of one. A new kind of shape is one more name in
+/// the list.
 macro_rules! kinds {
     ($name:ident: $($variant:ident($kind:ty)),+ $(,)?) => {
         impl $name {
@@ -27,7 +28,8 @@ macro_rules! kinds {
                 }
             }
 
-            /// Tells the parts of it that several objects may share: the place of each in memory, and its bytes.
+            /// Tells the parts of it that several objects may share: the place of each in memory,
+            /// and its bytes.
             pub(crate) fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
                 self.kind().shared(out);
             }

@@ -64,8 +64,8 @@ impl Occluder {
         self.kind().check_hides()
     }
 
-    /// While the result lives, the cells of a mesh in a grid are found once, and then known: for the bounds too, if
-    /// those are the same mesh.
+    /// While the result lives, the cells of a mesh in a grid are found once, and then known: for
+    /// the bounds too, if those are the same mesh.
     pub(crate) fn cache_cells(&self, grid: &Grid) -> Option<Arc<CachedCells>> {
         match self {
             Self::Mesh(m) => Some(m.cache_cells(grid)),
@@ -82,9 +82,10 @@ impl Occluder {
         }
     }
 
-    /// A solid inside a convex mesh and hardly smaller, to be drawn in place of its triangles, relative to an origin
-    /// that is known exactly; with a distance by which the mesh reaches beyond the solid's faces at most. Seen from
-    /// farther outside than that, it hides nothing that the triangles do not.
+    /// A solid inside a convex mesh and hardly smaller, to be drawn in place of its triangles,
+    /// relative to an origin that is known exactly; with a distance by which the mesh reaches
+    /// beyond the solid's faces at most. Seen from farther outside than that, it hides nothing that
+    /// the triangles do not.
     pub(crate) fn convex_mesh(&self, origin: DVec3) -> Option<(Polytope, f64)> {
         match self {
             Self::Mesh(m) => m.convex().map(|convex| (convex.seen_from(origin), convex.lost)),
@@ -102,8 +103,8 @@ impl Occluder {
         }
     }
 
-    /// That solid relative to an origin that is known exactly. It may be drawn in place of the triangles if rays start
-    /// outside of the box around the mesh.
+    /// That solid relative to an origin that is known exactly. It may be drawn in place of the
+    /// triangles if rays start outside of the box around the mesh.
     pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
         match self {
             Self::Mesh(m) => m.inner().map(|inner| inner.solid.seen_from(origin)),

@@ -1,7 +1,8 @@
 //! Shapes under a transform: bounds rounded outwards, occluders inwards.
 //!
-//! A renderer transforms vertices in single precision, so that they lie up to an error from the place that double
-//! precision gives ([`crate::numeric::mesh::SINGLE`]). Bounds grow by that error, occluders shrink by it.
+//! A renderer transforms vertices in single precision, so that they lie up to an error from the
+//! place that double precision gives ([`crate::numeric::mesh::SINGLE`]). Bounds grow by that error,
+//! occluders shrink by it.
 
 use std::sync::Arc;
 
@@ -27,8 +28,8 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
-    /// The shapes in world space under another transform. Whether the occluder sticks out of the bounds was decided in
-    /// their own space.
+    /// The shapes in world space under another transform. Whether the occluder sticks out of the
+    /// bounds was decided in their own space.
     ///
     /// # Errors
     /// As [`Bounds::placed`].
@@ -41,8 +42,8 @@ impl Placed {
     }
 }
 
-/// The transform of an object that is an instance of a mesh, and hides others by an instance under the same transform
-/// if at all.
+/// The transform of an object that is an instance of a mesh, and hides others by an instance under
+/// the same transform if at all.
 pub(crate) fn transform_of_instances(bounds: &Bounds, occluder: Option<&Occluder>) -> Option<Affine3A> {
     let Bounds::Instance(own) = bounds else { return None };
     let alike = match occluder {
@@ -53,7 +54,8 @@ pub(crate) fn transform_of_instances(bounds: &Bounds, occluder: Option<&Occluder
     alike.then(|| own.transform())
 }
 
-/// The shapes of an object as [`transform_of_instances`] asks for, under another transform; `None` for others.
+/// The shapes of an object as [`transform_of_instances`] asks for, under another transform; `None`
+/// for others.
 ///
 /// # Errors
 /// As [`Instance::new`].
@@ -101,8 +103,8 @@ impl Cuboid {
         match self.rotation() {
             Some(rotation) => self.outer(rotation, room).into(),
             None => {
-                let reach: DVec3 = self.axes().iter().map(|axis| axis.abs()).sum();
-                let (min, max) = (self.center - reach - room, self.center + reach + room);
+                let radius: DVec3 = self.axes().iter().map(|axis| axis.abs()).sum();
+                let (min, max) = (self.center - radius - room, self.center + radius + room);
                 Block { min, max }.to_aabb().into()
             }
         }
@@ -146,13 +148,14 @@ impl Cuboid {
         let (turn, off) = (outer.turn(), self.center - outer.center.as_dvec3());
         for i in 0..3 {
             let way = turn.col(i);
-            let reach: f64 = self.axes().iter().map(|axis| way.dot(*axis).abs()).sum();
-            outer.half[i] = above(reach + way.dot(off).abs() + room);
+            let radius: f64 = self.axes().iter().map(|axis| way.dot(*axis).abs()).sum();
+            outer.half[i] = above(radius + way.dot(off).abs() + room);
         }
         outer
     }
 
-    /// A box with this rotation inside of it that keeps `room` to its faces; `None` if nothing is left.
+    /// A box with this rotation inside of it that keeps `room` to its faces; `None` if nothing is
+    /// left.
     fn inner(&self, rotation: Quat, room: f64) -> Option<Obb> {
         let mut inner = Obb::new(self.center.as_vec3(), Vec3::ZERO, rotation);
         let (turn, off) = (inner.turn(), inner.center.as_dvec3() - self.center);
@@ -181,7 +184,8 @@ fn scale_of_sphere(what: &'static str, placement: &Placement) -> Result<f64, Err
     if scales_alike(m) { Ok(m.x_axis.length()) } else { Err(Error::SphereScale { what }) }
 }
 
-/// The middle of a sphere under a transform, and how far its rounding to single precision moves it at most.
+/// The middle of a sphere under a transform, and how far its rounding to single precision moves it
+/// at most.
 fn middle_of_sphere(sphere: &Sphere, placement: &Placement) -> (Vec3, f64) {
     let exact = placement.affine.transform_point3(sphere.center.as_dvec3());
     let center = exact.as_vec3();
@@ -198,8 +202,8 @@ impl Bounds {
     /// The bounds under a transform, rounded outwards.
     ///
     /// # Errors
-    /// Refuses transforms that are not finite or lead to coordinates that are not, instances, and spheres that would
-    /// not stay spheres.
+    /// Refuses transforms that are not finite or lead to coordinates that are not, instances, and
+    /// spheres that would not stay spheres.
     pub(crate) fn placed(&self, transform: Affine3A) -> Result<Self, Error> {
         const WHAT: &str = "the bounds as placed";
         let p = placement(WHAT, self.kind(), transform)?;

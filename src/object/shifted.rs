@@ -17,8 +17,8 @@ fn shifted(point: Vec3, offset: DVec3) -> (Vec3, f64) {
 }
 
 impl Bounds {
-    /// The bounds, for an object that is not placed by a transform; `None` for a mesh in world space, which stays where it
-    /// is.
+    /// The bounds, for an object that is not placed by a transform; `None` for a mesh in world
+    /// space, which stays where it is.
     ///
     /// # Errors
     /// As [`Instance::new`](crate::Instance::new).
@@ -48,7 +48,8 @@ impl Occluder {
     /// As [`Bounds::shifted`]; inside, `None` if rounding leaves nothing of it.
     ///
     /// # Errors
-    /// As [`Instance::new`](crate::Instance::new) and [`Convex::translated`](crate::Convex::translated).
+    /// As [`Instance::new`](crate::Instance::new) and
+    /// [`Convex::translated`](crate::Convex::translated).
     pub(crate) fn shifted(&self, offset: Vec3) -> Result<Option<Option<Self>>, Error> {
         let by = offset.as_dvec3();
         Ok(Some(match self {

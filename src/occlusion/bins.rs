@@ -66,7 +66,8 @@ impl<T: Copy> Bins<T> {
         }
     }
 
-    /// Calls `found` with the items in all lists for a rectangle of pixels, with some of them more than once.
+    /// Calls `found` with the items in all lists for a rectangle of pixels, with some of them more
+    /// than once.
     #[inline]
     pub(crate) fn for_around(&self, pixels: &PixelRect, mut found: impl FnMut(&T)) {
         let ((x0, x1), (y0, y1)) = self.range(pixels);

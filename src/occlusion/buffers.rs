@@ -2,27 +2,25 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use casca_slots::Slot;
 use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::side::Side;
+use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pitch::{MIDDLE_DEPTH, Pitch};
+use crate::occlusion::pitch::Pitch;
 use crate::occlusion::solid::{Shadow, Solid};
 use crate::occlusion::surface::scratch::SurfaceScratch;
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::target::Target;
 use crate::view::{Origin, View};
 
-/// A side of a view across parallel rays whose cosine with them is less than this serves as the first axis
-/// of the plane.
+/// A side of a view across parallel rays whose cosine with them is less than this serves as the
+/// first axis of the plane.
 const ACROSS: f64 = 1e-3;
-
-/// Objects nearer than this many times the distance that the eye may go are visible without a test. Larger numbers make more
-/// objects visible, smaller ones the buffers wider: the frustum grows by one reach at this distance.
-const NEAREST_IN_REACHES: f64 = 8.0;
 
 /// The answer to a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,8 +31,9 @@ pub(crate) enum Verdict {
 
 /// The buffers of one view: the sides of a cube around the eye, or one plane for parallel rays.
 ///
-/// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested in any
-/// order: drawing only ever hides more. All coordinates are relative to [`OcclusionBuffers::origin`].
+/// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested
+/// in any order: drawing only ever hides more. All coordinates are relative to
+/// [`OcclusionBuffers::origin`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
@@ -79,8 +78,8 @@ impl OcclusionBuffers {
         self.pixels = pixels;
     }
 
-    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders in them: refinement
-    /// and tests of single points need the buffers themselves.
+    /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders
+    /// in them: refinement and tests of single points need the buffers themselves.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.shadows.clear();
         (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
@@ -95,7 +94,8 @@ impl OcclusionBuffers {
         }
     }
 
-    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the options ask for.
+    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the
+    /// options ask for.
     pub(crate) fn pixel_angle(&self) -> f64 {
         FRAC_PI_2 / self.pixels as f64
     }
@@ -109,12 +109,12 @@ impl OcclusionBuffers {
             }
             Origin::Direction(d) => {
                 (self.origin, self.error, self.direction) =
-                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.reach), 0.0, Some(d));
+                    (pitch.middle - d * (MIDDLE_DEPTH * pitch.radius), 0.0, Some(d));
                 // Across the rays, along one of the view's own sides.
                 let side = view.planes.iter().map(|p| p.normal).find(|n| n.dot(d).abs() < ACROSS);
                 let right =
                     side.map_or_else(|| d.any_orthonormal_vector(), |n| (n - d * n.dot(d)).normalize());
-                SmallVec::from_iter([Face::across(d, right, pitch.reach)])
+                SmallVec::from_iter([Face::across(d, right, pitch.radius)])
             }
         }
     }
@@ -171,14 +171,15 @@ impl OcclusionBuffers {
         Block { min: block.min - self.origin - grow, max: block.max - self.origin + grow }
     }
 
-    /// A box around all places from which an eye that goes as far as the reach would see a box, in space that stays: rays
-    /// that miss it keep farther than the reach from the box. Both are relative to the origin.
+    /// A box around all places from which an eye that goes as far as the reach would see a box, in
+    /// space that stays: rays that miss it keep farther than the reach from the box. Both are
+    /// relative to the origin.
     pub(crate) fn within_reach(&self, block: &Block) -> Block {
         if self.reach > 0.0 { block.grown(self.reach) } else { *block }
     }
 
-    /// Hides everything before which rays of the view go to none of some boxes, given in world units: what lies beside
-    /// all of them, and what lies beyond.
+    /// Hides everything before which rays of the view go to none of some boxes, given in world
+    /// units: what lies beside all of them, and what lies beyond.
     pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {
         let mut faces = std::mem::take(&mut self.faces);
         for face in faces.iter_mut().filter(|face| face.is_active()) {
@@ -189,8 +190,9 @@ impl OcclusionBuffers {
 
     /// Draws an occluder. Returns whether it hides more than before.
     ///
-    /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its own occluder.
-    pub(crate) fn draw(&mut self, solid: Solid, owner: u32) -> bool {
+    /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its
+    /// own occluder.
+    pub(crate) fn draw(&mut self, solid: Solid, owner: Slot) -> bool {
         let index = self.shadows.len() as u32;
         let mut changed = false;
         let mut used = false;
@@ -219,24 +221,26 @@ impl OcclusionBuffers {
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
-    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is hidden.
+    /// Whether a point lies in a pixel that does not hide it: then no target that contains it is
+    /// hidden.
     pub(crate) fn leaves_open(&self, point: DVec3) -> bool {
         self.faces().any(|b| b.leaves_open(b.face().local(point)))
     }
 
-    /// Whether a point of a target lies in an open pixel inside the view, before all convex occluders but those of
-    /// its owner.
-    pub(crate) fn shows(&self, point: DVec3, owner: u32) -> bool {
+    /// Whether a point of a target lies in an open pixel inside the view, before all convex
+    /// occluders but those of its owner.
+    pub(crate) fn shows(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows(b.face().local(point), owner))
     }
 
-    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it: then any examination finds it.
-    pub(crate) fn shows_plainly(&self, point: DVec3, owner: u32) -> bool {
+    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it:
+    /// then any examination finds it.
+    pub(crate) fn shows_plainly(&self, point: DVec3, owner: Slot) -> bool {
         self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
     }
 
-    /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions to it are not told apart, or,
-    /// along parallel rays, beyond the plane around the scene.
+    /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions
+    /// to it are not told apart, or, along parallel rays, beyond the plane around the scene.
     pub(crate) fn is_close(&self, block: &Block) -> bool {
         if self.direction.is_some() {
             return self.faces.first().is_none_or(|buffer| buffer.face().leaves(block));
@@ -268,7 +272,7 @@ mod tests {
     use crate::random::Random;
 
     fn pitch(pixels: f64) -> Pitch {
-        Pitch { pixels, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO }
+        Pitch { pixels, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO }
     }
 
     /// Where a ray from the origin enters a box, as a share of `d`.
@@ -295,7 +299,7 @@ mod tests {
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
             let Some(solid) = Solid::block(occluder, None, 0.0) else { continue };
-            buffers.draw(solid, 0);
+            buffers.draw(solid, Slot::new(0));
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
                 if buffers.test(&Target::block(b, None)) != Verdict::Hidden {

@@ -8,7 +8,8 @@ use crate::occlusion::tiles::{TILE, Tile, columns_from, columns_up_to, rows_from
 /// Planes kept for a tile.
 const SHADES: usize = 2;
 
-/// Pixels of a tile in which everything behind a plane is hidden. Says more than one depth for the tile.
+/// Pixels of a tile in which everything behind a plane is hidden. Says more than one depth for the
+/// tile.
 #[derive(Debug, Clone, Copy)]
 struct Shade {
     mask: u64,
@@ -30,7 +31,8 @@ impl Shades {
         }
     }
 
-    /// The pixels of `open` that no plane hides, where all of the target in the tile lies behind it.
+    /// The pixels of `open` that no plane hides, where all of the target in the tile lies behind
+    /// it.
     #[inline]
     pub(crate) fn open(&self, mut open: u64, target: &FaceTarget, tile: &Rect) -> u64 {
         for shade in &self.0 {

@@ -1,14 +1,17 @@
 //! The second test of a target, when all occluders are drawn.
 //!
-//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are few and alone there.
-//! All other open pixels are magnified, and their finer pixels that stay open are compared.
+//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are
+//! few and alone there. All other open pixels are magnified, and their finer pixels that stay open
+//! are compared.
 //!
-//! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile, and magnified
-//! pixels do not depend on the targets that asked for them. So the order of targets does not matter, until a budget of
-//! the whole query is used up.
+//! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile,
+//! and magnified pixels do not depend on the targets that asked for them. So the order of targets
+//! does not matter, until a budget of the whole query is used up.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
+use crate::method::PointOptions;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::{Magnifier, Patches};
@@ -32,7 +35,8 @@ impl Effort {
     }
 }
 
-/// The work that a query may still do. Targets that come after it is used up are less well examined.
+/// The work that a query may still do. Targets that come after it is used up are less well
+/// examined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Budget {
     /// Directions and squares.
@@ -44,19 +48,21 @@ pub(crate) struct Budget {
 /// Directions tried for one target on one face.
 const DIRECTIONS: u32 = 8;
 
-/// A target with more open pixels than this on one face is taken to be visible, even if none of them shows it for
-/// certain. With many squares, [`SQUARES`] decides.
+/// A target with more open pixels than this on one face is taken to be visible, even if none of
+/// them shows it for certain. With many squares, [`SQUARES`] decides.
 const PIXELS: usize = 64;
 
-/// So is one with more open pixels than this where patches of triangles were drawn: to magnify those costs more.
+/// So is one with more open pixels than this where patches of triangles were drawn: to magnify
+/// those costs more.
 const PATCHED: usize = 12;
 
-/// These squares for one target allow it [`PIXELS`] open pixels, and more squares allow more in proportion. The
-/// finer pixels that go with more squares are also more in number for the same part of a target.
-const SQUARES: u32 = 256;
+/// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares
+/// allow more in proportion. The finer pixels that go with more squares are also more in number for
+/// the same part of a target.
+const SQUARES: u32 = PointOptions::new().refine_squares;
 
-/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying it,
-/// which would cost more.
+/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying
+/// it, which would cost more.
 const FEW: u32 = 4;
 
 /// Squares examined for such a comparison in one pixel, at most.
@@ -76,7 +82,7 @@ pub(crate) struct Examination<'a, F> {
 
 impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
     /// Whether a target is hidden for certain. `owner` is its object.
-    pub(crate) fn hides(&mut self, target: &Target, owner: u32) -> bool {
+    pub(crate) fn hides(&mut self, target: &Target, owner: Slot) -> bool {
         if self.buffers.is_close(target.bounds()) {
             return false;
         }
@@ -98,7 +104,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let Some(open) = self.find_open(search, target) else { return false };
         let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
         for pixel in open {
-            // A magnified pixel that is closed hides the target whatever a comparison says, at no cost.
+            // A magnified pixel that is closed hides the target whatever a comparison says, at no
+            // cost.
             if self.magnifier.closes((face, search.buffer), (pixel.0, pixel.1), search.target) {
                 continue;
             }
@@ -111,11 +118,12 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         rest.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
-    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not few, or not alone, or
-    /// if squares do not tell. Magnifying the pixel would give the same answer, at a higher cost.
+    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not
+    /// few, or not alone, or if squares do not tell. Magnifying the pixel would give the same
+    /// answer, at a higher cost.
     ///
-    /// The squares count for the query, not for the target: so the target's own do not depend on the pixels that were
-    /// magnified before.
+    /// The squares count for the query, not for the target: so the target's own do not depend on
+    /// the pixels that were magnified before.
     fn compare(
         &mut self,
         search: &mut Search,
@@ -226,7 +234,7 @@ mod tests {
     #[test]
     fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
-        let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, reach: 40.0, middle: DVec3::ZERO };
+        let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
         let patches = Patches { drawable: |_: u32| None::<Drawable<'_>>, count: 0 };
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random(11);
@@ -237,7 +245,7 @@ mod tests {
             let occluders: Vec<Block> = (0..60).map(|_| block_at(&mut random, (2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
                 let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
-                buffers.draw(solid.clone(), i as u32);
+                buffers.draw(solid.clone(), Slot::new(i as u32));
             }
             magnifier.begin(&buffers);
             let mut budget = Budget { squares: 1 << 20, patches: 0 };
@@ -252,7 +260,7 @@ mod tests {
                     effort,
                     budget: &mut budget,
                 };
-                let proven = examination.hides(&target, u32::MAX);
+                let proven = examination.hides(&target, Slot::new(u32::MAX));
                 assert!(proven || !coarse, "{block:?}");
                 if !proven {
                     continue;

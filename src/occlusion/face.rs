@@ -174,22 +174,23 @@ impl Face {
         DVec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.forward))
     }
 
-    /// Whether a box reaches beyond the face along parallel rays, by more than rounding: not so if it lies in the scene.
+    /// Whether a box reaches beyond the face along parallel rays, by more than rounding: not so if
+    /// it lies in the scene.
     pub(crate) fn leaves(&self, b: &Block) -> bool {
         let most = 1.0 + DIRECTION;
         let inside = |r: &Rect| r.u0 >= -most && r.v0 >= -most && r.u1 <= most && r.v1 <= most;
         !self.block(b).is_some_and(|(rect, _)| inside(&rect))
     }
 
-    /// A rectangle around the part of a box that the face sees, and the least and greatest depth of that part; `None`
-    /// if the face sees no part. The caller adds the margins.
+    /// A rectangle around the part of a box that the face sees, and the least and greatest depth of
+    /// that part; `None` if the face sees no part. The caller adds the margins.
     pub(crate) fn block(&self, b: &Block) -> Option<(Rect, (f64, f64))> {
         if self.parallel {
             let c = self.local((b.min + b.max) * 0.5);
             let half = (b.max - b.min) * 0.5;
-            let reach =
+            let radius =
                 DVec3::new(half.dot(self.right.abs()), half.dot(self.up.abs()), half.dot(self.forward.abs()));
-            let (lo, hi) = (c - reach, c + reach);
+            let (lo, hi) = (c - radius, c + radius);
             return Some((Rect { u0: lo.x, v0: lo.y, u1: hi.x, v1: hi.y }, (lo.z, hi.z)));
         }
         let ordered = |a: f64, b: f64| if a < b { (a, b) } else { (b, a) };

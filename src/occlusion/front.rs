@@ -6,14 +6,14 @@ use smallvec::SmallVec;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Outline;
 use crate::numeric::occlusion::{
-    BALL_NEAR_EYE, BALL_RIM, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
+    BALL_NEAR_EYE, BALL_OUTLINE, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
 };
 use crate::occlusion::face::{Face, Linear, Rect};
 
 /// The front of a convex shape on a face, as nearness in each direction of its silhouette.
 ///
-/// A ray enters the shape at the farthest of its front planes, or at the front of a ball. The nearness is
-/// rounded both ways: [`Front::behind`] for occluders, [`Front::nearest`] for targets.
+/// A ray enters the shape at the farthest of its front planes, or at the front of a ball. The
+/// nearness is rounded both ways: [`Front::behind`] for occluders, [`Front::nearest`] for targets.
 #[derive(Debug, Clone)]
 pub(crate) struct Front {
     planes: SmallVec<[Linear; 3]>,
@@ -54,13 +54,13 @@ impl Ball {
         if self.across > 0.0 {
             let (du, dv) = ((u - c.x) / self.across, (v - c.y) / self.across);
             let q = 1.0 - (du * du + dv * dv);
-            return (q > BALL_RIM).then(|| c.z - self.radius * q.sqrt());
+            return (q > BALL_OUTLINE).then(|| c.z - self.radius * q.sqrt());
         }
         let s = u * c.x + v * c.y + c.z;
         let d2 = u * u + v * v + 1.0;
         let q = s * s - d2 * self.power;
         // The root keeps more than half of its digits.
-        (s > 0.0 && q > BALL_RIM * s * s && self.power > BALL_NEAR_EYE * s * s)
+        (s > 0.0 && q > BALL_OUTLINE * s * s && self.power > BALL_NEAR_EYE * s * s)
             .then(|| self.power / (s + q.sqrt()))
     }
 }
@@ -75,23 +75,23 @@ impl Ball {
         }
         let s = u * c.x + v * c.y + c.z;
         let q = s * s - (u * u + v * v + 1.0) * self.power;
-        let known = (s > 0.0) & (q > BALL_RIM * s * s) & (self.power > BALL_NEAR_EYE * s * s);
+        let known = (s > 0.0) & (q > BALL_OUTLINE * s * s) & (self.power > BALL_NEAR_EYE * s * s);
         if known { (s + q.sqrt()) / self.power } else { f64::NAN }
     }
 }
 
 impl Front {
-    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest depth
-    /// of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
+    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest
+    /// depth of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
     pub(crate) fn new(
         face: &Face,
         outline: &Outline,
         planes: &[HalfSpace],
         farthest: f64,
-        reach: f64,
+        largest: f64,
     ) -> Self {
         // Planes too close to the eye, or seen edge-on, are not known well enough.
-        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * reach;
+        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * largest;
         let mut found = SmallVec::new();
         planes.iter().filter(known).filter_map(|plane| face.nearness(plane)).for_each(|l| found.push(l));
         let ball = match outline {
@@ -104,7 +104,8 @@ impl Front {
         Self { planes: found, complete, ball, floor }
     }
 
-    /// Points of the silhouette in the rectangle that are less near than this are behind the shape's front.
+    /// Points of the silhouette in the rectangle that are less near than this are behind the
+    /// shape's front.
     #[inline]
     pub(crate) fn behind(&self, r: &Rect) -> f64 {
         if !self.complete {
@@ -120,8 +121,8 @@ impl Front {
 
     /// As [`Front::behind`], for a rectangle inside the silhouette.
     ///
-    /// The depth at which rays enter a ball is greatest at a corner: the directions that enter it before some
-    /// depth are those to a convex part of the ball, and so form a convex set.
+    /// The depth at which rays enter a ball is greatest at a corner: the directions that enter it
+    /// before some depth are those to a convex part of the ball, and so form a convex set.
     #[inline]
     pub(crate) fn behind_inside(&self, r: &Rect) -> f64 {
         let planes = self.behind(r);
@@ -137,8 +138,8 @@ impl Front {
         planes.max(least)
     }
 
-    /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their difference
-    /// is least at a corner.
+    /// Whether the shape is nowhere in the rectangle nearer than a plane. Both are linear, so their
+    /// difference is least at a corner.
     #[inline]
     pub(crate) fn is_behind(&self, plane: &Linear, r: &Rect) -> bool {
         self.ball.is_none()
@@ -168,8 +169,8 @@ impl Front {
         if ball.across > 0.0 {
             return f64::INFINITY;
         }
-        // The ball lies behind any plane that touches it. The plane where the direction nearest to its middle
-        // enters is a good bound; on the rim, a direction a little farther in.
+        // The ball lies behind any plane that touches it. The plane where the direction nearest to
+        // its middle enters is a good bound; on its outline, a direction a little farther in.
         let c = ball.center;
         let (mut u, mut v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
         if c.z > 0.0 {

@@ -25,7 +25,8 @@ impl Hole {
 }
 
 impl OcclusionBuffers {
-    /// Opens the tiles in which rays of an eye within reach may end that pass some boxes, given in world units.
+    /// Opens the tiles in which rays of an eye within reach may end that pass some boxes, given in
+    /// world units.
     pub(crate) fn reopen(&mut self, gone: &[Block]) -> Vec<Hole> {
         let mut holes = Vec::new();
         let gone: SmallVec<[(Block, bool); 4]> = gone
@@ -71,7 +72,8 @@ impl FaceBuffer {
         (!pixels.is_empty()).then_some(pixels)
     }
 
-    /// Opens the tiles of some pixels of the window, also outside of the view. Returns the pixels of those tiles.
+    /// Opens the tiles of some pixels of the window, also outside of the view. Returns the pixels
+    /// of those tiles.
     fn open(&mut self, pixels: &PixelRect) -> PixelRect {
         let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
         for ty in ty0..=ty1 {

@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
 
-/// The depths from which on one side of the view cube (or the plane of parallel rays) hides everything, as far as
-/// the view looks through that side.
+/// The depths from which on one side of the view cube (or the plane of parallel rays) hides
+/// everything, as far as the view looks through that side.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct OcclusionImage {
@@ -16,8 +16,9 @@ pub struct OcclusionImage {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// Row by row: the depth along `direction`, in world units, from which on everything in the pixel is hidden. Infinite for open pixels, 0
-    /// for pixels outside the view. For parallel rays it counts from a point in front of the scene.
+    /// Row by row: the depth along `direction`, in world units, from which on everything in the
+    /// pixel is hidden. Infinite for open pixels, 0 for pixels outside the view. For parallel rays
+    /// it counts from a point in front of the scene.
     pub depth: Vec<f32>,
 }
 

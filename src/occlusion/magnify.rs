@@ -1,12 +1,15 @@
 //! Magnifying: open pixels are drawn again, eight times as fine.
 //!
-//! A pixel that leaves a target undecided is divided into a tile of its own. All convex occluders and patches of
-//! triangles that reach into it are drawn there together: edges then touch pixels an eighth as wide, occluders of both
-//! kinds join, and patches of different batches leave no seams.
+//! A pixel that leaves a target undecided is divided into a tile of its own. All convex occluders
+//! and patches of triangles that reach into it are drawn there together: edges then touch pixels an
+//! eighth as wide, occluders of both kinds join, and patches of different batches leave no seams.
 //!
-//! Patches are drawn into groups of 4x4 pixels, and convex occluders into single pixels, when the first target asks
-//! for them. The tiles are kept for the rest of the query, for all targets. They follow from the occluders drawn
-//! alone: which target asks first decides about none of them, unless the budget ends.
+//! Patches are drawn into groups of 4x4 pixels, and convex occluders into single pixels, when the
+//! first target asks for them. The tiles are kept for the rest of the query, for all targets. They
+//! follow from the occluders drawn alone: which target asks first decides about none of them,
+//! unless the budget ends.
+
+use casca_slots::Slot;
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -29,8 +32,8 @@ const FINER: i64 = TILE;
 /// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
 
-/// Pixels along each side of a group, into which patches are drawn together. Larger groups need fewer of those
-/// drawings, and fill more pixels that no target asks for.
+/// Pixels along each side of a group, into which patches are drawn together. Larger groups need
+/// fewer of those drawings, and fill more pixels that no target asks for.
 const GROUP: i64 = 4;
 
 /// No entry.
@@ -139,9 +142,9 @@ impl FineFace {
         group
     }
 
-    /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects of those that hid more
-    /// than before.
-    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<u32>) {
+    /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects
+    /// of those that hid more than before.
+    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<Slot>) {
         let place = self.places[self.place(buffer.window(), (x, y))];
         let Some(group) = self.groups.get_mut(place as usize) else { return };
         let bit = 1 << place_in_group(x, y);
@@ -170,11 +173,12 @@ impl FineFace {
     }
 }
 
-/// Occluders that hid something only in magnified pixels, or compared with a target. Some of them repeat.
+/// Occluders that hid something only in magnified pixels, or compared with a target. Some of them
+/// repeat.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct UsedFinely {
     /// The objects of convex occluders.
-    pub(crate) solids: Vec<u32>,
+    pub(crate) solids: Vec<Slot>,
     /// Numbers of patches in the order of first drawing.
     pub(crate) patches: Vec<u32>,
 }
@@ -234,7 +238,8 @@ impl Magnifier {
         drawn.is_some_and(|group| fine.open(group.tiles + place, (x * FINER, y * FINER), target) == 0)
     }
 
-    /// A magnified pixel, with those of its finer pixels open that a target may touch, and the convex occluders around.
+    /// A magnified pixel, with those of its finer pixels open that a target may touch, and the
+    /// convex occluders around.
     pub(crate) fn search(
         &self,
         (face, buffer): (usize, &FaceBuffer),
@@ -307,8 +312,8 @@ impl Magnifier {
     }
 }
 
-/// Appends the convex occluders that may reach into a rectangle of pixels of one tile, the nearest first. Returns the
-/// length of the list.
+/// Appends the convex occluders that may reach into a rectangle of pixels of one tile, the nearest
+/// first. Returns the length of the list.
 fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>) -> usize {
     let rect = buffer.window().rect(pixels);
     let first = found.len();

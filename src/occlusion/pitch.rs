@@ -10,13 +10,6 @@ const MAX_PIXELS: i64 = 1 << 20;
 /// A window is taken to be at least this wide, on faces of width 2, to choose the size of pixels.
 const NARROWEST: f64 = 1e-6;
 
-/// Parallel rays start this many times the reach of the scene before its middle, so that depths are
-/// positive and of one magnitude.
-pub(crate) const MIDDLE_DEPTH: f64 = 4.0;
-
-/// All of the scene is nearer to that start than this many times its reach.
-pub(crate) const MAX_DEPTH: f64 = 6.0;
-
 /// How finely faces are divided.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pitch {
@@ -26,15 +19,15 @@ pub(crate) struct Pitch {
     pub(crate) least: f64,
     /// Targets nearer than this are never taken to be hidden.
     pub(crate) nearest: f64,
-    /// A distance that reaches everything in sight: half the width of the plane of parallel rays.
-    pub(crate) reach: f64,
+    /// The radius of the scene: half the width of the plane of parallel rays.
+    pub(crate) radius: f64,
     /// The middle of that plane.
     pub(crate) middle: DVec3,
 }
 
 impl Pitch {
-    /// The pixels along each face, a multiple of [`TILE`], if the widest window has this width on a face
-    /// of width 2.
+    /// The pixels along each face, a multiple of [`TILE`], if the widest window has this width on a
+    /// face of width 2.
     pub(crate) fn pixels_of_face(&self, widest: f64, parallel: bool) -> i64 {
         let widest = widest.max(NARROWEST);
         let enough = self.least * 2.0 / widest;
@@ -50,7 +43,7 @@ mod tests {
 
     #[test]
     fn narrow_views_get_enough_pixels() {
-        let pitch = Pitch { pixels: 360.0, least: 128.0, nearest: 0.01, reach: 9.0, middle: DVec3::ZERO };
+        let pitch = Pitch { pixels: 360.0, least: 128.0, nearest: 0.01, radius: 9.0, middle: DVec3::ZERO };
         assert_eq!(pitch.pixels_of_face(2.0, false), 360);
         assert_eq!(pitch.pixels_of_face(0.1, false), 2560);
         assert_eq!(pitch.pixels_of_face(0.1, true), 7200);

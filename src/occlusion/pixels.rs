@@ -182,9 +182,9 @@ impl Window {
     }
 }
 
-/// The integer nearest to a number whose magnitude is below 2^31, halves to even, by the digits that are left of a sum:
-/// unlike a conversion, this vectorises on all processors. That of `v - 0.5` is the floor of `v`, except that odd integers
-/// go down by one.
+/// The integer nearest to a number whose magnitude is below 2^31, halves to even, by the digits
+/// that are left of a sum: unlike a conversion, this vectorises on all processors. That of `v -
+/// 0.5` is the floor of `v`, except that odd integers go down by one.
 #[inline(always)]
 pub(crate) fn nearest_integer(v: f64) -> i32 {
     (v + NEAREST_INTEGER).to_bits() as i32

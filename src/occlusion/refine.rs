@@ -1,10 +1,11 @@
 //! Local refinement: in undecided pixels, silhouettes are compared directly.
 //!
-//! A direction that hits the target before any occluder proves the target visible and ends the search. A square of
-//! directions is covered if one silhouette contains it and hides the target there, or if the target does not reach it;
-//! otherwise it is cut into four. The budget counts directions and squares, not time, so that results are the same on
-//! all machines.
+//! A direction that hits the target before any occluder proves the target visible and ends the
+//! search. A square of directions is covered if one silhouette contains it and hides the target
+//! there, or if the target does not reach it; otherwise it is cut into four. The budget counts
+//! directions and squares, not time, so that results are the same on all machines.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::numeric::occlusion::below;
@@ -16,8 +17,8 @@ use crate::occlusion::silhouette::Silhouette;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, block};
 
-/// Going through this many listed occluders costs as much as a square, so that the budget bounds the time also
-/// where thousands are listed in one place.
+/// Going through this many listed occluders costs as much as a square, so that the budget bounds
+/// the time also where thousands are listed in one place.
 const LISTED: usize = 64;
 
 /// To compare squares with a polygon costs as much as with this many spheres.
@@ -45,7 +46,7 @@ pub(crate) struct Contest<'a> {
 
 impl Contest<'_> {
     /// The objects of the occluders.
-    pub(crate) fn owners(&self) -> impl Iterator<Item = u32> {
+    pub(crate) fn owners(&self) -> impl Iterator<Item = Slot> {
         self.candidates.iter().map(|candidate| candidate.drawn.owner)
     }
 }
@@ -139,7 +140,7 @@ pub(crate) struct Search<'a> {
     pub(crate) buffer: &'a FaceBuffer,
     pub(crate) target: &'a FaceTarget,
     /// The object of the target, whose own occluder does not hide it.
-    pub(crate) owner: u32,
+    pub(crate) owner: Slot,
     /// Directions and squares that may still be examined.
     pub(crate) squares: u32,
     /// How often a square may be halved.
@@ -154,14 +155,15 @@ impl<'a> Search<'a> {
     pub(crate) fn new(
         buffer: &'a FaceBuffer,
         target: &'a FaceTarget,
-        owner: u32,
+        owner: Slot,
         squares: u32,
         depth: u32,
     ) -> Self {
         Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false }
     }
 
-    /// Whether the last squares were not examined to the end: with more squares or halvings, they might be covered.
+    /// Whether the last squares were not examined to the end: with more squares or halvings, they
+    /// might be covered.
     pub(crate) fn is_cut_short(&self) -> bool {
         self.cut_short
     }
@@ -188,8 +190,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether a direction in a pixel shows the target for certain: patches of triangles hide all pixels that they may
-    /// touch.
+    /// Whether a direction in a pixel shows the target for certain: patches of triangles hide all
+    /// pixels that they may touch.
     pub(crate) fn direction_is_seen(&mut self, u: f64, v: f64, (x, y): (i64, i64)) -> bool {
         if self.squares == 0 || !self.target.silhouette.holds(u, v) {
             return false;
@@ -205,8 +207,8 @@ impl<'a> Search<'a> {
         self.is_seen(u, v, listed)
     }
 
-    /// Compares the target with those occluders of a list that may hide it in the open part of a pixel; `None` if they
-    /// weigh more than `most`.
+    /// Compares the target with those occluders of a list that may hide it in the open part of a
+    /// pixel; `None` if they weigh more than `most`.
     pub(crate) fn contest(
         &mut self,
         (buffers, target): (&OcclusionBuffers, &Target),
@@ -215,13 +217,14 @@ impl<'a> Search<'a> {
         most: u32,
     ) -> Option<Contest<'a>> {
         self.pay(list.len());
-        // Only directions of the target need be hidden. Many targets are smaller than a pixel, and most occluders of the
-        // pixel are beside them.
+        // Only directions of the target need be hidden. Many targets are smaller than a pixel, and
+        // most occluders of the pixel are beside them.
         let part = pixel.intersect(&self.target.rect).unwrap_or(*pixel);
         let (mut candidates, mut weight) = (SmallVec::new(), 0);
         let buffer = self.buffer;
         for listed in list {
-            // An occluder that is nowhere nearer than the target's nearest point hides at most a part of it.
+            // An occluder that is nowhere nearer than the target's nearest point hides at most a
+            // part of it.
             if listed.near <= self.target.near || !listed.rect.overlaps(&part) {
                 continue;
             }
@@ -303,9 +306,9 @@ impl<'a> Search<'a> {
             })
     }
 
-    /// Whether a ray in a direction of the target's silhouette hits it inside the frustum, before any of the
-    /// occluders. This is not rounded: a wrong yes makes a hidden target visible, which is safe, and a no decides
-    /// nothing.
+    /// Whether a ray in a direction of the target's silhouette hits it inside the frustum, before
+    /// any of the occluders. This is not rounded: a wrong yes makes a hidden target visible, which
+    /// is safe, and a no decides nothing.
     fn is_seen(&self, u: f64, v: f64, occluders: &[Listed]) -> bool {
         self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
             && self.buffer.is_before((u, v), self.target.at(u, v), occluders, self.owner)

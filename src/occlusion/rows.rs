@@ -1,9 +1,9 @@
 //! Rows of pixels inside a silhouette, eight at a time.
 //!
-//! A silhouette is prepared once for a face: each edge of a polygon becomes a line that gives a column for each row, and
-//! a conic two roots for each border between rows. A silhouette is convex, so a row of pixels is inside as far as both
-//! of its borders are. Everything is kept in pixels, and the loops over the eight rows of a tile have no branches, so
-//! that compilers vectorise them.
+//! A silhouette is prepared once for a face: each edge of a polygon becomes a line that gives a
+//! column for each row, and a conic two roots for each border between rows. A silhouette is convex,
+//! so a row of pixels is inside as far as both of its borders are. Everything is kept in pixels,
+//! and the loops over the eight rows of a tile have no branches, so that compilers vectorise them.
 
 use smallvec::SmallVec;
 
@@ -78,7 +78,8 @@ pub(crate) struct Rows {
     step: f64,
     /// Number of columns of the whole face.
     columns: f64,
-    /// Half a pixel more than the margin by which columns are moved inwards; less than zero if outwards.
+    /// Half a pixel more than the margin by which columns are moved inwards; less than zero if
+    /// outwards.
     inset: f64,
 }
 
@@ -135,7 +136,8 @@ impl TileRow {
 }
 
 impl Rows {
-    /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are none for sure.
+    /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are
+    /// none for sure.
     pub(crate) fn inside(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
         let (shape, pixels) = match silhouette.kind() {
             Kind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
@@ -181,8 +183,8 @@ impl Rows {
         self.pixels_between(columns, self.inset)
     }
 
-    /// The pixels between two columns in each row from `y` on, at least `inset` from both after rounding to the nearest
-    /// borders of pixels.
+    /// The pixels between two columns in each row from `y` on, at least `inset` from both after
+    /// rounding to the nearest borders of pixels.
     #[inline(always)]
     fn pixels_between(&self, (lo, hi): ([f64; ROWS], [f64; ROWS]), inset: f64) -> TileRow {
         let (x0, x1) = (self.pixels.x.0 as f64, self.pixels.x.1 as f64);
@@ -205,7 +207,8 @@ impl Rows {
     }
 }
 
-/// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels instead.
+/// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels
+/// instead.
 fn polygon(
     halves: &[Linear],
     window: &Window,
@@ -257,7 +260,8 @@ fn polygon(
     Some((Shape::Polygon { lower, upper }, pixels))
 }
 
-/// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola, or whose numbers overflowed.
+/// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola, or whose numbers
+/// overflowed.
 fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> Option<Shape> {
     let (width, per_unit) = (k - s.a * s.a, window.per_unit());
     let finite = (s.a + s.b + s.c + k + u0 + v0 + e).is_finite() && width.is_finite();
@@ -278,7 +282,8 @@ fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> O
     Some(if width > 0.0 { Shape::Ellipse(conic) } else { Shape::Hyperbola { conic, right: s.a > 0.0 } })
 }
 
-/// The columns between all bounds, for the rows from `y` on; none in rows outside of `rows`, which are counted from `y`.
+/// The columns between all bounds, for the rows from `y` on; none in rows outside of `rows`, which
+/// are counted from `y`.
 #[inline(always)]
 fn between(lower: &[Bound], upper: &[Bound], y: f64, rows: (f64, f64)) -> ([f64; ROWS], [f64; ROWS]) {
     let (mut lo, mut hi) = ([f64::MIN; ROWS], [f64::MAX; ROWS]);
@@ -302,8 +307,8 @@ fn between(lower: &[Bound], upper: &[Bound], y: f64, rows: (f64, f64)) -> ([f64;
 }
 
 impl Conic {
-    /// The middle between its roots on the border at height `v`, the square under the root, and whether `rest` is
-    /// positive: the line then meets the cone in front of the eye.
+    /// The middle between its roots on the border at height `v`, the square under the root, and
+    /// whether `rest` is positive: the line then meets the cone in front of the eye.
     #[inline(always)]
     fn line(&self, v: f64) -> (f64, f64, bool) {
         let (dv, rest) = (v - self.v0, self.s.b * v + self.s.c);

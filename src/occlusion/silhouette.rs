@@ -48,8 +48,8 @@ fn half_pixels(half: &Linear, us: &Borders, vs: &Borders) -> u64 {
     pixels
 }
 
-/// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`: so do the pixels, as
-/// its inside is convex.
+/// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`:
+/// so do the pixels, as its inside is convex.
 fn conic_pixels(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), us: &Borders, vs: &Borders) -> u64 {
     let columns: [(f64, f64); TILE as usize + 1] =
         std::array::from_fn(|i| (s.a * us[i], k * (us[i] - u0) * (us[i] - u0)));
@@ -73,7 +73,8 @@ pub(crate) struct Silhouette {
     kind: Kind,
 }
 
-/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to collect them.
+/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to
+/// collect them.
 fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
     let half = |p: &HalfSpace| face.half(p.normal, p.offset);
     let mut few = [Linear { a: 0.0, b: 0.0, c: 0.0 }; 8];
@@ -153,23 +154,23 @@ impl Silhouette {
             Kind::Conic { s, k, u0, v0, e, sine } => {
                 let (u, v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
                 let (hu, hv) = ((r.u1 - r.u0) * 0.5, (r.v1 - r.v0) * 0.5);
-                let reach = hu * hu + hv * hv;
+                let squared = hu * hu + hv * hv;
                 if *e == 0.0 {
                     let (du, dv) = (((u - u0).abs() - hu).max(0.0), ((v - v0).abs() - hv).max(0.0));
                     return du * du + dv * dv <= s.c * s.c + CONIC;
                 }
                 // angle(d, c) <= alpha + rho, with sin rho = reach / |d|.
                 let d = u * u + v * v + 1.0;
-                let rest = d - reach;
-                rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * reach.sqrt() - CONIC
+                let rest = d - squared;
+                rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * squared.sqrt() - CONIC
             }
             Kind::Polygon(halves) => halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
             Kind::Everything => true,
         }
     }
 
-    /// The silhouette for tests of squares inside a rectangle, without the half-planes that the rectangle lies inside
-    /// of; `None` if the rectangle does not touch it.
+    /// The silhouette for tests of squares inside a rectangle, without the half-planes that the
+    /// rectangle lies inside of; `None` if the rectangle does not touch it.
     #[inline]
     pub(crate) fn crossing(&self, r: &Rect) -> Option<Self> {
         let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.clone()) };
@@ -185,7 +186,8 @@ impl Silhouette {
         Some(Self { kind: Kind::Polygon(crossing) })
     }
 
-    /// The pixels of a tile that are surely covered. The tile's borders between columns and rows are given.
+    /// The pixels of a tile that are surely covered. The tile's borders between columns and rows
+    /// are given.
     pub(crate) fn pixels(&self, us: &Borders, vs: &Borders) -> u64 {
         let tile = Rect { u0: us[0], v0: vs[0], u1: us[us.len() - 1], v1: vs[vs.len() - 1] };
         match &self.kind {
@@ -208,8 +210,8 @@ impl Silhouette {
         }
     }
 
-    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face; `None` for
-    /// all others.
+    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face;
+    /// `None` for all others.
     pub(crate) fn conic_rect(&self) -> Option<Rect> {
         let Kind::Conic { s, u0, v0, e, sine, .. } = &self.kind else { return None };
         if *e == 0.0 {

@@ -44,7 +44,8 @@ pub(crate) struct Seen {
 impl Solid {
     /// A body to draw; `None` if the eye is in it or too close to tell.
     ///
-    /// With a `reach`, it hides a point only if it hides it from all eyes within that distance, which all lie outside of it.
+    /// With a `reach`, it hides a point only if it hides it from all eyes within that distance,
+    /// which all lie outside of it.
     pub(crate) fn new(body: Body, direction: Option<DVec3>, reach: f64) -> Option<Self> {
         match body {
             // A smaller sphere covers nearly the same directions.
@@ -57,7 +58,8 @@ impl Solid {
         }
     }
 
-    /// A box along the axes, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
+    /// A box along the axes, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
+    /// tell.
     pub(crate) fn block(block: Block, direction: Option<DVec3>, reach: f64) -> Option<Self> {
         if direction.is_some() || reach > 0.0 {
             return Self::polytope(Polytope::block(&block), direction, reach);

@@ -92,7 +92,7 @@ impl Target {
     }
 
     /// The greatest magnitude of its coordinates.
-    fn reach(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.block.min.abs().max(self.block.max.abs()).max_element()
     }
 
@@ -125,12 +125,12 @@ impl Target {
         if let Some(tighter) = tighter {
             rect = rect.intersect(&tighter.grown())?;
         }
-        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.reach());
+        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.largest());
         Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
     }
 
-    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its ball. Then
-    /// the solid hides every part of the target that its silhouette covers.
+    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its
+    /// ball. Then the solid hides every part of the target that its silhouette covers.
     pub(crate) fn is_behind(&self, shadow: &Shadow) -> bool {
         let inside = shadow.ball.is_some_and(|(center, radius)| {
             let farthest = match &self.outline {
@@ -148,7 +148,7 @@ impl Target {
                     }
                     _ => -n.dot(DVec3::select(n.cmple(DVec3::ZERO), self.block.max, self.block.min)),
                 };
-                most <= h - BEHIND * (self.reach() + h.abs())
+                most <= h - BEHIND * (self.largest() + h.abs())
             })
     }
 }

@@ -1,9 +1,9 @@
 //! Tiles: coverage bits of 8x8 pixels with far depths.
 //!
-//! After Greene 1996 (hierarchical coverage masks) and Hasselgren, Andersson & Akenine-Möller
-//! 2016 (masked occlusion culling), with four layers instead of two: layer i of a tile says that all
-//! its pixels in `mask[i]` are hidden for targets not nearer than `near[i]`. Masks grow
-//! from layer to layer as nearness falls; a fifth layer merges two.
+//! After Greene 1996 (hierarchical coverage masks) and Hasselgren, Andersson & Akenine-Möller 2016
+//! (masked occlusion culling), with four layers instead of two: layer i of a tile says that all its
+//! pixels in `mask[i]` are hidden for targets not nearer than `near[i]`. Masks grow from layer to
+//! layer as nearness falls; a fifth layer merges two.
 
 /// Pixels along each side of a tile.
 pub(crate) const TILE: i64 = 8;
@@ -47,7 +47,8 @@ impl Tile {
         layer.map_or(NONE, |(_, &n)| n)
     }
 
-    /// Hides pixels for targets not nearer than `near`. Returns whether that hides more than before.
+    /// Hides pixels for targets not nearer than `near`. Returns whether that hides more than
+    /// before.
     #[inline]
     pub(crate) fn cover(&mut self, mask: u64, near: f32) -> bool {
         if near.is_nan() {

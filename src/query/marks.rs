@@ -1,6 +1,9 @@
 //! Marks of objects that a query has decided.
 
-/// For each slot of the scene, whether the running query has seen its volume, or decided the object itself.
+use casca_slots::Slot;
+
+/// For each slot of the scene, whether the running query has seen its volume, or decided the object
+/// itself.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Marks {
     /// Twice the query's number if the volume was revealed, one more if the object was decided.
@@ -25,27 +28,27 @@ impl Marks {
         self.epoch
     }
 
-    pub(crate) fn is_decided(&self, slot: u32) -> bool {
-        self.marks[slot as usize] == self.epoch * 2 + 1
+    pub(crate) fn is_decided(&self, slot: Slot) -> bool {
+        self.marks[slot.index()] == self.epoch * 2 + 1
     }
 
     /// Whether the object's volume was revealed, or the object itself decided.
-    pub(crate) fn is_revealed(&self, slot: u32) -> bool {
-        self.marks[slot as usize] >= self.epoch * 2
+    pub(crate) fn is_revealed(&self, slot: Slot) -> bool {
+        self.marks[slot.index()] >= self.epoch * 2
     }
 
     /// Marks an object as decided. Returns whether it was not.
-    pub(crate) fn decide(&mut self, slot: u32) -> bool {
+    pub(crate) fn decide(&mut self, slot: Slot) -> bool {
         let new = !self.is_decided(slot);
-        self.marks[slot as usize] = self.epoch * 2 + 1;
+        self.marks[slot.index()] = self.epoch * 2 + 1;
         new
     }
 
     /// Marks an object's volume as revealed. Returns whether it was not.
-    pub(crate) fn reveal(&mut self, slot: u32) -> bool {
+    pub(crate) fn reveal(&mut self, slot: Slot) -> bool {
         let new = !self.is_revealed(slot);
         if new {
-            self.marks[slot as usize] = self.epoch * 2;
+            self.marks[slot.index()] = self.epoch * 2;
         }
         new
     }
@@ -62,11 +65,12 @@ mod tests {
         for epoch in [0, 1, u32::MAX / 2 - 2, u32::MAX / 2 - 1] {
             marks.epoch = epoch;
             marks.begin(3);
-            assert!((0..3).all(|slot| !marks.is_revealed(slot) && !marks.is_decided(slot)));
-            assert!(marks.reveal(1) && !marks.reveal(1));
-            assert!(marks.is_revealed(1) && !marks.is_decided(1));
-            assert!(marks.decide(1) && !marks.decide(1) && marks.decide(2));
-            assert!(!marks.reveal(2) && marks.is_revealed(2) && marks.is_decided(1));
+            assert!(Slot::below(3).all(|slot| !marks.is_revealed(slot) && !marks.is_decided(slot)));
+            let [one, two] = [1, 2].map(Slot::new);
+            assert!(marks.reveal(one) && !marks.reveal(one));
+            assert!(marks.is_revealed(one) && !marks.is_decided(one));
+            assert!(marks.decide(one) && !marks.decide(one) && marks.decide(two));
+            assert!(!marks.reveal(two) && marks.is_revealed(two) && marks.is_decided(one));
         }
     }
 }

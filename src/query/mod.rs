@@ -41,9 +41,57 @@ pub(crate) struct Extras<'a> {
 
 /// Finds the objects that a view can see.
 ///
-/// A query keeps its memory and its last result: use one for each view (camera, light) and run it again every frame.
-/// Any number of queries can run on one scene at the same time, each in its own thread. A clone has the same method
-/// and result, and memory of its own.
+/// A query is a [`Method`] with the memory that it works in and its last result. Keep one for each
+/// camera and light, and run it in every frame: the second run allocates next to nothing.
+///
+/// # Use
+///
+/// [`Query::run`] fills the [`Pvs`] and lends it, and [`Query::pvs`] lends it again until the next
+/// run. A run reads the scene and writes only the query, so that any number of queries can run on
+/// one scene at the same time, each in its own thread (with the feature `rayon`,
+/// `Query::run_all` does so). After the run,
+/// [`Query::sight`] answers about boxes and points that are no objects of the scene.
+///
+/// ```
+/// use casca::{Aabb, GridSpec, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, View};
+/// use glam::{UVec3, Vec3};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
+/// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+/// let far = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0)))?;
+///
+/// let view = View::omnidirectional(Vec3::new(2.5, 16.5, 16.5))?;
+/// let mut query = Query::with_method(Method::Point(PointOptions::fast()))?;
+/// assert!(!query.run(&scene, &view).contains(far));
+/// // The result stays until the next run.
+/// assert_eq!(query.pvs().len(), 1);
+/// query.set_method(Method::Frustum)?;
+/// assert!(query.run(&scene, &view).contains(far), "the frustum alone hides nothing");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Cost
+///
+/// A run costs the cells and objects that can be seen rather than those that there are: see
+/// [`Method`], and [`Stats`](crate::Stats) for the work of one. The memory grows to what the
+/// largest run needs, with a few bytes for each slot of the scene. A clone has the same method and
+/// result, and memory of its own.
+///
+/// # Guarantees
+///
+/// The set contains every object of which a point can be seen (but for
+/// [`Query::run_aggressive`]). It is the same on every machine and does not depend on threads, nor
+/// on what the query ran before unless [`PointOptions::coherent`](crate::PointOptions::coherent) is
+/// set. Nothing panics: views are checked when they are made.
+///
+/// # Pitfalls
+///
+/// - One query that serves several cameras in turn is right, but loses what coherent runs and
+///   [`Scene::end_frame`] gain: that takes the result of each camera.
+/// - A run overwrites the result. Clone the [`Pvs`] to compare it with the next one.
 #[derive(Debug, Clone)]
 pub struct Query {
     method: Method,
@@ -98,7 +146,8 @@ impl Query {
     /// Changes the method and its options from the next run on.
     ///
     /// # Errors
-    /// [`Error::Setting`] if one of the options is out of its range. The query then keeps the old ones.
+    /// [`Error::Setting`] if one of the options is out of its range. The query then keeps the old
+    /// ones.
     pub fn set_method(&mut self, method: Method) -> Result<(), Error> {
         method.check()?;
         if let Method::Cell(options) = &method {
@@ -110,7 +159,8 @@ impl Query {
 
     /// Finds the objects that a view can see: a superset of them, by its method.
     ///
-    /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and costs.
+    /// The result stays in the query ([`Query::pvs`]). [`Method`] says what each method finds and
+    /// costs.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         self.run_with(scene, view, Extras::default())
     }
@@ -153,9 +203,9 @@ impl Query {
         pvs
     }
 
-    /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the same view, up to date
-    /// with changes of those, and fills the set with the objects that came into sight. Returns the share of the pixels
-    /// that were opened for it.
+    /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the
+    /// same view, up to date with changes of those, and fills the set with the objects that came
+    /// into sight. Returns the share of the pixels that were opened for it.
     pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, offered: &Offered) -> f64 {
         self.pvs.reset(scene.slot_count());
         let options = match self.method {
@@ -175,7 +225,8 @@ impl Query {
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
-    /// Runs each query on the view at the same index, in parallel. The results are the same as of single runs.
+    /// Runs each query on the view at the same index, in parallel. The results are the same as of
+    /// single runs.
     ///
     /// If the slices differ in length, the rest of the longer one is ignored.
     ///
@@ -188,8 +239,8 @@ impl Query {
         });
     }
 
-    /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a cut of the camera. The last
-    /// result stays.
+    /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
+    /// cut of the camera. The last result stays.
     pub fn reset(&mut self) {
         self.point.coherence.reset();
     }

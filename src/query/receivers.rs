@@ -2,6 +2,8 @@
 
 use std::collections::BinaryHeap;
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 use crate::occlusion::buffers::OcclusionBuffers;
 
@@ -11,7 +13,7 @@ pub(crate) struct Part {
     /// How large it appears to the camera, roughly: its longest edge over its distance.
     pub(crate) size: f64,
     /// The slot of the receiver.
-    pub(crate) slot: u32,
+    pub(crate) slot: Slot,
     pub(crate) block: Block,
 }
 

@@ -13,12 +13,13 @@ use crate::query::start::Starts;
 use crate::scene::Scene;
 use crate::view::{Origin, View};
 
-/// Answers whether the view of a query's last run can see a box, a point or some bounds, which need not be objects of the scene:
-/// bullets, sounds, particles, the place where something is to appear. See [`Query::sight`].
+/// Answers whether the view of a query's last run can see a box, a point or some bounds, which need
+/// not be objects of the scene: bullets, sounds, particles, the place where something is to appear.
+/// See [`Query::sight`].
 ///
-/// The answer "no" is certain: no segment from the eye to any point asked for is free of occluders inside the view. The answer
-/// "yes" may be wrong, as with a [`crate::Pvs`]. Many questions share the one set of occlusion buffers, so each costs the
-/// pixels that it covers.
+/// The answer "no" is certain: no segment from the eye to any point asked for is free of occluders
+/// inside the view. The answer "yes" may be wrong, as with a [`crate::Pvs`]. Many questions share
+/// the one set of occlusion buffers, so each costs the pixels that it covers.
 ///
 /// ```
 /// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, View};
@@ -49,9 +50,10 @@ pub struct Sight<'a> {
 }
 
 impl Query {
-    /// The view of the last run with its occlusion buffers, for questions about anything in space; `None` before the first
-    /// run. Buffers count only if that run drew them ([`Method::Point`]) and nothing moved since that they or the set
-    /// depend on ([`Sight::has_occlusion`]). Costs the objects that the near plane may cut.
+    /// The view of the last run with its occlusion buffers, for questions about anything in space;
+    /// `None` before the first run. Buffers count only if that run drew them ([`Method::Point`])
+    /// and nothing moved since that they or the set depend on ([`Sight::has_occlusion`]). Costs the
+    /// objects that the near plane may cut.
     pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
@@ -71,7 +73,8 @@ impl<'a> Sight<'a> {
         self.buffers.is_some()
     }
 
-    /// Whether a point of a box can be seen; in doubt, yes. A box that is inverted or not finite may be seen.
+    /// Whether a point of a box can be seen; in doubt, yes. A box that is inverted or not finite
+    /// may be seen.
     pub fn may_see_box(&self, b: &Aabb) -> bool {
         b.check("a box").is_err() || self.may_see(&Block::from(*b))
     }
@@ -81,9 +84,9 @@ impl<'a> Sight<'a> {
         self.may_see_box(&Aabb::new(point, point))
     }
 
-    /// Whether a point of some bounds can be seen; in doubt, yes, also of bounds that a scene would refuse. Tighter than their
-    /// box, and slower: undecided bounds are compared with the pixels that their own outline touches. Meshes are tested as
-    /// one convex shape.
+    /// Whether a point of some bounds can be seen; in doubt, yes, also of bounds that a scene would
+    /// refuse. Tighter than their box, and slower: undecided bounds are compared with the pixels
+    /// that their own outline touches. Meshes are tested as one convex shape.
     pub fn may_see_bounds(&self, bounds: &Bounds) -> bool {
         if bounds.kind().check("bounds").is_err() {
             return true;
@@ -104,8 +107,8 @@ impl<'a> Sight<'a> {
         !self.view.is_ordered() || self.starts.may_be_in(self.view, occluder)
     }
 
-    /// Whether rays may run into the side of a box with a normal along an axis (`sign` 1) or against it (-1), at a
-    /// coordinate on that axis; in doubt, yes.
+    /// Whether rays may run into the side of a box with a normal along an axis (`sign` 1) or
+    /// against it (-1), at a coordinate on that axis; in doubt, yes.
     pub(crate) fn may_enter(&self, axis: usize, sign: f64, at: f64) -> bool {
         match self.view.origin {
             Origin::Eye { at: eye, .. } => (eye[axis] - at) * sign >= -self.view.eye_room(),
@@ -114,7 +117,8 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// A query of a camera: a [`Query`] or a [`KeptQuery`](crate::KeptQuery). [`Query::shadow_casters`] takes either.
+/// A query of a camera: a [`Query`] or a [`KeptQuery`](crate::KeptQuery). [`Query::shadow_casters`]
+/// takes either.
 pub trait CameraQuery: sealed::Sealed {
     /// The result of the last run.
     fn pvs(&self) -> &Pvs;

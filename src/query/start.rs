@@ -47,14 +47,15 @@ impl Starts {
         })
     }
 
-    /// Whether rays of the view may start inside an occluder, so that one sees through it; in doubt, yes.
+    /// Whether rays of the view may start inside an occluder, so that one sees through it; in
+    /// doubt, yes.
     pub(crate) fn may_be_in(&self, view: &View, occluder: &Occluder) -> bool {
         may_start_in(view, &self.cut, self.unsure.as_ref(), occluder)
     }
 }
 
-/// Whether rays may start inside an occluder: at the eye, or in one of the regions. One then sees through its inside, so the
-/// cells that it makes opaque hide nothing.
+/// Whether rays may start inside an occluder: at the eye, or in one of the regions. One then sees
+/// through its inside, so the cells that it makes opaque hide nothing.
 pub(crate) fn rays_start_in_occluder(scene: &Scene, view: &View, starts: &Starts) -> bool {
     match view.origin {
         Origin::Eye { at, .. } => scene.inside_occluder(at, view.layers()) || starts.touch_occluder(scene),

@@ -9,15 +9,19 @@ use crate::view::View;
 impl Pvs {
     /// Whether this result still holds for a new view. In doubt, no.
     ///
-    /// For all methods, nothing moved that matters, the new view shows the same layers, and it sees nothing outside the
-    /// half-spaces of this result's. [`Method::Frustum`] asks no more; nor does [`Method::Cell`]
-    /// where its eye was in an occluder. Else the near plane of the new view cuts into no occluder
-    /// (nor does any other plane between its eye and the part of the world that it sees) that counted for this result, and
+    /// For all methods, nothing moved that matters, the new view shows the same layers, and it sees
+    /// nothing outside the half-spaces of this result's. [`Method::Frustum`] asks no more; nor does
+    /// [`Method::Cell`] where its eye was in an occluder. Else the near plane of the new view cuts
+    /// into no occluder (nor does any other plane between its eye and the part of the world that it
+    /// sees) that counted for this result, and
     /// - [`Method::Cell`]: the new eye lies anywhere in [`Self::view_cell`], inside no occluder;
-    /// - [`Method::Point`]: the new eye is at the same point, or within the [reach](View::with_reach) of the view.
+    /// - [`Method::Point`]: the new eye is at the same point, or within the
+    ///   [reach](View::with_reach) of the view.
     ///
-    /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for every view from its cell.
-    /// Aggressive results never hold, nor do those of [`crate::Query::shadow_casters`]. Costs the planes of both views, and the cells before the near plane.
+    /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for
+    /// every view from its cell. Aggressive results never hold, nor do those of
+    /// [`crate::Query::shadow_casters`]. Costs the planes of both views, and the cells before the
+    /// near plane.
     pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
         let revision = if matches!(self.method, Method::Frustum) { scene.moves() } else { scene.revision() };

@@ -1,5 +1,6 @@
 //! Objects in the matrices I and O: their cells, written, erased and moved.
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::geometry::Block;
@@ -38,8 +39,8 @@ impl Span {
         Self { cells: CellBox { lo, hi }, inside, enters: clipped.is_some(), few }
     }
 
-    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes around what reaches
-    /// beyond the grid do.
+    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes
+    /// around what reaches beyond the grid do.
     pub(super) fn suffices(self) -> bool {
         self.enters && self.few
     }
@@ -67,9 +68,9 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
 
 impl Scene {
     /// Writes an object that is in no matrix into I and O.
-    pub(super) fn list(&mut self, slot: u32) {
+    pub(super) fn list(&mut self, slot: Slot) {
         let grid = self.grid;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         object.apply(Event::Listed);
         let block = object.bounds.block();
         let span = Span::of(&grid, &block);
@@ -84,14 +85,13 @@ impl Scene {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
         if !span.suffices() {
-            self.always.insert(slot);
+            self.members.add_always(slot);
         }
         if span.overhangs() {
-            self.overhang.insert(&block, &span.cells, slot);
+            self.members.add_overhang(&block, &span.cells, slot);
         }
         if dynamic {
-            self.listed.insert(slot);
-            self.listed_on_expiry += u32::from(on_expiry);
+            self.members.add_mover(slot, on_expiry);
         }
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.add_moving(part, &occluder, &grid),
@@ -101,9 +101,9 @@ impl Scene {
     }
 
     /// Erases a listed object from I and O.
-    pub(super) fn unlist(&mut self, slot: u32) {
+    pub(super) fn unlist(&mut self, slot: Slot) {
         let grid = self.grid;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         let in_cells = std::mem::take(&mut object.in_cells);
         let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
         let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
@@ -112,14 +112,12 @@ impl Scene {
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
-        self.always.remove(slot);
+        self.members.remove_always(slot);
         let span = Span::of(&grid, &bounds.block());
         if span.overhangs() {
-            self.overhang.remove(&span.cells, slot);
+            self.members.remove_overhang(&span.cells, slot);
         }
-        if self.listed.remove(slot) {
-            self.listed_on_expiry -= u32::from(on_expiry);
-        }
+        self.members.remove_mover(slot, on_expiry);
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.remove_moving(part, &occluder, &grid),
             Some((occluder, part)) => self.remove_static_solid(slot, part, &occluder),
@@ -129,23 +127,24 @@ impl Scene {
     }
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
-    pub(super) fn relist(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+    pub(super) fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         if !self.move_cells(slot, &bounds, occluder.as_ref()) {
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);
-            self.slots.object_mut(slot).bounds = bounds;
+            self.slots[slot].bounds = bounds;
             self.list(slot);
             return;
         }
-        self.slots.object_mut(slot).bounds = bounds;
+        self.slots[slot].bounds = bounds;
         self.exchange_occluder(slot, occluder);
     }
 
-    /// Moves the cells of a small dynamic object in the matrices; false, without a change, for others.
-    fn move_cells(&mut self, slot: u32, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
+    /// Moves the cells of a small dynamic object in the matrices; false, without a change, for
+    /// others.
+    fn move_cells(&mut self, slot: Slot, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
         let grid = self.grid;
-        let object = self.slots.object(slot);
-        let in_cells = object.in_cells && !self.always.contains(slot);
+        let object = &self.slots[slot];
+        let in_cells = object.in_cells && !self.members.is_always(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
@@ -158,20 +157,20 @@ impl Scene {
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
         if done {
             if before.overhangs() {
-                self.overhang.remove(&before.cells, slot);
+                self.members.remove_overhang(&before.cells, slot);
             }
             if after.overhangs() {
-                self.overhang.insert(&bounds.block(), &after.cells, slot);
+                self.members.add_overhang(&bounds.block(), &after.cells, slot);
             }
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
-            let object = self.slots.object(slot);
+            let object = &self.slots[slot];
             if let Some(part) = object.opacity {
-                let (before, moving) = (object.occluder(), &mut self.opacity.part_mut(part).moving);
+                let (before, opacity) = (object.occluder(), self.opacity.part_mut(part));
                 if moved.opaque(before, occluder, &grid) {
-                    moved.iter().for_each(|(brick, old, new)| moving.exchange(brick, old, new));
+                    moved.iter().for_each(|(brick, old, new)| opacity.exchange_moving(brick, old, new));
                 } else {
-                    before.into_iter().for_each(|o| moving.remove(o, &grid));
-                    occluder.into_iter().for_each(|o| moving.add(o, &grid));
+                    before.into_iter().for_each(|o| opacity.remove_moving(o, &grid));
+                    occluder.into_iter().for_each(|o| opacity.add_moving(o, &grid));
                 }
             }
         }
@@ -180,8 +179,8 @@ impl Scene {
     }
 
     /// Gives an object another occluder, in no matrix.
-    pub(super) fn exchange_occluder(&mut self, slot: u32, occluder: Option<Occluder>) {
-        let object = self.slots.object_mut(slot);
+    pub(super) fn exchange_occluder(&mut self, slot: Slot, occluder: Option<Occluder>) {
+        let object = &mut self.slots[slot];
         let motion = object.motion;
         // Only triangles that are drawn where they are share positions with others.
         let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();

@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::grid::cell_box::CellBox;
 use crate::heap::in_table;
 
 /// The volumes of one level by the place of their centre.
-type Level = HashMap<[i32; 3], Vec<u32>>;
+type Level = HashMap<[i32; 3], Vec<Slot>>;
 
 /// Finds the volumes that contain a cell, to keep the rule that a hollow volume
 /// must not contain the viewer: a volume of up to 2^level cells is filed by its
@@ -27,27 +28,27 @@ fn level_and_key(volume: &CellBox) -> (usize, [i32; 3]) {
 }
 
 impl Containing {
-    pub(super) fn insert(&mut self, volume: &CellBox, slot: u32) {
+    pub(super) fn insert(&mut self, volume: &CellBox, slot: Slot) {
         let (level, key) = level_and_key(volume);
         if self.levels.len() <= level {
             self.levels.resize_with(level + 1, Level::new);
         }
-        if self.places.len() <= slot as usize {
-            self.places.resize(slot as usize + 1, 0);
+        if self.places.len() <= slot.index() {
+            self.places.resize(slot.index() + 1, 0);
         }
         let list = self.levels[level].entry(key).or_default();
-        self.places[slot as usize] = list.len() as u32;
+        self.places[slot.index()] = list.len() as u32;
         list.push(slot);
     }
 
-    pub(super) fn remove(&mut self, volume: &CellBox, slot: u32) {
+    pub(super) fn remove(&mut self, volume: &CellBox, slot: Slot) {
         let (level, key) = level_and_key(volume);
         let Some(map) = self.levels.get_mut(level) else { return };
         let Some(list) = map.get_mut(&key) else { return };
-        let place = self.places[slot as usize];
+        let place = self.places[slot.index()];
         list.swap_remove(place as usize);
         if let Some(&moved) = list.get(place as usize) {
-            self.places[moved as usize] = place;
+            self.places[moved.index()] = place;
         }
         if list.is_empty() {
             map.remove(&key);
@@ -55,14 +56,14 @@ impl Containing {
     }
 
     /// Calls `found` for a superset of the volumes that contain a cell.
-    pub(super) fn find(&self, cell: IVec3, mut found: impl FnMut(u32)) {
+    pub(super) fn find(&self, cell: IVec3, mut found: impl FnMut(Slot)) {
         for (level, map) in self.levels.iter().enumerate() {
             if map.is_empty() {
                 continue;
             }
             // A volume reaches at most 2^(level-1) cells from its centre, rounded up.
-            let reach = (1 << level >> 1i32) + 1;
-            let (a, b) = ((cell - reach) >> level as i32, (cell + reach) >> level as i32);
+            let half = (1 << level >> 1i32) + 1;
+            let (a, b) = ((cell - half) >> level as i32, (cell + half) >> level as i32);
             for z in a.z..=b.z {
                 for y in a.y..=b.y {
                     for x in a.x..=b.x {
@@ -76,7 +77,7 @@ impl Containing {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let table = |m: &Level| in_table::<([i32; 3], Vec<u32>)>(m.capacity());
+        let table = |m: &Level| in_table::<([i32; 3], Vec<Slot>)>(m.capacity());
         let lists = self.levels.iter().flat_map(Level::values).map(|list| list.capacity() * 4);
         self.levels.capacity() * size_of::<Level>()
             + self.levels.iter().map(table).sum::<usize>()

@@ -1,5 +1,6 @@
 //! Changing the objects of a scene.
 
+use casca_slots::Slot;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
@@ -11,31 +12,35 @@ use crate::scene::object::Object;
 impl Scene {
     /// Inserts an object. A dynamic one counts as visible until a frame ends without it.
     ///
-    /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each 512 cells
-    /// inside. Bounds that span more than 2^22 cells cost no cells: such an object is tested against the
-    /// view in every query instead, and so is one that lies wholly outside of the grid. One that reaches out of the
-    /// grid costs no more than others, but for a box around it and its neighbours that queries test;
-    /// [`crate::Method::Cell`] takes a part beyond a side of the grid that the eye's cell touches to be visible. A mesh
-    /// costs the cells of its surface.
+    /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each
+    /// 512 cells inside. Bounds that span more than 2^22 cells cost no cells: such an object is
+    /// tested against the view in every query instead, and so is one that lies wholly outside of
+    /// the grid. One that reaches out of the grid costs no more than others, but for a box around
+    /// it and its neighbours that queries test; [`crate::Method::Cell`] takes a part beyond a side
+    /// of the grid that the eye's cell touches to be visible. A mesh costs the cells of its
+    /// surface.
     ///
     /// # Errors
-    /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the box of their bounds
-    /// by more than a thousandth of its diagonal, speeds that are not finite or negative, speeds of fixed
-    /// objects, and more than 2^31 objects; also transforms that [`Scene::set_transform`] would refuse.
+    /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the
+    /// box of their bounds by more than a thousandth of its diagonal, speeds that are not finite or
+    /// negative, speeds of fixed objects, and more than 2^31 objects; also transforms that
+    /// [`Scene::set_transform`] would refuse.
     pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let slot = self.slots.insert(Object::new(desc, placed, self.now, self.moves))?;
-        self.revision += 1;
+        let object = Object::new(desc, placed, self.now, self.changes.moves());
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.changes.changed();
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
         Ok(self.id(slot))
     }
 
-    /// Takes the memory that the records of more objects need now rather than bit by bit, before many are inserted.
-    /// The matrices still grow with the cells that objects touch. Memory that cannot be had is not taken.
+    /// Takes the memory that the records of more objects need now rather than bit by bit, before
+    /// many are inserted. The matrices still grow with the cells that objects touch. Memory that
+    /// cannot be had is not taken.
     pub fn reserve(&mut self, additional: usize) {
         self.slots.reserve(additional);
     }
@@ -48,8 +53,8 @@ impl Scene {
     /// [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
-    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update without
-    /// occluder of an object that has one (see [`Scene::set_occluder`]).
+    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update
+    /// without occluder of an object that has one (see [`Scene::set_occluder`]).
     pub fn update(
         &mut self,
         id: ObjectId,
@@ -62,20 +67,23 @@ impl Scene {
         if occluder.is_none() && object.given_occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
-        self.slots.object_mut(id.slot).placed = None;
-        self.report(id.slot, bounds, occluder);
+        self.slots[id.slot()].placed = None;
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
-    /// Gives an object other bounds. Its occluder stays, and so does its place: [`Scene::set_transform`] goes on
-    /// working for a [placed](ObjectDesc::placed) object. For skinned meshes, whose bounds change with each pose.
+    /// Gives an object other bounds. Its occluder stays, and so does its place:
+    /// [`Scene::set_transform`] goes on working for a [placed](ObjectDesc::placed) object. For
+    /// skinned meshes, whose bounds change with each pose.
     ///
-    /// The bounds are in the space that the object was described in: in its own one if it is placed, in world units if
-    /// not. So an engine gives the box of the pose, and apart from that the transform of the object. Bounds of an object
-    /// that consists of [`Instance`](crate::Instance)s must be an instance under the same transform again, or
+    /// The bounds are in the space that the object was described in: in its own one if it is
+    /// placed, in world units if not. So an engine gives the box of the pose, and apart from that
+    /// the transform of the object. Bounds of an object that consists of
+    /// [`Instance`](crate::Instance)s must be an instance under the same transform again, or
     /// [`Scene::set_transform`] refuses it from then on.
     ///
-    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry.
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on
+    /// expiry.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
@@ -94,49 +102,49 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`]: also bounds that the occluder
-    /// of the object sticks out of. The object then stays as it is.
+    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`]: also
+    /// bounds that the occluder of the object sticks out of. The object then stays as it is.
     pub fn set_bounds(&mut self, id: ObjectId, bounds: impl Into<Bounds>) -> Result<(), Error> {
         let bounds = bounds.into();
         let object = self.find(id)?;
         let occluder = object.given_occluder().cloned();
         let Some(placed) = &object.placed else {
             check_pair(&bounds, occluder.as_ref())?;
-            self.report(id.slot, bounds, occluder);
+            self.report(id.slot(), bounds, occluder);
             return Ok(());
         };
         check_pair(&bounds, placed.occluder.as_ref())?;
         let world = bounds.placed(placed.transform)?;
         check_pair(&world, None)?;
-        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+        if let Some(placed) = &mut self.slots[id.slot()].placed {
             placed.bounds = bounds;
         }
-        self.report(id.slot, world, occluder);
+        self.report(id.slot(), world, occluder);
         Ok(())
     }
 
     /// Gives an object another occluder, or takes away the one that it has. Its bounds stay.
     ///
-    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on expiry, and an object that
-    /// was [placed](ObjectDesc::placed) is not any more.
+    /// Costs as [`Scene::update`]; like that it is the report of an object that is reported on
+    /// expiry, and an object that was [placed](ObjectDesc::placed) is not any more.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
         let bounds = self.bounds(id)?.clone();
         check_pair(&bounds, occluder.as_ref())?;
-        self.slots.object_mut(id.slot).placed = None;
-        self.report(id.slot, bounds, occluder);
+        self.slots[id.slot()].placed = None;
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
-    /// Moves a placed object: its bounds and its occluder together. `transform` leads from the space of its shapes to
-    /// world space, wherever the object was before.
+    /// Moves a placed object: its bounds and its occluder together. `transform` leads from the
+    /// space of its shapes to world space, wherever the object was before.
     ///
-    /// For objects that were described with [`ObjectDesc::placed`], and for objects whose bounds are an
-    /// [`Instance`](crate::Instance) of a mesh and whose occluder, if they have one, is an instance under the same
-    /// transform. Costs as [`Scene::update`], and the corners of the shapes; like that it is the report of an
-    /// object that is reported on expiry.
+    /// For objects that were described with [`ObjectDesc::placed`], and for objects whose bounds
+    /// are an [`Instance`](crate::Instance) of a mesh and whose occluder, if they have one, is an
+    /// instance under the same transform. Costs as [`Scene::update`], and the corners of the
+    /// shapes; like that it is the report of an object that is reported on expiry.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -156,9 +164,10 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Refuses an id that names no object of this scene, objects that are not placed ([`Error::NotPlaced`]), transforms
-    /// that are not finite or lead to coordinates that are not in single precision, and transforms of spheres that do not
-    /// scale all axes alike. The object then stays where it is.
+    /// Refuses an id that names no object of this scene, objects that are not placed
+    /// ([`Error::NotPlaced`]), transforms that are not finite or lead to coordinates that are not
+    /// in single precision, and transforms of spheres that do not scale all axes alike. The object
+    /// then stays where it is.
     pub fn set_transform(&mut self, id: ObjectId, transform: Affine3A) -> Result<(), Error> {
         let object = self.find(id)?;
         let (bounds, occluder) = match &object.placed {
@@ -166,10 +175,10 @@ impl Scene {
             None => instances_at(object.bounds(), object.given_occluder(), transform)?
                 .ok_or(Error::NotPlaced(id))?,
         };
-        if let Some(placed) = &mut self.slots.object_mut(id.slot).placed {
+        if let Some(placed) = &mut self.slots[id.slot()].placed {
             placed.transform = transform;
         }
-        self.report(id.slot, bounds, occluder);
+        self.report(id.slot(), bounds, occluder);
         Ok(())
     }
 
@@ -195,20 +204,22 @@ impl Scene {
         self.update(id, bounds, occluder)
     }
 
-    /// Gives an object another number: see [`Scene::user_data`]. Costs one look-up; results keep holding.
+    /// Gives an object another number: see [`Scene::user_data`]. Costs one look-up; results keep
+    /// holding.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
         self.find(id)?;
-        self.slots.object_mut(id.slot).user_data = user_data;
+        self.slots[id.slot()].user_data = user_data;
         Ok(())
     }
 
-    /// Puts an object on other layers: see [`ObjectDesc::layers`]. Results that were found before do not hold any more.
+    /// Puts an object on other layers: see [`ObjectDesc::layers`]. Results that were found before
+    /// do not hold any more.
     ///
-    /// It is no report for an object that is reported on expiry. Costs one look-up; if the object has an occluder,
-    /// the cells that it touches.
+    /// It is no report for an object that is reported on expiry. Costs one look-up; if the object
+    /// has an occluder, the cells that it touches.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -218,27 +229,27 @@ impl Scene {
             return Ok(());
         }
         let is_static = object.is_static();
-        self.revision += 1;
+        self.changes.changed();
         if is_static {
-            self.note_static(id.slot);
+            self.note_static(id.slot());
         } else {
             // A view may show it from now on that passed over its volume.
-            self.journal.push(id.slot, self.slots.len());
+            self.changes.volume_is_new(id.slot(), self.slots.len());
         }
-        self.change_layers(id.slot, mask);
+        self.change_layers(id.slot(), mask);
         Ok(())
     }
 
-    /// Takes over the static objects in some slots of another scene, of which this one is a copy. What was there before is
-    /// taken out.
-    pub(crate) fn follow_static(&mut self, from: &Self, slots: &[u32]) {
+    /// Takes over the static objects in some slots of another scene, of which this one is a copy.
+    /// What was there before is taken out.
+    pub(crate) fn follow_static(&mut self, from: &Self, slots: &[Slot]) {
         for &slot in slots {
             if self.slots.get(slot).is_some() {
                 self.take_out(slot);
             }
             let Some(object) = from.living_at(slot).filter(|object| object.is_static()) else { continue };
             let occluder = object.given_occluder().cloned();
-            self.slots.take_over(from.id(slot), object.unlisted());
+            self.slots.take_over(from.id(slot).0, object.unlisted());
             self.note_static(slot);
             self.exchange_occluder(slot, occluder);
             self.list(slot);
@@ -246,13 +257,14 @@ impl Scene {
         self.opacity.refresh();
     }
 
-    /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its volume's surface.
+    /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its
+    /// volume's surface.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
         self.find(id)?;
-        self.take_out(id.slot);
+        self.take_out(id.slot());
         Ok(())
     }
 
@@ -273,7 +285,7 @@ impl Scene {
     /// # }
     /// ```
     pub fn clear(&mut self) {
-        for slot in (0..self.slots.count() as u32).rev() {
+        for slot in Slot::below(self.slots.count()).rev() {
             if self.slots.get(slot).is_some() {
                 self.take_out(slot);
             }

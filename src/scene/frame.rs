@@ -1,5 +1,6 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;
@@ -20,27 +21,29 @@ pub struct FrameReport {
 
 /// The most objects that one [`Scene::end_frame`] puts into volumes.
 ///
-/// A volume costs some microseconds: its surface is written into the matrices. An object without one costs a
-/// fraction of that in each frame, when it moves.
+/// A volume costs some microseconds: its surface is written into the matrices. An object without
+/// one costs a fraction of that in each frame, when it moves.
 pub const MOST_NEW_VOLUMES: usize = 2048;
 
 /// The slots of the objects in sight, a bit for each.
 struct Seen(Vec<u64>);
 
 impl Seen {
-    fn contains(&self, slot: u32) -> bool {
-        self.0[slot as usize / 64] >> (slot % 64) & 1 != 0
+    fn contains(&self, slot: Slot) -> bool {
+        self.0[slot.index() / 64] >> (slot.index() % 64) & 1 != 0
     }
 }
 
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
-    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no longer contain them, and
-    /// the ones in no volume, unless the last frame ended with them in sight: those are reported unasked.
-    /// Until each is [updated](Scene::update), every query counts it as visible, and it hides nothing.
+    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no
+    /// longer contain them, and the ones in no volume, unless the last frame ended with them in
+    /// sight: those are reported unasked. Until each is [updated](Scene::update), every query
+    /// counts it as visible, and it hides nothing.
     ///
-    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that
-    /// is reported on expiry is in no volume, a look at each dynamic one that is in none.
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if
+    /// any object that is reported on expiry is in no volume, a look at each dynamic one that is in
+    /// none.
     ///
     /// Also brings up to date the boxes that close the seams between static solids inserted or
     /// removed since, for [`crate::Method::Point`].
@@ -69,10 +72,10 @@ impl Scene {
     fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
         let frame = self.frame;
         self.frame += 1;
-        let asked = if self.listed_on_expiry > 0 { self.listed.as_slice().len() } else { 0 };
+        let asked = if self.members.any_on_expiry() { self.members.movers().len() } else { 0 };
         for i in 0..asked {
-            let slot = self.listed.as_slice()[i];
-            let object = self.slots.object_mut(slot);
+            let slot = self.members.movers()[i];
+            let object = &mut self.slots[slot];
             let on_expiry = object.on_expiry();
             let Some(mover) = object.mover().filter(|m| on_expiry && m.reported != self.now) else {
                 continue;
@@ -87,14 +90,15 @@ impl Scene {
         }
     }
 
-    /// Applies the results of a frame's queries: dynamic objects that no view
-    /// saw go into temporal bounding volumes, revealed ones come out. Without
-    /// results nothing changes; those of queries that never ran are passed over. A frame that ends without a call
-    /// costs reports and time, but loses nobody.
+    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal
+    /// bounding volumes, revealed ones come out. Without results nothing changes; those of queries
+    /// that never ran are passed over. A frame that ends without a call costs reports and time, but
+    /// loses nobody.
     ///
-    /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the others stay listed, are tested by
-    /// queries as the visible ones are, and follow in the next frames. So the first frame with 100,000 movers costs no
-    /// more than any other, and 49 frames put all of them into volumes.
+    /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the
+    /// others stay listed, are tested by queries as the visible ones are, and follow in the next
+    /// frames. So the first frame with 100,000 movers costs no more than any other, and 49 frames
+    /// put all of them into volumes.
     ///
     /// Costs the dynamic objects that are in no volume, and the volumes that are made.
     ///
@@ -115,7 +119,7 @@ impl Scene {
         for &id in views.iter().flat_map(|p| &p.revealed) {
             if self.find(id).is_ok_and(|object| object.is_hidden()) {
                 report.revealed += 1;
-                self.reveal(id.slot, seen.contains(id.slot));
+                self.reveal(id.slot(), seen.contains(id.slot()));
             }
         }
         report.hidden = self.hide_unseen(&seen);
@@ -131,28 +135,29 @@ impl Scene {
         seen.resize(self.slots.count().div_ceil(64), 0);
         for id in views.iter().flat_map(|p| &p.visible) {
             if self.find(*id).is_ok() {
-                seen[id.slot as usize / 64] |= 1 << (id.slot % 64);
+                seen[id.index() / 64] |= 1 << (id.index() % 64);
             }
         }
         Seen(seen)
     }
 
-    /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for one frame, those that
-    /// follow the last one in the order of slots are first: so each slot has its turn.
+    /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for
+    /// one frame, those that follow the last one in the order of slots are first: so each slot has
+    /// its turn.
     fn hide_unseen(&mut self, seen: &Seen) -> usize {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();
-        for &slot in self.listed.as_slice() {
+        for &slot in self.members.movers() {
             if seen.contains(slot) {
-                let mover = self.slots.object_mut(slot).mover();
+                let mover = self.slots[slot].mover();
                 mover.into_iter().for_each(|mover| mover.seen_in = self.frame);
             } else {
                 unseen.push(slot);
             }
         }
         if unseen.len() > MOST_NEW_VOLUMES {
-            let first = self.next_to_hide;
-            unseen.sort_unstable_by_key(|slot| slot.wrapping_sub(first));
+            let first = self.next_to_hide.get();
+            unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));
         }
         let mut hidden = 0;
         for &slot in &unseen {
@@ -160,7 +165,7 @@ impl Scene {
                 break;
             }
             hidden += usize::from(self.try_hide(slot));
-            self.next_to_hide = slot + 1;
+            self.next_to_hide = slot.next();
         }
         self.unseen = unseen;
         hidden

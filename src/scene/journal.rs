@@ -1,22 +1,40 @@
-//! Lists of changes, so that who looked at everything once looks only at the changes since: the hidden objects whose
-//! volumes are new, and the static objects that came, went or changed.
+//! Lists of changes, so that who looked at everything once looks only at the changes since: the
+//! hidden objects whose volumes are new, and the static objects that came, went or changed.
 
 use std::collections::VecDeque;
+
+use casca_slots::Slot;
 
 use crate::geometry::Block;
 
 /// More new volumes than this and than objects are not kept: then it is cheaper to test all again.
 const MANY: usize = 1024;
 
-/// More changes of static objects than this are not kept: then a new result costs less than to follow them.
+/// More changes of static objects than this are not kept: then a new result costs less than to
+/// follow them.
 pub(super) const MOST_STATIC: usize = 2048;
 
 /// A static object came, went or changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StaticChange {
-    pub(crate) slot: u32,
-    /// Around the occluder that it had before.
-    pub(crate) occluder: Option<Block>,
+    slot: Slot,
+    occluder: Option<Block>,
+}
+
+impl StaticChange {
+    pub(super) fn new(slot: Slot, occluder: Option<Block>) -> Self {
+        Self { slot, occluder }
+    }
+
+    /// The slot of the object.
+    pub(crate) fn slot(&self) -> Slot {
+        self.slot
+    }
+
+    /// A box around the occluder that it had before.
+    pub(crate) fn occluder(&self) -> Option<Block> {
+        self.occluder
+    }
 }
 
 /// The last changes of a kind, in the order in which they came.
@@ -43,8 +61,8 @@ impl<T: Copy> Journal<T> {
         self.entries.push_back(entry);
     }
 
-    /// Drops all entries, and one that was never made: whoever asks for those since an earlier end is told to look at
-    /// everything.
+    /// Drops all entries, and one that was never made: whoever asks for those since an earlier end
+    /// is told to look at everything.
     pub(super) fn cut(&mut self) {
         self.dropped += self.entries.len() as u64 + 1;
         self.entries.clear();

@@ -16,8 +16,8 @@ pub struct MemoryUse {
     pub tbvs: usize,
     /// Objects and lists of them.
     pub objects: usize,
-    /// Meshes, instances of meshes and convex solids. One that several objects share counts once; other scenes and the
-    /// application may share it too.
+    /// Meshes, instances of meshes and convex solids. One that several objects share counts once;
+    /// other scenes and the application may share it too.
     pub shapes: usize,
 }
 
@@ -40,16 +40,14 @@ impl Scene {
             opacity: self.opacity.bytes(),
             ids: self.ids.bytes(),
             tbvs: self.volumes.bytes(),
-            objects: self.slots.bytes()
-                + self.listed.bytes()
-                + self.always.bytes()
-                + self.overhang.bytes()
+            objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
+                + self.slots.bytes()
+                + self.members.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
-                + self.journal.bytes()
-                + self.static_changes.bytes()
+                + self.changes.bytes()
                 + self.seen.capacity() * size_of::<u64>()
-                + self.unseen.capacity() * size_of::<u32>()
+                + self.unseen.capacity() * size_of::<casca_slots::Slot>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),
         }

@@ -2,39 +2,45 @@
 //!
 //! # Where an object is
 //!
-//! Every object is stored in a slot ([`slots`]) and is in one of four states ([`state`], with the table of
+//! Every object is stored in a [`Slot`] and is in one of four states ([`state`], with the table of
 //! transitions):
-//! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects always are.
-//! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal bounding volume. Only the
-//!   surface of the volume is in the matrices ([`volumes`]), so that motion inside changes no matrix.
-//! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no report came. It is
-//!   visible to every query and hides nothing.
+//! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects
+//!   always are.
+//! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal
+//!   bounding volume. Only the surface of the volume is in the matrices ([`volumes`]), so that
+//!   motion inside changes no matrix.
+//! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
+//!   report came. It is visible to every query and hides nothing.
 //!
-//! Objects whose cells do not tell all - outside the grid, too large, or of unknown place - are in the set `always`,
-//! which every query tests. Those that reach out of the grid are in cells and in `overhang` ([`outer`]).
+//! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the
+//! grid, too large, or of unknown place - are in the set `always`, which every query tests. Those
+//! that reach out of the grid are in cells and in `overhang` ([`outer`]).
 //!
 //! # A frame
 //!
-//! 1. [`Scene::begin_frame`] sets the clock. Volumes that may no longer contain their objects expire, and those
-//!    objects are due for a report.
-//! 2. The application edits the scene ([`edit`]): it reports the objects that are due or that moved, and inserts and
-//!    removes others.
+//! 1. [`Scene::begin_frame`] sets the clock. Volumes that may no longer contain their objects
+//!    expire, and those objects are due for a report.
+//! 2. The application edits the scene ([`edit`]): it reports the objects that are due or that
+//!    moved, and inserts and removes others.
 //! 3. Queries read the scene. Any number may run at the same time.
-//! 4. [`Scene::end_frame`] takes their results. Dynamic objects that no view saw get volumes; objects whose volumes
-//!    were seen leave them.
+//! 4. [`Scene::end_frame`] takes their results. Dynamic objects that no view saw get volumes;
+//!    objects whose volumes were seen leave them.
 //!
 //! # Results and revisions
 //!
-//! `revision` counts the changes that a result may depend on; motion inside a volume is none of them. `moves` counts
-//! the moves of hidden objects. [`crate::Pvs::is_valid_for`] compares both. `static_changes` lists the changes of static
-//! objects, and `journal` the volumes that are new: results that are kept ask these.
+//! [`changes`] counts the changes that a result may depend on (the revision; motion inside a volume
+//! is none of them), and the moves of all objects. [`crate::Pvs::is_valid_for`] compares both. It
+//! also lists the last changes of static objects and the volumes that are new: results that are
+//! kept ask for these.
 
 mod cells;
+mod changes;
+mod contacts;
 mod containing;
 mod edit;
-mod expiry;
 mod frame;
 mod journal;
+mod membership;
 mod memory;
 mod near;
 mod object;
@@ -42,10 +48,7 @@ mod objects;
 mod opacity;
 mod opaque;
 mod outer;
-mod rims;
 mod shift;
-mod slot_set;
-mod slots;
 mod solids;
 mod state;
 mod transitions;
@@ -53,6 +56,7 @@ mod validity;
 mod volume;
 mod volumes;
 
+use casca_slots::{ExpiryQueue, Slot, Slots};
 use glam::{DVec3, IVec3};
 
 use crate::error::Error;
@@ -62,11 +66,11 @@ use crate::id::ObjectId;
 use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
-use crate::scene::expiry::ExpiryQueue;
+use crate::scene::changes::Changes;
 use crate::scene::journal::Journal;
+use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
-use crate::scene::slots::Slots;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
@@ -76,15 +80,18 @@ pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
 pub(crate) use opacity::{LayerOpacity, OpacityPart};
-pub(crate) use slot_set::SlotSet;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
-/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that
-/// moved, queries, and [`Scene::end_frame`] with their results.
+/// # Use
 ///
-/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids that the
-/// original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that was found on the other.
+/// [`Scene::insert`] takes descriptions of objects, and gives the ids by which they are moved
+/// ([`Scene::update`], [`Scene::set_transform`]) and removed. A frame is [`Scene::begin_frame`]
+/// with the time, the moves, queries, and [`Scene::end_frame`] with their results.
+///
+/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
+/// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
+/// was found on the other.
 ///
 /// ```
 /// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
@@ -102,10 +109,34 @@ pub(crate) use slot_set::SlotSet;
 /// # Ok(())
 /// # }
 /// ```
+///
+/// # Cost
+///
+/// An object costs its record and the cells that it touches, a move the cells that it enters and
+/// leaves. A moving object that no view saw is put into a temporal bounding volume at the end of
+/// the frame: until it leaves that, its moves cost a comparison each, and queries do not look at
+/// it. [`Scene::memory`] tells the memory of all parts.
+///
+/// # Guarantees
+///
+/// Ids are never used again, and those of other scenes are refused, as are shapes that are not
+/// finite; a call that is refused changes nothing. What queries find depends neither on the order
+/// of hashes, nor on threads, nor on the clock of the machine.
+///
+/// # Pitfalls
+///
+/// - Objects that are promised to keep to a speed ([`crate::ObjectDesc::max_speed`]) and are
+///   [reported on expiry](crate::Reports::OnExpiry) must keep to it: the promise is what hides
+///   them.
+/// - Occluders must lie inside the geometry that is drawn. What they hide is not drawn.
+/// - A frame that ends without [`Scene::end_frame`] loses nothing, but hidden movers stay in the
+///   matrices and cost every query.
+/// - A grid that is far smaller than the scene works, but what lies outside is tested in every
+///   query.
 #[derive(Clone)]
 pub struct Scene {
     grid: Grid,
-    slots: Slots,
+    slots: Slots<Object>,
     /// O and Os, with the boxes of static opaque cells that are drawn like solids.
     opacity: Opacity,
     /// The patches of all surfaces, and where those of static objects touch.
@@ -113,33 +144,23 @@ pub struct Scene {
     /// I: the objects that touch each cell.
     ids: IdMatrix,
     volumes: Volumes,
-    /// Listed dynamic objects.
-    listed: SlotSet,
-    /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
-    always: SlotSet,
-    /// Listed objects in cells that reach beyond the grid, with their boxes.
-    overhang: Outer,
+    /// Lists of objects.
+    members: Membership,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
-    next_to_hide: u32,
+    next_to_hide: Slot,
     /// Cells of the viewers of the last frame.
     viewers: Vec<IVec3>,
     /// The clock, in seconds.
     now: f64,
     /// Number of the frame, counted by [`Scene::begin_frame`].
     frame: u64,
-    /// How many listed objects are reported on expiry.
-    listed_on_expiry: u32,
-    revision: u64,
-    moves: u64,
-    /// The objects that were put into a volume, or whose layers changed there.
-    journal: Journal<u32>,
-    /// The static objects that came, went or changed.
-    static_changes: Journal<StaticChange>,
-    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and the cells of an
-    /// object that moves.
+    /// What tells whether results still hold.
+    changes: Changes,
+    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and
+    /// the cells of an object that moves.
     seen: Vec<u64>,
-    unseen: Vec<u32>,
+    unseen: Vec<Slot>,
     moved: Moved,
 }
 
@@ -158,19 +179,13 @@ impl Scene {
             seams: Seams::default(),
             ids: IdMatrix::new(dims),
             volumes: Volumes::new(&grid),
-            listed: SlotSet::default(),
-            always: SlotSet::default(),
-            overhang: Outer::default(),
+            members: Membership::default(),
             expiries: ExpiryQueue::default(),
-            next_to_hide: 0,
+            next_to_hide: Slot::new(0),
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
-            listed_on_expiry: 0,
-            revision: 0,
-            moves: 0,
-            journal: Journal::default(),
-            static_changes: Journal::default(),
+            changes: Changes::default(),
             seen: Vec::new(),
             unseen: Vec::new(),
             moved: Moved::default(),
@@ -236,7 +251,7 @@ impl Scene {
     }
 
     /// The box of an object's volume, for a hidden object.
-    pub(crate) fn volume_block(&self, slot: u32) -> Block {
+    pub(crate) fn volume_block(&self, slot: Slot) -> Block {
         self.volumes.block(&self.grid, slot)
     }
 
@@ -247,14 +262,15 @@ impl Scene {
 
     /// The objects that every query tests.
     #[inline]
-    pub(crate) fn always(&self) -> &[u32] {
-        self.always.as_slice()
+    pub(crate) fn always(&self) -> &[Slot] {
+        self.members.always()
     }
 
-    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about their parts out there.
+    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about
+    /// their parts out there.
     #[inline]
     pub(crate) fn overhang(&self) -> &Outer {
-        &self.overhang
+        self.members.overhang()
     }
 
     /// Number of slots: all slots of objects are below.
@@ -265,13 +281,13 @@ impl Scene {
 
     /// All objects with their slots, in the order of these.
     #[inline]
-    pub(crate) fn living(&self) -> impl Iterator<Item = (u32, &Object)> {
-        self.slots.living()
+    pub(crate) fn living(&self) -> impl Iterator<Item = (Slot, &Object)> {
+        self.slots.iter()
     }
 
     /// Whether a slot contains an object that is in a volume.
     #[inline]
-    pub(crate) fn is_hidden(&self, slot: u32) -> bool {
+    pub(crate) fn is_hidden(&self, slot: Slot) -> bool {
         self.slots.get(slot).is_some_and(Object::is_hidden)
     }
 
@@ -283,25 +299,25 @@ impl Scene {
 
     /// The object of a slot, if it contains one.
     #[inline]
-    pub(crate) fn living_at(&self, slot: u32) -> Option<&Object> {
+    pub(crate) fn living_at(&self, slot: Slot) -> Option<&Object> {
         self.slots.get(slot)
     }
 
     /// The object of a slot that is known to contain one.
     #[inline]
-    pub(crate) fn object(&self, slot: u32) -> &Object {
-        self.slots.object(slot)
+    pub(crate) fn object(&self, slot: Slot) -> &Object {
+        &self.slots[slot]
     }
 
     /// The id of the object in a slot.
     #[inline]
-    pub(crate) fn id(&self, slot: u32) -> ObjectId {
-        self.slots.id(slot)
+    pub(crate) fn id(&self, slot: Slot) -> ObjectId {
+        ObjectId(self.slots.id(slot))
     }
 
     /// The object that an id names.
     pub(crate) fn find(&self, id: ObjectId) -> Result<&Object, Error> {
-        self.slots.find(id)
+        self.slots.find(id.0).ok_or(Error::UnknownObject(id))
     }
 
     /// Tells scenes apart.
@@ -309,37 +325,38 @@ impl Scene {
         self.slots.tag()
     }
 
-    /// Changes whenever anything changed that a result could depend on. Motion inside a temporal bounding volume that
-    /// was there when the query ran does not count: its surface was tested.
+    /// Changes whenever anything changed that a result could depend on. Motion inside a temporal
+    /// bounding volume that was there when the query ran does not count: its surface was tested.
     pub(crate) fn revision(&self) -> u64 {
-        self.revision
+        self.changes.revision()
     }
 
     /// The static objects that came, went or changed.
     pub(crate) fn static_changes(&self) -> &Journal<StaticChange> {
-        &self.static_changes
+        self.changes.fixed()
     }
 
     /// The volumes that are new.
-    pub(crate) fn journal(&self) -> &Journal<u32> {
-        &self.journal
+    pub(crate) fn journal(&self) -> &Journal<Slot> {
+        self.changes.volumes()
     }
 
-    /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown place.
-    pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (u32, &Object)> {
-        let elsewhere = |slot: &u32| !self.listed.contains(*slot) && !self.object(*slot).is_static();
-        let elsewhere = self.always.as_slice().iter().copied().filter(elsewhere);
-        self.listed.as_slice().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
+    /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown
+    /// place.
+    pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (Slot, &Object)> {
+        let elsewhere = |slot: &Slot| !self.members.is_mover(*slot) && !self.object(*slot).is_static();
+        let elsewhere = self.always().iter().copied().filter(elsewhere);
+        self.members.movers().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
     }
 
     /// Changes also when a hidden object moved.
     pub(crate) fn moves(&self) -> u64 {
-        self.moves + self.revision
+        self.changes.moves() + self.changes.revision()
     }
 
     /// The number of the last move that [`Scene::update`] was told of, hidden objects included.
     pub(crate) fn last_move(&self) -> u64 {
-        self.moves
+        self.changes.moves()
     }
 
     /// Whether an object was moved or changed since a number of [`Scene::last_move`], or is gone.
@@ -350,8 +367,8 @@ impl Scene {
     /// Corners of a box that contains all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
-        let outer = self.volumes.outer().pages().map(|page| page.around);
-        let overhang = self.overhang.pages().map(|page| page.around);
+        let outer = self.volumes.outer().pages().map(|page| *page.around());
+        let overhang = self.overhang().pages().map(|page| *page.around());
         always.chain(outer).chain(overhang).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
             (min.min(block.min), max.max(block.max))
         })

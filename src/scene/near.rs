@@ -1,5 +1,6 @@
 //! Occluders around the eye and before the near plane: through those one sees.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
@@ -16,7 +17,8 @@ const MOST_CELLS: u64 = 4096;
 const MOST_ASKED: usize = 4096;
 
 impl Scene {
-    /// Whether a point may lie inside an occluder that is in the matrices and that views of some layers show.
+    /// Whether a point may lie inside an occluder that is in the matrices and that views of some
+    /// layers show.
     pub(crate) fn inside_occluder(&self, point: DVec3, layers: u64) -> bool {
         let cell = self.grid.cell_of(point);
         let around = Block { min: point, max: point };
@@ -34,24 +36,26 @@ impl Scene {
     }
 
     /// Whether an object that reaches beyond the grid and may meet a box passes a test.
-    fn any_overhanging(&self, around: &Block, mut test: impl FnMut(u32) -> bool) -> bool {
+    fn any_overhanging(&self, around: &Block, mut test: impl FnMut(Slot) -> bool) -> bool {
         let mut found = false;
-        self.overhang.slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
+        self.members
+            .overhang()
+            .slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
         found
     }
 
     /// The occluder of an object that views of some layers show.
-    fn shown_occluder(&self, slot: u32, layers: u64) -> Option<&Occluder> {
+    fn shown_occluder(&self, slot: Slot, layers: u64) -> Option<&Occluder> {
         let object = self.object(slot);
         object.occluder().filter(|_| object.layers & layers != 0)
     }
 
-    /// Whether an occluder, or an opaque cell, that the view `region` shows may touch it. `region` is convex and lies
-    /// inside the box `around`.
+    /// Whether an occluder, or an opaque cell, that the view `region` shows may touch it. `region`
+    /// is convex and lies inside the box `around`.
     pub(crate) fn occluder_touches(&self, region: &View, around: &Block) -> bool {
         let layers = region.layers();
         let touches =
-            |slot: u32| self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around));
+            |slot: Slot| self.shown_occluder(slot, layers).is_some_and(|o| cut::may_meet(o, region, around));
         // Cells tell nothing about what reaches beyond the grid.
         let always =
             || self.always().iter().any(|&slot| touches(slot)) || self.any_overhanging(around, touches);

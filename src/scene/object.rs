@@ -131,7 +131,8 @@ impl Object {
         }
     }
 
-    /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not apply.
+    /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not
+    /// apply.
     pub(super) fn apply(&mut self, event: Event) -> bool {
         let next = self.state().after(event);
         if let (Some(mover), Some(next)) = (self.mover.as_deref_mut(), next) {

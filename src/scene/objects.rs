@@ -1,5 +1,8 @@
 //! Reading the objects of a scene: one by its id, or all of them.
 
+use std::fmt;
+
+use casca_slots::Slot;
 use glam::{Affine3A, DVec3};
 
 use crate::error::Error;
@@ -40,18 +43,26 @@ impl<'a> ObjectRef<'a> {
     }
 }
 
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Scene({} objects in {:?})", self.len(), self.grid())
+    }
+}
+
 impl Scene {
     /// Whether an id names an object of this scene. Costs one look-up.
     pub fn contains(&self, id: ObjectId) -> bool {
         self.find(id).is_ok()
     }
 
-    /// The ids of all objects, in the order of [`ObjectId::index`]. Costs a look at each index ever given.
+    /// The ids of all objects, in the order of [`ObjectId::index`]. Costs a look at each index ever
+    /// given.
     pub fn ids(&self) -> impl Iterator<Item = ObjectId> {
         self.living().map(|(slot, _)| self.id(slot))
     }
 
-    /// All objects with their ids, in the order of [`ObjectId::index`]. Costs a look at each index ever given.
+    /// All objects with their ids, in the order of [`ObjectId::index`]. Costs a look at each index
+    /// ever given.
     ///
     /// ```
     /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
@@ -88,7 +99,8 @@ impl Scene {
         self.find(id).map(Object::given_occluder)
     }
 
-    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for other objects.
+    /// The transform of an object that [`Scene::set_transform`] moves, as last reported; `None` for
+    /// other objects.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -98,7 +110,8 @@ impl Scene {
         Ok(own.or_else(|| transform_of_instances(object.bounds(), object.given_occluder())))
     }
 
-    /// The corners of the temporal bounding volume that an object is in, in world units; `None` if it is in none.
+    /// The corners of the temporal bounding volume that an object is in, in world units; `None` if
+    /// it is in none.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -117,8 +130,8 @@ impl Scene {
         self.find(id).map(|object| object.layers)
     }
 
-    /// The number that the application gave an object, 0 if it gave none: an index into its own tables, or the handle
-    /// of an entity. The scene does nothing with it.
+    /// The number that the application gave an object, 0 if it gave none: an index into its own
+    /// tables, or the handle of an entity. The scene does nothing with it.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
@@ -127,18 +140,20 @@ impl Scene {
     }
 
     /// An id in 64 bits, for tables and interfaces that have no room for an [`ObjectId`]: its
-    /// [index](ObjectId::index) in the low 32 bits, and the generation of that index in the high ones.
+    /// [index](ObjectId::index) in the low 32 bits, and the generation of that index in the high
+    /// ones.
     ///
-    /// A key leaves out the scene. It names one object of one scene for ever: no key is given twice in the life of
-    /// a scene. In another scene the same key may name another object, and nothing tells it apart there; in a clone it
-    /// names the same object if that was there when the clone was made. Where ids of several scenes may be mixed up,
-    /// keep the [`ObjectId`]: 64 bits cannot tell scenes, indices and generations apart for certain.
+    /// A key leaves out the scene. It names one object of one scene for ever: no key is given twice
+    /// in the life of a scene. In another scene the same key may name another object, and nothing
+    /// tells it apart there; in a clone it names the same object if that was there when the clone
+    /// was made. Where ids of several scenes may be mixed up, keep the [`ObjectId`]: 64 bits cannot
+    /// tell scenes, indices and generations apart for certain.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn key(&self, id: ObjectId) -> Result<u64, Error> {
         self.find(id)?;
-        Ok(u64::from(id.generation) << 32 | u64::from(id.slot))
+        Ok(u64::from(id.generation()) << 32 | u64::from(id.slot().get()))
     }
 
     /// The id that a [key](Scene::key) of this scene stands for. Costs one look-up.
@@ -160,7 +175,7 @@ impl Scene {
     /// # Errors
     /// Refuses a key that names no object of this scene, such as that of one that was removed.
     pub fn id_from_key(&self, key: u64) -> Result<ObjectId, Error> {
-        let (slot, generation) = (key as u32, (key >> 32) as u32);
+        let (slot, generation) = (Slot::new(key as u32), (key >> 32) as u32);
         let living = self.slots.of_generation(slot, generation);
         living.map(|_| self.id(slot)).ok_or(Error::UnknownKey(key))
     }

@@ -1,19 +1,20 @@
 //! The opacity matrices O and Os, for each mask of layers apart.
 //!
-//! A view on some layers must not be told that a cell is opaque for the sake of an object that it does not show. So the
-//! cells that occluders fill are kept apart by the layers of their objects, and solids are joined only with solids on the
-//! same layers. A scene whose occluders are all on the same layers has one part, as if there were no layers.
+//! A view on some layers must not be told that a cell is opaque for the sake of an object that it
+//! does not show. So the cells that occluders fill are kept apart by the layers of their objects,
+//! and solids are joined only with solids on the same layers. A scene whose occluders are all on
+//! the same layers has one part, as if there were no layers.
 
 use glam::IVec3;
 
 use crate::grid::Grid;
-use crate::matrix::bits::OpacityMatrix;
+use crate::matrix::bits::{Mask, NONE, OpacityMatrix};
 use crate::matrix::fused::Fused;
 use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
 
-/// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for each 64x64x64 cells
-/// of the grid and matrix, and each query asks all parts that its view shows.
+/// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
+/// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
 pub(crate) const MOST_PARTS: usize = 16;
 
 /// The place of a part in the list of a scene.
@@ -29,11 +30,11 @@ pub(crate) struct LayerOpacity {
     /// How many of them are overdue: while any is, O is Os.
     overdue: u32,
     /// Os, the opaque cells of static objects.
-    pub(super) fixed: OpaqueCells,
+    fixed: OpaqueCells,
     /// The cells that listed dynamic objects add to Os to make O.
-    pub(super) moving: OpaqueCells,
+    moving: OpaqueCells,
     /// Boxes of static opaque cells that are drawn like solids.
-    pub(super) fused: Fused,
+    fused: Fused,
 }
 
 impl LayerOpacity {
@@ -79,6 +80,69 @@ impl LayerOpacity {
         self.fixed().get(cell) || self.known_moving().is_some_and(|o| o.get(cell))
     }
 
+    /// A static occluder fills cells by itself.
+    pub(super) fn add_fixed(&mut self, occluder: &Occluder, grid: &Grid) {
+        self.fixed.add(occluder, grid);
+    }
+
+    /// Static occluders fill a cell together.
+    pub(super) fn join_fixed(&mut self, cell: IVec3) {
+        self.fixed.set(cell);
+        self.fused.add(cell);
+    }
+
+    /// A static occluder less fills a page of cells. Clears it if no other does; false, without a
+    /// change, if there are others.
+    pub(super) fn clear_page(&mut self, page: IVec3) -> bool {
+        let cleared = self.fixed.take_page(page);
+        if cleared {
+            self.fused.clear_block(page << 6i32, (page << 6i32) + 63);
+        }
+        cleared
+    }
+
+    /// A static occluder less fills these cells of a brick by itself: clears and gives those that
+    /// no other fills.
+    pub(super) fn take_fixed(&mut self, brick: IVec3, mask: &Mask) -> Mask {
+        let gone = self.fixed.take(brick, mask);
+        if gone != NONE {
+            self.fused.clear_cells(brick, &gone);
+        }
+        gone
+    }
+
+    /// Static occluders fill these cells of a brick together no longer.
+    pub(super) fn part_fixed(&mut self, brick: IVec3, mask: &Mask) {
+        let gone = self.fixed.take(brick, mask);
+        self.fused.part(brick, mask);
+        self.fused.clear_cells(brick, &gone);
+    }
+
+    /// Cells of a brick lie beside those of other static occluders.
+    pub(super) fn add_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.fused.add_contacts(brick, cells);
+    }
+
+    /// Cells of a brick do so no longer.
+    pub(super) fn forget_contacts(&mut self, brick: IVec3, cells: &Mask) {
+        self.fused.forget_contacts(brick, cells);
+    }
+
+    /// A dynamic occluder fills cells.
+    pub(super) fn add_moving(&mut self, occluder: &Occluder, grid: &Grid) {
+        self.moving.add(occluder, grid);
+    }
+
+    /// A dynamic occluder fills its cells no longer.
+    pub(super) fn remove_moving(&mut self, occluder: &Occluder, grid: &Grid) {
+        self.moving.remove(occluder, grid);
+    }
+
+    /// A dynamic occluder filled the cells `old` of a brick, and now fills `new`.
+    pub(super) fn exchange_moving(&mut self, brick: IVec3, old: &Mask, new: &Mask) {
+        self.moving.exchange(brick, old, new);
+    }
+
     fn bytes(&self) -> usize {
         self.fixed.bytes() + self.moving.bytes() + self.fused.bytes()
     }
@@ -109,8 +173,8 @@ impl Opacity {
         &mut self.parts[usize::from(part.0)]
     }
 
-    /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if there are too many
-    /// masks.
+    /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if
+    /// there are too many masks.
     pub(super) fn join(&mut self, layers: u64) -> Option<OpacityPart> {
         if layers == 0 {
             return None;
@@ -147,12 +211,12 @@ impl Opacity {
 
     /// A dynamic occluder fills cells.
     pub(super) fn add_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
-        self.part_mut(part).moving.add(occluder, grid);
+        self.part_mut(part).add_moving(occluder, grid);
     }
 
     /// A dynamic occluder fills its cells no longer.
     pub(super) fn remove_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
-        self.part_mut(part).moving.remove(occluder, grid);
+        self.part_mut(part).remove_moving(occluder, grid);
     }
 
     /// Grows the boxes of opaque cells that are to be grown anew.

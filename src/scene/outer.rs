@@ -1,11 +1,13 @@
 //! Boxes that leave the grid: an object that stands on the floor of the grid may go below it.
 //!
-//! The matrices end with the grid, and so do the walks. Volumes that reach beyond, and listed objects that do, are kept
-//! in buckets of the size of a brick, and these in pages of 8x8x8 of them. Buckets and pages have boxes around their
-//! contents: a query tests those first. Since these volumes are in no cells, they need not be made of whole ones.
+//! The matrices end with the grid, and so do the walks. Volumes that reach beyond, and listed
+//! objects that do, are kept in buckets of the size of a brick, and these in pages of 8x8x8 of
+//! them. Buckets and pages have boxes around their contents: a query tests those first. Since these
+//! volumes are in no cells, they need not be made of whole ones.
 
 use std::collections::BTreeMap;
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::geometry::Block;
@@ -16,8 +18,8 @@ use crate::heap::in_tree;
 #[derive(Debug, Clone)]
 pub(crate) struct Bucket {
     /// Contains all boxes; too large after removals, for a while.
-    pub(crate) around: Block,
-    pub(crate) slots: Vec<u32>,
+    around: Block,
+    slots: Vec<Slot>,
     /// Removals since `around` was exact.
     removed: usize,
 }
@@ -26,14 +28,26 @@ pub(crate) struct Bucket {
 #[derive(Debug, Clone)]
 pub(crate) struct Page {
     /// Contains all boxes; too large after removals, for a while.
-    pub(crate) around: Block,
+    around: Block,
     /// By brick. Ordered, so that results do not depend on a hash.
     buckets: BTreeMap<[i32; 3], Bucket>,
     /// Removals since `around` was exact.
     removed: usize,
 }
 
+impl Bucket {
+    /// The objects whose boxes these are.
+    pub(crate) fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+}
+
 impl Page {
+    /// A box that contains all boxes.
+    pub(crate) fn around(&self) -> &Block {
+        &self.around
+    }
+
     pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
         self.buckets.values()
     }
@@ -47,7 +61,8 @@ pub(crate) struct Outer {
     placed: Vec<(u32, Block)>,
 }
 
-/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it or near it.
+/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it
+/// or near it.
 fn brick_of(cells: &CellBox) -> IVec3 {
     (cells.lo + cells.hi) >> 4i32
 }
@@ -58,7 +73,7 @@ fn union(a: Block, b: Block) -> Block {
 
 impl Outer {
     /// Adds a box, and the cells that it touches.
-    pub(super) fn insert(&mut self, block: &Block, cells: &CellBox, slot: u32) {
+    pub(super) fn insert(&mut self, block: &Block, cells: &CellBox, slot: Slot) {
         let brick = brick_of(cells);
         let page = || Page { around: *block, buckets: BTreeMap::new(), removed: 0 };
         let page = self.pages.entry((brick >> 3i32).to_array()).or_insert_with(page);
@@ -66,28 +81,28 @@ impl Outer {
         let bucket = || Bucket { around: *block, slots: Vec::new(), removed: 0 };
         let bucket = page.buckets.entry(brick.to_array()).or_insert_with(bucket);
         bucket.around = union(bucket.around, *block);
-        if self.placed.len() <= slot as usize {
-            self.placed.resize(slot as usize + 1, (0, *block));
+        if self.placed.len() <= slot.index() {
+            self.placed.resize(slot.index() + 1, (0, *block));
         }
-        self.placed[slot as usize] = (bucket.slots.len() as u32, *block);
+        self.placed[slot.index()] = (bucket.slots.len() as u32, *block);
         bucket.slots.push(slot);
     }
 
     /// Takes a box out.
-    pub(super) fn remove(&mut self, cells: &CellBox, slot: u32) {
+    pub(super) fn remove(&mut self, cells: &CellBox, slot: Slot) {
         let brick = brick_of(cells);
         let at = (brick >> 3i32).to_array();
         let Some(page) = self.pages.get_mut(&at) else { return };
         let Some(bucket) = page.buckets.get_mut(&brick.to_array()) else { return };
-        let place = self.placed[slot as usize].0;
+        let place = self.placed[slot.index()].0;
         bucket.slots.swap_remove(place as usize);
         if let Some(&moved) = bucket.slots.get(place as usize) {
-            self.placed[moved as usize].0 = place;
+            self.placed[moved.index()].0 = place;
         }
         bucket.removed += 1;
         if bucket.removed > bucket.slots.len() {
             bucket.removed = 0;
-            match bucket.slots.iter().map(|&s| self.placed[s as usize].1).reduce(union) {
+            match bucket.slots.iter().map(|&s| self.placed[s.index()].1).reduce(union) {
                 Some(exact) => bucket.around = exact,
                 None => {
                     page.buckets.remove(&brick.to_array());
@@ -107,8 +122,8 @@ impl Outer {
     }
 
     /// The box of an object that is here.
-    pub(super) fn block(&self, slot: u32) -> Block {
-        self.placed[slot as usize].1
+    pub(super) fn block(&self, slot: Slot) -> Block {
+        self.placed[slot.index()].1
     }
 
     pub(crate) fn pages(&self) -> impl Iterator<Item = &Page> {
@@ -120,7 +135,7 @@ impl Outer {
     }
 
     /// The objects in the buckets that pass a test of their boxes, as do the pages of those.
-    pub(crate) fn slots_where(&self, mut asked: impl FnMut(&Block) -> bool, mut found: impl FnMut(u32)) {
+    pub(crate) fn slots_where(&self, mut asked: impl FnMut(&Block) -> bool, mut found: impl FnMut(Slot)) {
         for page in self.pages() {
             if !asked(&page.around) {
                 continue;
@@ -136,7 +151,7 @@ impl Outer {
     pub(super) fn bytes(&self) -> usize {
         let page = |page: &Page| {
             in_tree::<([i32; 3], Bucket)>(page.buckets.len())
-                + page.buckets().map(|b| b.slots.capacity() * 4).sum::<usize>()
+                + page.buckets().map(|b| b.slots.capacity() * size_of::<Slot>()).sum::<usize>()
         };
         in_tree::<([i32; 3], Page)>(self.pages.len())
             + self.pages().map(page).sum::<usize>()
@@ -151,21 +166,22 @@ mod tests {
     #[test]
     fn buckets_contain_the_volumes_that_were_inserted_and_no_more() {
         let mut outer = Outer::default();
-        let volume = |slot: u32| {
-            let lo = IVec3::new(slot as i32 % 7 * 9 - 20, -3, slot as i32 % 5 * 4);
-            let cells = CellBox { lo, hi: lo + IVec3::new(slot as i32 % 11, 6, 2) };
+        let volume = |slot: Slot| {
+            let i = slot.get() as i32;
+            let lo = IVec3::new(i % 7 * 9 - 20, -3, i % 5 * 4);
+            let cells = CellBox { lo, hi: lo + IVec3::new(i % 11, 6, 2) };
             (cells, Block { min: cells.lo.as_dvec3() + 0.25, max: cells.hi.as_dvec3() + 0.5 })
         };
-        let volumes: Vec<(CellBox, Block)> = (0..200).map(volume).collect();
-        let mut inside: Vec<u32> = (0..200).collect();
+        let volumes: Vec<(CellBox, Block)> = Slot::below(200).map(volume).collect();
+        let mut inside: Vec<Slot> = Slot::below(200).collect();
         for &s in &inside {
-            let (cells, block) = &volumes[s as usize];
+            let (cells, block) = &volumes[s.index()];
             outer.insert(block, cells, s);
         }
         while !inside.is_empty() {
             let gone = inside.swap_remove(inside.len() * 7 / 11);
-            outer.remove(&volumes[gone as usize].0, gone);
-            let mut found: Vec<u32> = outer.buckets().flat_map(|b| b.slots.clone()).collect();
+            outer.remove(&volumes[gone.index()].0, gone);
+            let mut found: Vec<Slot> = outer.buckets().flat_map(|b| b.slots.clone()).collect();
             found.sort_unstable();
             let mut expected = inside.clone();
             expected.sort_unstable();
@@ -174,8 +190,8 @@ mod tests {
                 assert!(page.buckets().all(|bucket| page.around.contains(&bucket.around)));
             }
             for bucket in outer.buckets() {
-                assert!(bucket.slots.iter().all(|&s| bucket.around.contains(&volumes[s as usize].1)));
-                assert!(bucket.slots.iter().all(|&s| outer.block(s) == volumes[s as usize].1));
+                assert!(bucket.slots.iter().all(|&s| bucket.around.contains(&volumes[s.index()].1)));
+                assert!(bucket.slots.iter().all(|&s| outer.block(s) == volumes[s.index()].1));
             }
         }
         assert_eq!((outer.buckets().count(), outer.pages().count()), (0, 0));

@@ -1,5 +1,6 @@
 //! Other coordinates for the whole scene: an origin that follows the camera through a large world.
 
+use casca_slots::{AT_ONCE, Expiry, Slot};
 use glam::{Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
@@ -9,11 +10,9 @@ use crate::matrix::ids::IdMatrix;
 use crate::numeric::mesh::SINGLE;
 use crate::object::{Bounds, Occluder, Placed};
 use crate::scene::Scene;
-use crate::scene::expiry::{AT_ONCE, Expiry};
+use crate::scene::membership::Membership;
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
-use crate::scene::outer::Outer;
-use crate::scene::slot_set::SlotSet;
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::volume::Tbv;
 
@@ -58,23 +57,27 @@ impl Tbv {
 }
 
 impl Scene {
-    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by it, those of the grid, the
-    /// objects and the volumes alike. For large worlds, whose renderer keeps the camera near the origin. Shift everything else
-    /// in the same frame: cameras, lights and your own copies of positions.
+    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by
+    /// it, those of the grid, the objects and the volumes alike. For large worlds, whose renderer
+    /// keeps the camera near the origin. Shift everything else in the same frame: cameras, lights
+    /// and your own copies of positions.
     ///
-    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is snapped down to
-    /// a 2^22nd part of a cell. All sums round as those of an application that subtracts in single precision: bounds round
-    /// outwards, occluders inwards, and transforms of [placed](crate::ObjectDesc::placed) objects and of
-    /// [`Instance`](crate::Instance)s to nearest, as [`Scene::translate`] does. Where the offset is a multiple of a
-    /// power of two that the coordinates are multiples of, nothing is rounded; multiples of the cell are a good choice. An
-    /// occluder that is thinner than the rounding hides nothing from then on.
+    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is
+    /// snapped down to a 2^22nd part of a cell. All sums round as those of an application that
+    /// subtracts in single precision: bounds round outwards, occluders inwards, and transforms of
+    /// [placed](crate::ObjectDesc::placed) objects and of [`Instance`](crate::Instance)s to
+    /// nearest, as [`Scene::translate`] does. Where the offset is a multiple of a power of two that
+    /// the coordinates are multiples of, nothing is rounded; multiples of the cell are a good
+    /// choice. An occluder that is thinner than the rounding hides nothing from then on.
     ///
-    /// No result from before is taken for one of the new coordinates: [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
-    /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a [`KeptQuery`](crate::KeptQuery) finds a
-    /// new result. [`Scene::end_frame`] still takes earlier results. Ids stay. Hidden objects stay in their volumes, unless rounding takes
-    /// them out.
+    /// No result from before is taken for one of the new coordinates:
+    /// [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
+    /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a
+    /// [`KeptQuery`](crate::KeptQuery) finds a new result. [`Scene::end_frame`] still takes earlier
+    /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out.
     ///
-    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few hundred cells of the camera's way.
+    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few
+    /// hundred cells of the camera's way.
     ///
     /// ```
     /// use casca::{Aabb, Error, GridSpec, ObjectDesc, Scene};
@@ -91,8 +94,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would lie too far from the
-    /// origin, scenes with meshes in world space ([`Error::FixedMesh`]: give instances of them), and convex occluders as
+    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would
+    /// lie too far from the origin, scenes with meshes in world space ([`Error::FixedMesh`]: give
+    /// instances of them), and convex occluders as
     /// [`Convex::translated`](crate::Convex::translated) does. Nothing is changed then.
     pub fn shift_origin(&mut self, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
@@ -104,10 +108,11 @@ impl Scene {
         }
         self.grid = grid;
         self.clear_matrices();
-        self.revision += 1;
-        self.static_changes.cut();
-        self.moves += 1;
+        self.changes.changed();
+        self.changes.all_static_changed();
+        let moved = self.changes.moved();
         for (slot, shape) in shapes {
+            self.slots[slot].moved = moved;
             self.place_shifted(slot, shape, offset);
         }
         self.opacity.refresh();
@@ -118,25 +123,23 @@ impl Scene {
     fn clear_matrices(&mut self) {
         let dims = self.grid.dims();
         (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
-        (self.listed, self.always) = (SlotSet::default(), SlotSet::default());
-        self.overhang = Outer::default();
-        self.listed_on_expiry = 0;
+        self.members = Membership::default();
     }
 
-    /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it where it was.
-    fn place_shifted(&mut self, slot: u32, shape: Shifted, offset: Vec3) {
+    /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
+    /// where it was.
+    fn place_shifted(&mut self, slot: Slot, shape: Shifted, offset: Vec3) {
         let Shifted { bounds, occluder, placed } = shape;
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         object.placed = placed.map(Box::new);
         object.bounds = bounds;
-        object.moved = self.moves;
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {
             State::Listed => self.list(slot),
             State::Overdue => {
                 self.list(slot);
                 self.opacity.miss(self.object(slot).opacity);
-                self.always.insert(slot);
+                self.members.add_always(slot);
             }
             State::Hidden(hidden) => self.shift_volume(slot, hidden, offset),
             // Its report finds a new volume.
@@ -146,15 +149,16 @@ impl Scene {
         }
     }
 
-    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still inside.
-    fn shift_volume(&mut self, slot: u32, hidden: Hidden, offset: Vec3) {
+    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
+    /// inside.
+    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
         let is_outer = self.volumes.is_outer(slot);
         let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
         let object = self.object(slot);
         let inside = tbv.contains(&self.grid, &object.bounds.block());
         // The place of an object that is not reported was rounded as its bounds were.
-        let reach = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
-        let off = SINGLE * (reach(&tbv.block) + reach(&hidden.tbv.block)) + 2.0 * self.grid.unit();
+        let largest = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
+        let off = SINGLE * (largest(&tbv.block) + largest(&hidden.tbv.block)) + 2.0 * self.grid.unit();
         let speed = object.promised_speed().unwrap_or(0.0);
         let mut expires = hidden.expires;
         if object.on_expiry() {
@@ -171,18 +175,19 @@ impl Scene {
             self.volumes.remove(slot);
             self.volumes.insert(slot, &tbv);
         }
-        self.journal.push(slot, self.slots.len());
+        self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, Hidden { tbv, expires, ..hidden });
     }
 
-    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported, and its report is due.
-    fn lose(&mut self, slot: u32, enclosed: bool) {
+    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported,
+    /// and its report is due.
+    fn lose(&mut self, slot: Slot, enclosed: bool) {
         if enclosed {
             self.volumes.remove(slot);
         }
-        let generation = self.slots.id(slot).generation;
-        self.slots.object_mut(slot).apply(Event::Revealed);
-        self.always.insert(slot);
+        let generation = self.slots.id(slot).generation();
+        self.slots[slot].apply(Event::Revealed);
+        self.members.add_always(slot);
         self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
     }
 }

@@ -1,9 +1,11 @@
 //! The cells that static solids make opaque, alone and together.
 //!
-//! A cell is opaque if the union of the static solids on the same layers contains it. A solid that is inserted adds the cells that it
-//! fills alone, and those that it fills together with solids that share the cell. Cells that only several solids fill
-//! are kept apart ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
+//! A cell is opaque if the union of the static solids on the same layers contains it. A solid that
+//! is inserted adds the cells that it fills alone, and those that it fills together with solids
+//! that share the cell. Cells that only several solids fill are kept apart
+//! ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
 
+use casca_slots::Slot;
 use glam::IVec3;
 use smallvec::SmallVec;
 
@@ -12,11 +14,11 @@ use crate::grid::bricks::Pages;
 use crate::matrix::bits::{ALL, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, without};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
-use crate::scene::{LayerOpacity, OpacityPart, Scene};
+use crate::scene::{OpacityPart, Scene};
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 
-/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other solids that
-/// fill a cell together with it. More than that leave the cell transparent.
+/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other
+/// solids that fill a cell together with it. More than that leave the cell transparent.
 const MOST_ASKED: usize = 256;
 
 /// Of the objects in a brick, so many are looked at.
@@ -25,7 +27,7 @@ const MOST_MEMBERS: usize = 1024;
 /// A static solid whose cells are added or taken away.
 #[derive(Clone, Copy)]
 struct Own {
-    slot: u32,
+    slot: Slot,
     /// Where its cells are: it is joined with others there only.
     part: OpacityPart,
 }
@@ -34,7 +36,7 @@ struct Own {
 type Near<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
 
 /// Static solids that are in no lists of cells, because they are too large for these.
-type Large = SmallVec<[u32; 8]>;
+type Large = SmallVec<[Slot; 8]>;
 
 /// The mask of cells of one brick.
 pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
@@ -44,8 +46,8 @@ pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
 }
 
 impl Scene {
-    /// The cells that static solids touch and that are not opaque by those on the same layers, again and again where
-    /// several do. Each comes with where the opaque cells of such solids are.
+    /// The cells that static solids touch and that are not opaque by those on the same layers,
+    /// again and again where several do. Each comes with where the opaque cells of such solids are.
     pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(OpacityPart, IVec3)) {
         for (_, object) in self.living().filter(|(_, o)| o.is_static()) {
             let Some(occluder) = object.occluder().filter(|o| o.is_solid()) else { continue };
@@ -66,7 +68,8 @@ impl Scene {
         self.opacity.part(part).fixed()
     }
 
-    /// The static occluders on the same layers that touch a cell, up to a limit, and those too large to be in cells.
+    /// The static occluders on the same layers that touch a cell, up to a limit, and those too
+    /// large to be in cells.
     pub(crate) fn static_solids(&self, cell: IVec3, part: OpacityPart) -> impl Iterator<Item = &Occluder> {
         let large = self.always().iter().copied().filter(|&s| !self.object(s).in_cells);
         let block = Block::new(self.grid.cell_bounds(cell));
@@ -77,20 +80,20 @@ impl Scene {
     }
 
     /// The occluder of an object, if that is static and its cells are in a part of the opacity.
-    fn static_solid(&self, slot: u32, part: OpacityPart) -> Option<&Occluder> {
+    fn static_solid(&self, slot: Slot, part: OpacityPart) -> Option<&Occluder> {
         let object = self.object(slot);
         object.occluder().filter(|_| object.is_static() && object.opacity == Some(part))
     }
 
     /// As [`Scene::static_solid`], but none for a solid itself.
-    fn other_solid(&self, other: u32, own: Own) -> Option<&Occluder> {
+    fn other_solid(&self, other: Slot, own: Own) -> Option<&Occluder> {
         if other == own.slot { None } else { self.static_solid(other, own.part) }
     }
 
     /// Other static solids that are in no lists of cells and may touch a solid.
     fn large_solids(&self, occluder: &Occluder, own: Own) -> Large {
         let around = occluder.block();
-        let meets = |&s: &u32| {
+        let meets = |&s: &Slot| {
             let solid = self.other_solid(s, own).filter(|_| !self.object(s).in_cells);
             solid.is_some_and(|o| o.block().meets(&around))
         };
@@ -116,7 +119,8 @@ impl Scene {
         large.iter().any(|&s| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max)))
     }
 
-    /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill it.
+    /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill
+    /// it.
     fn solid_with(&self, cell: IVec3, near: &Near, own: Option<&(&Occluder, Block)>) -> bool {
         let block = Block::new(self.grid.cell_bounds(cell));
         let others = || near.iter().filter(|(_, b)| b.overlaps(&block)).take(MOST_ASKED);
@@ -130,10 +134,10 @@ impl Scene {
     }
 
     /// Adds the cells that a static solid makes opaque, alone and together with others.
-    pub(super) fn add_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+    pub(super) fn add_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let me = Own { slot, part };
-        self.mark_rims(part, occluder);
-        self.opacity.part_mut(part).fixed.add(occluder, &self.grid);
+        self.mark_contacts(part, occluder);
+        self.opacity.part_mut(part).add_fixed(occluder, &self.grid);
         if !occluder.is_solid() {
             return;
         }
@@ -157,9 +161,9 @@ impl Scene {
         self.join(part, joint);
     }
 
-    /// Takes away the cells that a static solid made opaque, except those inside the union of others. The object is
-    /// in no list of cells any more.
-    pub(super) fn remove_static_solid(&mut self, slot: u32, part: OpacityPart, occluder: &Occluder) {
+    /// Takes away the cells that a static solid made opaque, except those inside the union of
+    /// others. The object is in no list of cells any more.
+    pub(super) fn remove_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let own = Own { slot, part };
         let large = self.large_solids(occluder, own);
         let cleared = self.clear_solid(own, occluder, &large);
@@ -174,7 +178,7 @@ impl Scene {
         let (lo, hi) = self.grid.cover(around.min, around.max);
         if let Some((lo, hi)) = self.grid.clip(lo, hi) {
             self.part(own, lo, hi, &large);
-            self.forget_rims(part, lo, hi);
+            self.forget_contacts(part, lo, hi);
         }
     }
 
@@ -184,12 +188,11 @@ impl Scene {
         let mut cleared: Vec<(IVec3, Mask)> = Vec::new();
         opaque(occluder, &grid, &mut |piece| {
             if let Piece::Page(page) = piece
-                && self.opacity.part_mut(own.part).fixed.take_page(page)
+                && self.opacity.part_mut(own.part).clear_page(page)
             {
                 let (lo, hi) = (page << 6i32, (page << 6i32) + 63);
-                self.opacity.part_mut(own.part).fused.clear_block(lo, hi);
                 let (min, max) = grid.range_bounds(lo, hi);
-                let near = |&s: &u32| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
+                let near = |&s: &Slot| self.other_solid(s, own).is_some_and(|o| !misses(o, min, max));
                 if !self.ids.pages().page_is_empty(page) || large.iter().any(near) {
                     piece.bricks(|brick, mask| {
                         if self.solids_near(brick, own, large) {
@@ -200,23 +203,20 @@ impl Scene {
                 return;
             }
             piece.bricks(|brick, mask| {
-                let opacity = self.opacity.part_mut(own.part);
-                let gone = opacity.fixed.take(brick, mask);
-                if gone != NONE {
-                    opacity.fused.clear_cells(brick, &gone);
-                    if self.solids_near(brick, own, large) {
-                        cleared.push((brick, gone));
-                    }
+                let gone = self.opacity.part_mut(own.part).take_fixed(brick, mask);
+                if gone != NONE && self.solids_near(brick, own, large) {
+                    cleared.push((brick, gone));
                 }
             });
         });
         cleared
     }
 
-    /// Clears the cells in a block that a solid filled together with others, and that those do not fill without it.
+    /// Clears the cells in a block that a solid filled together with others, and that those do not
+    /// fill without it.
     fn part(&mut self, own: Own, lo: IVec3, hi: IVec3, large: &Large) {
         let mut open: Vec<(IVec3, Mask)> = Vec::new();
-        self.opacity.part(own.part).fused.for_cells(lo, hi, &mut |brick, mask| {
+        self.opacity.part(own.part).fused().for_cells(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
             let around = Block::new(self.grid.range_bounds(lo, hi));
             let near = self.solids_in(brick, own, &around, large);
@@ -225,20 +225,13 @@ impl Scene {
                 open.push((brick, lost));
             }
         });
-        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(own.part);
-        for (brick, mask) in open {
-            let gone = fixed.take(brick, &mask);
-            fused.part(brick, &mask);
-            fused.clear_cells(brick, &gone);
-        }
+        let opacity = self.opacity.part_mut(own.part);
+        open.iter().for_each(|(brick, mask)| opacity.part_fixed(*brick, mask));
     }
 
     /// Makes cells opaque that solids fill together.
     fn join(&mut self, part: OpacityPart, cells: Vec<IVec3>) {
-        let LayerOpacity { fixed, fused, .. } = self.opacity.part_mut(part);
-        for c in cells {
-            fixed.set(c);
-            fused.add(c);
-        }
+        let opacity = self.opacity.part_mut(part);
+        cells.into_iter().for_each(|cell| opacity.join_fixed(cell));
     }
 }

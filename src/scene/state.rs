@@ -1,7 +1,7 @@
 //! The states of an object, and the events that change them.
 //!
-//! This table is the whole machine. [`State::after`] is the table as code, and a test goes through each
-//! of its entries. "-" means that the event does not apply: the state stays as it is.
+//! This table is the whole machine. [`State::after`] is the table as code, and a test goes through
+//! each of its entries. "-" means that the event does not apply: the state stays as it is.
 //!
 //! | Event                                             | Listed  | Overdue | Hidden                  | Unlocated |
 //! |---------------------------------------------------|---------|---------|-------------------------|-----------|
@@ -44,12 +44,13 @@ use crate::scene::volume::Tbv;
 pub(super) enum State {
     /// Its cells are in I, and in O if it has an occluder.
     Listed,
-    /// As `Listed`, but the object is reported on expiry and was not reported since the clock last moved. It may
-    /// be anywhere: it counts as visible and hides nothing.
+    /// As `Listed`, but the object is reported on expiry and was not reported since the clock last
+    /// moved. It may be anywhere: it counts as visible and hides nothing.
     Overdue,
     /// It is inside a temporal bounding volume, and its cells are in no matrix.
     Hidden(Hidden),
-    /// Its volume expired or was revealed, and no report came since: it counts as visible and hides nothing.
+    /// Its volume expired or was revealed, and no report came since: it counts as visible and hides
+    /// nothing.
     Unlocated {
         /// The expired volume stays in the matrices, in case the object is still inside.
         volume: Option<Tbv>,
@@ -60,9 +61,11 @@ pub(super) enum State {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hidden {
     pub(super) tbv: Tbv,
-    /// Until then, in seconds, the object cannot leave the volume. Only objects that are reported on expiry use it.
+    /// Until then, in seconds, the object cannot leave the volume. Only objects that are reported
+    /// on expiry use it.
     pub(super) expires: f64,
-    /// The time of the object's entry in the queue of expiries, never later than `expires`; infinity without entry.
+    /// The time of the object's entry in the queue of expiries, never later than `expires`;
+    /// infinity without entry.
     pub(super) queued: f64,
 }
 

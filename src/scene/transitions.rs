@@ -1,37 +1,38 @@
-//! The transitions of objects between their states, with their effects on matrices, lists and volumes.
+//! The transitions of objects between their states, with their effects on matrices, lists and
+//! volumes.
 //!
 //! Each function causes the events that the tables of [`crate::scene::state`] name for it.
+
+use casca_slots::{AT_ONCE, Expiry, Slot};
 
 use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
 use crate::scene::cells::Span;
-use crate::scene::expiry::{AT_ONCE, Expiry};
-use crate::scene::journal::{MOST_STATIC, StaticChange};
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
 
-/// An unlocated object keeps its old volume if the room there is at least this share of the slack of a new one.
+/// An unlocated object keeps its old volume if the room there is at least this share of the slack
+/// of a new one.
 const WORTH_KEEPING: f64 = 0.5;
 
 impl Scene {
     /// An object is reported to be somewhere.
-    pub(super) fn report(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+    pub(super) fn report(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         self.locate(slot);
-        let object = self.slots.object_mut(slot);
+        let object = &mut self.slots[slot];
         object.mover().into_iter().for_each(|mover| mover.reported = self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() {
             return;
         }
-        self.moves += 1;
-        object.moved = self.moves;
+        object.moved = self.changes.moved();
         let state = object.state();
         self.note_static(slot);
         match state {
             State::Listed | State::Overdue => {
-                self.revision += 1;
+                self.changes.changed();
                 self.relist(slot, bounds, occluder);
             }
             State::Hidden(hidden) => {
@@ -46,44 +47,45 @@ impl Scene {
     }
 
     /// Notes that an object is about to change, if it is static.
-    pub(super) fn note_static(&mut self, slot: u32) {
+    pub(super) fn note_static(&mut self, slot: Slot) {
         let object = self.object(slot);
         if object.is_static() {
             let occluder = object.occluder().map(Occluder::block);
-            self.static_changes.push(StaticChange { slot, occluder }, MOST_STATIC);
+            self.changes.static_changed(slot, occluder);
         }
     }
 
-    /// Puts an object on other layers, wherever it is. The cells of a listed occluder are kept by its layers.
-    pub(super) fn change_layers(&mut self, slot: u32, layers: u64) {
+    /// Puts an object on other layers, wherever it is. The cells of a listed occluder are kept by
+    /// its layers.
+    pub(super) fn change_layers(&mut self, slot: Slot, layers: u64) {
         let object = self.object(slot);
         let overdue = object.is_overdue();
         let listed = overdue || matches!(object.state(), State::Listed);
         if !listed || object.occluder().is_none() {
-            self.slots.object_mut(slot).layers = layers;
+            self.slots[slot].layers = layers;
             return;
         }
         if overdue {
             self.opacity.locate(object.opacity);
         }
         self.unlist(slot);
-        self.slots.object_mut(slot).layers = layers;
+        self.slots[slot].layers = layers;
         self.list(slot);
         if overdue {
             self.opacity.miss(self.object(slot).opacity);
-            self.always.insert(slot);
+            self.members.add_always(slot);
         }
     }
 
     /// Gives an object that is in no matrix another shape.
-    fn exchange_shape(&mut self, slot: u32, bounds: Bounds, occluder: Option<Occluder>) {
+    fn exchange_shape(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         self.exchange_occluder(slot, occluder);
-        self.slots.object_mut(slot).bounds = bounds;
+        self.slots[slot].bounds = bounds;
     }
 
     /// A hidden object was reported elsewhere: inside its volume it stays.
-    fn hidden_moved(&mut self, slot: u32, hidden: Hidden) {
-        let object = self.slots.object_mut(slot);
+    fn hidden_moved(&mut self, slot: Slot, hidden: Hidden) {
+        let object = &mut self.slots[slot];
         let block = object.bounds.block();
         if hidden.tbv.contains(&self.grid, &block) {
             if object.on_expiry() {
@@ -93,23 +95,24 @@ impl Scene {
         }
         object.adapt(Validity::outlived);
         self.volumes.remove(slot);
-        self.revision += 1;
+        self.changes.changed();
         let volume = self.make_volume(slot);
         self.enclose_or_list(slot, volume);
     }
 
-    /// An unlocated object was reported. Where a new volume would not last much longer, the old one stays.
-    fn found_again(&mut self, slot: u32, volume: Option<Tbv>) {
-        self.always.remove(slot);
-        self.revision += 1;
-        let object = self.slots.object_mut(slot);
+    /// An unlocated object was reported. Where a new volume would not last much longer, the old one
+    /// stays.
+    fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
+        self.members.remove_always(slot);
+        self.changes.changed();
+        let object = &mut self.slots[slot];
         object.adapt(Validity::outlived);
         let block = object.bounds.block();
         let next = self.make_volume(slot);
         if let (Some(old), Some(new)) = (volume, &next) {
             let room = old.room(&block);
             if room >= WORTH_KEEPING * new.tbv.slack {
-                self.journal.push(slot, self.slots.len());
+                self.changes.volume_is_new(slot, self.slots.len());
                 self.enclose_again(slot, old, room, f64::INFINITY);
                 return;
             }
@@ -120,36 +123,36 @@ impl Scene {
         self.enclose_or_list(slot, next);
     }
 
-    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides
-    /// nothing. Its cells stay as they are, since the report mostly comes at once.
-    pub(super) fn miss(&mut self, slot: u32) {
-        let object = self.slots.object_mut(slot);
+    /// The place of a listed object is no longer known: until it is reported it counts as visible
+    /// and hides nothing. Its cells stay as they are, since the report mostly comes at once.
+    pub(super) fn miss(&mut self, slot: Slot) {
+        let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
-            self.always.insert(slot);
-            self.revision += 1;
+            self.members.add_always(slot);
+            self.changes.changed();
         }
     }
 
     /// The place of an object is known again, or does not matter any more.
-    fn locate(&mut self, slot: u32) {
-        let object = self.slots.object_mut(slot);
+    fn locate(&mut self, slot: Slot) {
+        let object = &mut self.slots[slot];
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
-                self.always.remove(slot);
+                self.members.remove_always(slot);
             }
-            self.revision += 1;
+            self.changes.changed();
         }
     }
 
-    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went
-    /// backwards, no volume is certain.
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the
+    /// clock went backwards, no volume is certain.
     pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
         if self.slots.of_generation(entry.slot, entry.generation).is_none() {
             return false;
         }
-        let object = self.slots.object_mut(entry.slot);
+        let object = &mut self.slots[entry.slot];
         match object.state() {
             // Queued again since: that entry counts.
             State::Hidden(hidden) if hidden.queued != entry.at => false,
@@ -161,8 +164,8 @@ impl Scene {
             State::Hidden(_) => {
                 object.apply(Event::Expired);
                 object.adapt(Validity::passed);
-                self.always.insert(entry.slot);
-                self.revision += 1;
+                self.members.add_always(entry.slot);
+                self.changes.changed();
                 true
             }
             // Revealed in the last frame: its bounds are old.
@@ -172,16 +175,16 @@ impl Scene {
     }
 
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
-    pub(super) fn reveal(&mut self, slot: u32, seen: bool) {
+    pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
         let outer = self.volumes.is_outer(slot);
         self.volumes.remove(slot);
-        let generation = self.slots.id(slot).generation;
-        let object = self.slots.object_mut(slot);
+        let generation = self.slots.id(slot).generation();
+        let object = &mut self.slots[slot];
         object.adapt(|validity| validity.revealed(outer));
         if object.on_expiry() {
             object.apply(Event::Revealed);
-            self.always.insert(slot);
-            self.revision += 1;
+            self.members.add_always(slot);
+            self.changes.changed();
             self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
         } else if seen {
             self.list(slot);
@@ -192,13 +195,13 @@ impl Scene {
     }
 
     /// No view saw a listed dynamic object: puts it into a volume, if one fits.
-    pub(super) fn try_hide(&mut self, slot: u32) -> bool {
+    pub(super) fn try_hide(&mut self, slot: Slot) -> bool {
         // A volume around an old place contains nothing for certain.
         if self.object(slot).is_unlocated() {
             return false;
         }
         let Some(hidden) = self.make_volume(slot) else {
-            self.slots.object_mut(slot).adapt(Validity::passed);
+            self.slots[slot].adapt(Validity::passed);
             return false;
         };
         self.unlist(slot);
@@ -207,15 +210,15 @@ impl Scene {
     }
 
     /// Takes an object out of the scene.
-    pub(super) fn take_out(&mut self, slot: u32) {
-        self.revision += 1;
+    pub(super) fn take_out(&mut self, slot: Slot) {
+        self.changes.changed();
         self.note_static(slot);
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
             State::Hidden(_) => self.volumes.remove(slot),
             State::Unlocated { volume } => {
-                self.always.remove(slot);
+                self.members.remove_always(slot);
                 if volume.is_some() {
                     self.volumes.remove(slot);
                 }
@@ -225,8 +228,9 @@ impl Scene {
         self.slots.remove(slot);
     }
 
-    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in the queue.
-    fn make_volume(&self, slot: u32) -> Option<Hidden> {
+    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in
+    /// the queue.
+    fn make_volume(&self, slot: Slot) -> Option<Hidden> {
         let object = self.object(slot);
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
@@ -244,7 +248,7 @@ impl Scene {
     }
 
     /// Puts an object that is in no matrix into a volume, or into I and O.
-    fn enclose_or_list(&mut self, slot: u32, volume: Option<Hidden>) {
+    fn enclose_or_list(&mut self, slot: Slot, volume: Option<Hidden>) {
         match volume {
             Some(hidden) => self.enclose(slot, hidden),
             None => self.list(slot),
@@ -252,24 +256,24 @@ impl Scene {
     }
 
     /// Puts an object that is in no matrix into a new volume.
-    fn enclose(&mut self, slot: u32, hidden: Hidden) {
+    fn enclose(&mut self, slot: Slot, hidden: Hidden) {
         self.volumes.insert(slot, &hidden.tbv);
-        self.revision += 1;
-        self.journal.push(slot, self.slots.len());
+        self.changes.changed();
+        self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, hidden);
     }
 
-    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time of its
-    /// entry in the queue, if it has one.
-    fn enclose_again(&mut self, slot: u32, tbv: Tbv, room: f64, queued: f64) {
+    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time
+    /// of its entry in the queue, if it has one.
+    fn enclose_again(&mut self, slot: Slot, tbv: Tbv, room: f64, queued: f64) {
         let speed = self.object(slot).promised_speed().unwrap_or(0.0);
         self.hide(slot, Hidden { tbv, expires: earliest_arrival(self.now, room, speed), queued });
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
-    pub(super) fn hide(&mut self, slot: u32, mut hidden: Hidden) {
-        let generation = self.slots.id(slot).generation;
-        let object = self.slots.object_mut(slot);
+    pub(super) fn hide(&mut self, slot: Slot, mut hidden: Hidden) {
+        let generation = self.slots.id(slot).generation();
+        let object = &mut self.slots[slot];
         let early = object.on_expiry() && hidden.expires < hidden.queued;
         if early {
             hidden.queued = hidden.expires;

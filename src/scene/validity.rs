@@ -1,8 +1,8 @@
 //! For how long the volume of an object is made to last.
 //!
-//! It adapts: longer after the object left or outlived its volume unseen, half as long after the volume was revealed.
-//! A slow rise keeps most volumes from being revealed at all: each reveal costs a query a test, and the object
-//! a new volume.
+//! It adapts: longer after the object left or outlived its volume unseen, half as long after the
+//! volume was revealed. A slow rise keeps most volumes from being revealed at all: each reveal
+//! costs a query a test, and the object a new volume.
 
 /// Seconds that the first volume of an object is made to last.
 const FIRST: f64 = 0.5;
@@ -13,8 +13,9 @@ const MOST: f64 = 64.0;
 const LONGER: f64 = 1.25;
 const SHORTER: f64 = 0.5;
 
-/// When even the shortest volume beyond the grid was revealed, this many volumes stay inside: the masks of
-/// [`crate::Method::Cell`] end with the grid, so that it reveals each volume that leaves the grid inside the frustum.
+/// When even the shortest volume beyond the grid was revealed, this many volumes stay inside: the
+/// masks of [`crate::Method::Cell`] end with the grid, so that it reveals each volume that leaves
+/// the grid inside the frustum.
 const CONFINED: u8 = 8;
 
 /// The validity of an object's next volume.

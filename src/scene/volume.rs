@@ -1,9 +1,9 @@
-//! One temporal bounding volume: a box of cells that contains a hidden dynamic object for a while (Sudarsky &
-//! Gotsman 1996; thesis, sections 3.3.2 and 3.4.1).
+//! One temporal bounding volume: a box of cells that contains a hidden dynamic object for a while
+//! (Sudarsky & Gotsman 1996; thesis, sections 3.3.2 and 3.4.1).
 //!
-//! A volume is the object's bounds widened by the distance that it can go while the volume is valid. These limit the
-//! widening: the radius of the thesis, the cost of writing a volume into the matrices, and the rule that a hollow
-//! volume must not contain a viewer.
+//! A volume is the object's bounds widened by the distance that it can go while the volume is
+//! valid. These limit the widening: the radius of the thesis, the cost of writing a volume into the
+//! matrices, and the rule that a hollow volume must not contain a viewer.
 
 use glam::IVec3;
 
@@ -15,7 +15,12 @@ use crate::grid::cell_box::CellBox;
 /// the widening, the time that it lasts only with the widening.
 const MOST_CELLS: f64 = 8.0;
 
-/// A volume reaches beyond the grid where the border would leave it less than this share of the distance asked for.
+/// A volume is no larger than a rectangle whose sides are those of the grid, divided by this
+/// (thesis, section 3.4.1).
+const GRID_PARTS: f64 = 5.0;
+
+/// A volume reaches beyond the grid where the border would leave it less than this share of the
+/// distance asked for.
 const CRAMPED: f64 = 0.5;
 
 /// No volume reaches more cells than this beyond the grid: its cells could not be counted.
@@ -43,8 +48,8 @@ pub(super) enum Border {
 }
 
 impl Tbv {
-    /// A volume around an object that may move by up to `distance` world units; none if the object leaves the grid,
-    /// is too large or too close to a viewer.
+    /// A volume around an object that may move by up to `distance` world units; none if the object
+    /// leaves the grid, is too large or too close to a viewer.
     pub(super) fn around(
         grid: &Grid,
         bounds: &Block,
@@ -77,8 +82,8 @@ impl Tbv {
         Some(Self { cells, block, slack })
     }
 
-    /// Whether the volume contains a box and every cell that the box touches: something flat on a wall of a cell may
-    /// touch the cell beyond.
+    /// Whether the volume contains a box and every cell that the box touches: something flat on a
+    /// wall of a cell may touch the cell beyond.
     pub(super) fn contains(&self, grid: &Grid, bounds: &Block) -> bool {
         let Block { min, max } = self.block;
         if min.cmple(bounds.min).all() && max.cmpgt(bounds.max).all() {
@@ -95,12 +100,12 @@ impl Tbv {
     }
 }
 
-/// By how much a volume may be widened for all that the grid's size, its cost and the viewers say; none if
-/// a viewer is too close or the object too large.
+/// By how much a volume may be widened for all that the grid's size, its cost and the viewers say;
+/// none if a viewer is too close or the object too large.
 fn slack_between_viewers(grid: &Grid, bounds: &Block, distance: f64, viewers: &[IVec3]) -> Option<f64> {
     let cell = grid.cell_size();
     let dims = grid.dims().as_dvec3();
-    let limit = (dims.x / 5.0).hypot(dims.y / 5.0) * cell;
+    let limit = (dims.x / GRID_PARTS).hypot(dims.y / GRID_PARTS) * cell;
     let half = (bounds.max - bounds.min).max_element() * 0.5;
     let mut slack = distance.min(limit.max(cell) - half).min(MOST_CELLS * cell);
     if slack.is_nan() || slack < 0.0 {

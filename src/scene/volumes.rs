@@ -1,5 +1,7 @@
-//! All temporal bounding volumes of a scene: their cells in the matrices, and the structures that find them.
+//! All temporal bounding volumes of a scene: their cells in the matrices, and the structures that
+//! find them.
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::geometry::Block;
@@ -40,12 +42,12 @@ impl Volumes {
         &self.matrix
     }
 
-    pub(super) fn insert(&mut self, slot: u32, tbv: &Tbv) {
+    pub(super) fn insert(&mut self, slot: Slot, tbv: &Tbv) {
         let volume = &tbv.cells;
-        if self.cells.len() <= slot as usize {
-            self.cells.resize(slot as usize + 1, CellBox::default());
+        if self.cells.len() <= slot.index() {
+            self.cells.resize(slot.index() + 1, CellBox::default());
         }
-        self.cells[slot as usize] = *volume;
+        self.cells[slot.index()] = *volume;
         if self.leaves(volume) {
             self.outer.insert(&tbv.block, volume, slot);
         } else {
@@ -60,12 +62,12 @@ impl Volumes {
     }
 
     /// Whether the volume of an object reaches beyond the grid.
-    pub(crate) fn is_outer(&self, slot: u32) -> bool {
+    pub(crate) fn is_outer(&self, slot: Slot) -> bool {
         self.leaves(self.cells(slot))
     }
 
     /// The box of an object's volume.
-    pub(crate) fn block(&self, grid: &Grid, slot: u32) -> Block {
+    pub(crate) fn block(&self, grid: &Grid, slot: Slot) -> Block {
         let CellBox { lo, hi } = *self.cells(slot);
         if self.is_outer(slot) { self.outer.block(slot) } else { Block::new(grid.range_bounds(lo, hi)) }
     }
@@ -75,8 +77,8 @@ impl Volumes {
         &self.outer
     }
 
-    pub(super) fn remove(&mut self, slot: u32) {
-        let volume = self.cells[slot as usize];
+    pub(super) fn remove(&mut self, slot: Slot) {
+        let volume = self.cells[slot.index()];
         if self.leaves(&volume) {
             self.outer.remove(&volume, slot);
         } else {
@@ -86,14 +88,14 @@ impl Volumes {
     }
 
     #[inline]
-    pub(crate) fn cells(&self, slot: u32) -> &CellBox {
-        &self.cells[slot as usize]
+    pub(crate) fn cells(&self, slot: Slot) -> &CellBox {
+        &self.cells[slot.index()]
     }
 
     /// The volumes that contain a cell, on their surface or inside.
-    pub(crate) fn holding(&self, cell: IVec3, mut found: impl FnMut(u32)) {
+    pub(crate) fn holding(&self, cell: IVec3, mut found: impl FnMut(Slot)) {
         self.containing.find(cell, |slot| {
-            if self.cells[slot as usize].contains(cell) {
+            if self.cells[slot.index()].contains(cell) {
                 found(slot);
             }
         });
@@ -127,14 +129,14 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 8) as i32 % n
         };
-        for slot in 0..400 {
+        for slot in Slot::below(400) {
             let lo = IVec3::new(next(90), next(50), next(90));
             let hi = (lo + IVec3::new(next(30), next(9), next(20))).min(IVec3::new(99, 59, 99));
             boxes.push(CellBox { lo, hi });
             let block = Block::new(grid().range_bounds(lo, hi));
             volumes.insert(slot, &Tbv { cells: CellBox { lo, hi }, block, slack: 0.0 });
         }
-        for slot in (0..400).step_by(3) {
+        for slot in Slot::below(400).step_by(3) {
             volumes.remove(slot);
         }
         for _ in 0..500 {
@@ -142,8 +144,8 @@ mod tests {
             let mut found = Vec::new();
             volumes.holding(c, |s| found.push(s));
             found.sort_unstable();
-            let expect: Vec<u32> =
-                (0..400).filter(|s| s % 3 != 0 && boxes[*s as usize].contains(c)).collect();
+            let expect: Vec<Slot> =
+                Slot::below(400).filter(|s| s.index() % 3 != 0 && boxes[s.index()].contains(c)).collect();
             assert_eq!(found, expect, "{c}");
         }
     }

@@ -5,7 +5,8 @@ use glam::{DVec3, IVec3};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
 
-/// The cells of a box between `lo` and `hi` that pass a test which the cells of each row pass in one run.
+/// The cells of a box between `lo` and `hi` that pass a test which the cells of each row pass in
+/// one run.
 pub(crate) fn filtered(
     grid: &Grid,
     (min, max): (DVec3, DVec3),

@@ -40,7 +40,8 @@ pub(crate) trait Kind: Shape {
     where
         Self: Sized;
 
-    /// Tells the parts of it that several objects may share: the place of each in memory, and its bytes.
+    /// Tells the parts of it that several objects may share: the place of each in memory, and its
+    /// bytes.
     fn shared(&self, _: &mut dyn FnMut(*const u8, usize)) {}
 
     /// The shape, if it can be asked for single rows of cells.
@@ -73,7 +74,8 @@ pub(crate) trait Kind: Shape {
         self.block().may_reach(planes)
     }
 
-    /// Whether it may meet the common part of half-spaces, which lies in the box `around`; in doubt, yes.
+    /// Whether it may meet the common part of half-spaces, which lies in the box `around`; in
+    /// doubt, yes.
     fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {
         let block = self.block();
         around.meets(&block) && block.may_reach(planes)
@@ -100,8 +102,8 @@ pub(crate) trait Kind: Shape {
         Body::Block(Block { min: b.min - origin - grow, max: b.max - origin + grow })
     }
 
-    /// A solid inside of it, relative to an origin of which each coordinate is known to within `shrink`; `None` if
-    /// no such solid is left, and for shapes that are drawn by their triangles.
+    /// A solid inside of it, relative to an origin of which each coordinate is known to within
+    /// `shrink`; `None` if no such solid is left, and for shapes that are drawn by their triangles.
     fn inner(&self, _origin: DVec3, _shrink: f64) -> Option<Body> {
         None
     }
@@ -116,8 +118,8 @@ pub(crate) trait Kind: Shape {
         None
     }
 
-    /// Whether all convex parts that together contain it pass a test, relative to an origin that is known exactly;
-    /// `None` if it has no parts.
+    /// Whether all convex parts that together contain it pass a test, relative to an origin that is
+    /// known exactly; `None` if it has no parts.
     fn all_parts(&self, _origin: DVec3, _test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
         None
     }

@@ -1,7 +1,7 @@
 //! Boxes turned by a rotation.
 //!
-//! A cell is inside if its corners are, and touched if no face of the box keeps it out. Faces are moved by
-//! [`DISTANCE`] of the coordinates, outwards or inwards.
+//! A cell is inside if its corners are, and touched if no face of the box keeps it out. Faces are
+//! moved by [`DISTANCE`] of the coordinates, outwards or inwards.
 
 use glam::{DMat3, DVec3, IVec3, Vec3};
 
@@ -36,9 +36,9 @@ impl Obb {
         let (c, _, margin) = self.parts();
         let (turn, half) = (self.turn(), self.half.as_dvec3());
         move |min: DVec3, max: DVec3| {
-            let (d, reach) = ((min + max) * 0.5 - c, (max - min) * 0.5);
+            let (d, radius) = ((min + max) * 0.5 - c, (max - min) * 0.5);
             let slack = margin + DISTANCE * max.abs().max(min.abs()).max_element();
-            (0..3).all(|i| turn.col(i).dot(d).abs() <= half[i] + turn.col(i).abs().dot(reach) + slack)
+            (0..3).all(|i| turn.col(i).dot(d).abs() <= half[i] + turn.col(i).abs().dot(radius) + slack)
         }
     }
 
@@ -59,8 +59,8 @@ impl Obb {
 impl Shape for Obb {
     fn bounds(&self) -> (DVec3, DVec3) {
         let (c, axes, margin) = self.parts();
-        let reach = axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs() + margin;
-        (c - reach, c + reach)
+        let radius = axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs() + margin;
+        (c - radius, c + radius)
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
@@ -120,10 +120,10 @@ impl Kind for Obb {
 
     fn may_reach(&self, planes: &[HalfSpace]) -> bool {
         let (c, axes, _) = self.parts();
-        let reach = c.abs().max_element() + self.half.as_dvec3().element_sum();
+        let largest = c.abs().max_element() + self.half.as_dvec3().element_sum();
         planes.iter().all(|p| {
             let half: f64 = (0..3).map(|i| axes.col(i).dot(p.normal).abs()).sum();
-            p.distance(c) >= -(half + p.margin(reach))
+            p.distance(c) >= -(half + p.margin(largest))
         })
     }
 

@@ -1,5 +1,5 @@
-//! The cells of a shape brick by brick. Pages and bricks that lie wholly inside or outside are reported as a whole, so
-//! that large shapes cost their surface.
+//! The cells of a shape brick by brick. Pages and bricks that lie wholly inside or outside are
+//! reported as a whole, so that large shapes cost their surface.
 
 use crate::geometry::Block;
 use crate::grid::Grid;
@@ -233,7 +233,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Whether a block of cells contains none of the shape's cells (`false`), or only those (`true`).
+    /// Whether a block of cells contains none of the shape's cells (`false`), or only those
+    /// (`true`).
     fn verdict(&self, lo: IVec3, hi: IVec3) -> Option<bool> {
         let (min, max) = self.grid.range_bounds(lo, hi);
         let all = match self.which {

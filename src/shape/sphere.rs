@@ -44,7 +44,8 @@ impl Shape for Sphere {
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         let farthest = (c - min).abs().max((max - c).abs());
-        // A little less than the rows of `opaque` contain, so that every cell found here is one of theirs.
+        // A little less than the rows of `opaque` contain, so that every cell found here is one of
+        // theirs.
         let r = r - SPHERE_BOX * margin;
         r > 0.0 && farthest.length_squared() <= r * r
     }
@@ -136,8 +137,8 @@ impl Kind for Sphere {
 
     fn may_reach(&self, planes: &[HalfSpace]) -> bool {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        let reach = c.abs().max_element() + r;
-        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(reach)))
+        let largest = c.abs().max_element() + r;
+        planes.iter().all(|p| p.distance(c) >= -(r + p.margin(largest)))
     }
 
     fn may_meet(&self, planes: &[HalfSpace], around: &Block) -> bool {

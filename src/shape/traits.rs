@@ -24,8 +24,8 @@ pub trait Shape {
     fn contains_point(&self, point: DVec3) -> bool;
 }
 
-/// A shape whose cells can be asked for in any part of the grid. All cells that contain a point of it are
-/// touched, among them all cells of its inside.
+/// A shape whose cells can be asked for in any part of the grid. All cells that contain a point of
+/// it are touched, among them all cells of its inside.
 pub(crate) trait Rows: Shape {
     /// Calls `out` with the touched cells between `lo` and `hi`, which lie inside the grid.
     fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));

@@ -1,4 +1,5 @@
-//! The light that passes through a cone: by samples of the opacity pyramid, slab by slab of its cells, or by exact rays.
+//! The light that passes through a cone: by samples of the opacity pyramid, slab by slab of its
+//! cells, or by exact rays.
 
 use glam::{DVec3, Vec3};
 
@@ -23,9 +24,9 @@ pub struct Cone {
 
 /// How a cone is followed through the cells.
 ///
-/// Only rays converge: the more of them, the nearer they come to the share of light that the cells let pass. Errors beside a
-/// path tracer on 128 cells, over the mean of its picture, and times over those of slabs
-/// (`docs/light/report/light-shadows.csv` of the repository):
+/// Only rays converge: the more of them, the nearer they come to the share of light that the cells
+/// let pass. Errors beside a path tracer on 128 cells, over the mean of its picture, and times over
+/// those of slabs (`docs/light/report/light-shadows.csv` of the repository):
 ///
 /// | march | soft shadow of a thin block | ambient occlusion in the Cornell box |
 /// |---|---|---|
@@ -34,34 +35,38 @@ pub struct Cone {
 /// | samples, [`March::OLD`] | 0.35, time 0.7 | 0.26, time 0.4 |
 /// | samples, corrected | 0.35, time 1.0 | 0.44, time 0.5 |
 ///
-/// 16 rays take a quarter of the time of 64. On 64 cells they err by 0.18 and 0.16, where 64 rays err by 0.15 and 0.14.
-/// Beside 4096 rays in the same 128 cells, ambient occlusion errs by 0.048 with slabs, 0.057 with 16 rays, 0.019 with 64 and
-/// 0.007 with 256, on the mean (the example `soft_costs`).
+/// 16 rays take a quarter of the time of 64. On 64 cells they err by 0.18 and 0.16, where 64 rays
+/// err by 0.15 and 0.14. Beside 4096 rays in the same 128 cells, ambient occlusion errs by 0.048
+/// with slabs, 0.057 with 16 rays, 0.019 with 64 and 0.007 with 256, on the mean (the example
+/// `soft_costs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum March {
-    /// An approximation that does not converge. Marches once per axis, slab by slab, at the pyramid level whose cells are about as wide as the cone's radius. The opacity of a
-    /// slab is interpolated across the axis but not along it, so that no wall along the axes leaks, however thin, and none is too
-    /// near to be seen. Walls askew to the axes leak, as by samples, where a slab holds a part of them only:
-    /// `docs/soft-walls.csv` of the repository has figures. Slabs that are covered in part, one after the other, count once:
-    /// foliage hides only as much as its densest slab. The cell in which the reach ends hides in proportion to the part of it
-    /// before that end.
+    /// An approximation that does not converge. Marches once per axis, slab by slab, at the pyramid
+    /// level whose cells are about as wide as the cone's radius. The opacity of a slab is
+    /// interpolated across the axis but not along it, so that no wall along the axes leaks, however
+    /// thin, and none is too near to be seen. Walls askew to the axes leak, as by samples, where a
+    /// slab holds a part of them only: `docs/soft-walls.csv` of the repository has figures. Slabs
+    /// that are covered in part, one after the other, count once: foliage hides only as much as its
+    /// densest slab. The cell in which the reach ends hides in proportion to the part of it before
+    /// that end.
     Slabs,
-    /// Samples on the axis of the cone, interpolated between cells and levels: the rule of Villegas 2016. Thin walls leak, by 13% at
-    /// steps of 0.5, and walls nearer than `start + first` are missed.
+    /// Samples on the axis of the cone, interpolated between cells and levels: the rule of
+    /// Villegas 2016. Thin walls leak, by 13% at steps of 0.5, and walls nearer than `start +
+    /// first` are missed.
     Samples {
         /// Step in units of the cone's diameter, 0.01 to 4. The old rule takes 0.5.
         step: f32,
-        /// Distance from the apex in cells at which the cone begins, with no width: 0 to 16. It is a part of the reach. The old rule
-        /// takes 2.
+        /// Distance from the apex in cells at which the cone begins, with no width: 0 to 16. It is
+        /// a part of the reach. The old rule takes 2.
         start: f32,
         /// Distance of the first sample from there, in cells: 0.25 to 16. The old rule takes 2.
         first: f32,
         /// Whether the opacity of a sample is that of a step's length, and not of a cell's.
         corrected: bool,
     },
-    /// Exact rays, evenly in the cone: 1 to 4096; a single one is its axis. Errs by their number, and by the cells that shapes
-    /// touch but do not fill.
+    /// Exact rays, evenly in the cone: 1 to 4096; a single one is its axis. Errs by their number,
+    /// and by the cells that shapes touch but do not fill.
     Rays(u32),
 }
 
@@ -106,7 +111,8 @@ pub(super) fn between(what: &'static str, value: f32, min: f32, max: f32) -> Res
     Err(Error::Setting { what, value: value.into(), min: min.into(), max: max.into() })
 }
 
-/// A slab of cells: the level, the place along the axis, and the channel, which says the axis and the way along it.
+/// A slab of cells: the level, the place along the axis, and the channel, which says the axis and
+/// the way along it.
 type Slab = (usize, i32, usize);
 
 /// A cone in units of cells, from the corner of the grid.
@@ -129,12 +135,13 @@ impl CellCone {
 impl SoftGrid {
     /// How much light passes through a cone. An estimate.
     ///
-    /// Costs a number of steps that grows with the logarithm of the reach, for wide cones; rays cost a
-    /// [`SoftGrid::first_hit`] each. A point on a surface lies in an occupied cell: offset the
-    /// apex by two cells along the normal.
+    /// Costs a number of steps that grows with the logarithm of the reach, for wide cones; rays
+    /// cost a [`SoftGrid::first_hit`] each. A point on a surface lies in an occupied cell: offset
+    /// the apex by two cells along the normal.
     ///
     /// # Errors
-    /// Refuses numbers that are not finite (but for the reach) or out of their range, and a direction of length 0.
+    /// Refuses numbers that are not finite (but for the reach) or out of their range, and a
+    /// direction of length 0.
     pub fn cone(&self, cone: &Cone, march: &March) -> Result<ConeAnswer, Error> {
         finite3("the apex of the cone", cone.apex)?;
         finite3("the direction of the cone", cone.direction)?;
@@ -158,7 +165,8 @@ impl SoftGrid {
         (point - self.grid().min()) / self.grid().cell_size()
     }
 
-    /// [`SoftGrid::cone`] for a cone that was checked. Gives the transmittance and the number of steps.
+    /// [`SoftGrid::cone`] for a cone that was checked. Gives the transmittance and the number of
+    /// steps.
     pub(super) fn march(&self, cone: &CellCone, march: &March) -> (f64, u32) {
         // Nothing is beyond the grid.
         let dims = self.grid().dims().as_dvec3();
@@ -189,7 +197,8 @@ impl SoftGrid {
         }
     }
 
-    /// Samples on the axis (Villegas 2016, section 1.7.4.4): each lies a share of the cone's diameter behind the last.
+    /// Samples on the axis (Villegas 2016, section 1.7.4.4): each lies a share of the cone's
+    /// diameter behind the last.
     fn march_samples(&self, cone: &CellCone, step: f64, first: f64, corrected: bool) -> (f64, u32) {
         let d = cone.direction;
         let faces = [0, 1, 2].map(|axis| face_along(axis, d[axis]));
@@ -224,11 +233,13 @@ impl SoftGrid {
         Some((entry * cone.reach, exit * cone.reach))
     }
 
-    /// The light that passes all slabs of cells along an axis, where cells are as opaque as they are along that axis.
+    /// The light that passes all slabs of cells along an axis, where cells are as opaque as they
+    /// are along that axis.
     ///
-    /// A slab hides only what it covers beyond the slab before: solids go on from one to the next. A ray at an angle to the axes
-    /// passes more slabs in all than one along an axis, so that each counts as the power of the direction's share along its axis:
-    /// cells that are as opaque from all sides are so along every direction.
+    /// A slab hides only what it covers beyond the slab before: solids go on from one to the next.
+    /// A ray at an angle to the axes passes more slabs in all than one along an axis, so that each
+    /// counts as the power of the direction's share along its axis: cells that are as opaque from
+    /// all sides are so along every direction.
     fn march_slabs(&self, cone: &CellCone, axis: usize) -> (f64, u32) {
         let d = cone.direction[axis];
         let Some((mut t, end)) = self.in_grid(cone).filter(|_| d.abs() > ALONG) else { return (1.0, 0) };
@@ -262,10 +273,11 @@ impl SoftGrid {
         (f64::from(plane.min(self.grid().dims()[axis])) - cone.apex[axis]) / cone.direction[axis]
     }
 
-    /// The share of the opacity of a slab, entered at `t`, that lies before the end of the march: 1 unless the end cuts the slab off.
+    /// The share of the opacity of a slab, entered at `t`, that lies before the end of the march: 1
+    /// unless the end cuts the slab off.
     ///
-    /// A thin wall is wholly before the end or wholly behind it, so that the slabs of the levels below decide. A single cell counts
-    /// by its length.
+    /// A thin wall is wholly before the end or wholly behind it, so that the slabs of the levels
+    /// below decide. A single cell counts by its length.
     fn share_before(&self, cone: &CellCone, slab: Slab, (t, end): (f64, f64)) -> (f64, u32) {
         let (level, at, face) = slab;
         let along = cone.direction[face / 2].abs();

@@ -1,4 +1,5 @@
-//! Estimates from many rays or several cones: how much of a shape an eye sees, and how open the sky is above a surface.
+//! Estimates from many rays or several cones: how much of a shape an eye sees, and how open the sky
+//! is above a surface.
 
 use glam::{DVec3, Vec3};
 
@@ -16,15 +17,16 @@ use crate::soft::rays::{above_surface, check_rays, on_box, on_sphere, six_cones}
 use crate::soft::walk::Segment;
 
 impl SoftGrid {
-    /// The share of a shape that an eye sees, 0 to 1, by solid angle: **an estimate**, from about as many exact walks as `rays`
-    /// says (1 to 4096), to a sphere itself and to the faces of the box around any other shape. 1 for an eye in the shape or in one
-    /// of its cells.
+    /// The share of a shape that an eye sees, 0 to 1, by solid angle: **an estimate**, from about
+    /// as many exact walks as `rays` says (1 to 4096), to a sphere itself and to the faces of the
+    /// box around any other shape. 1 for an eye in the shape or in one of its cells.
     ///
-    /// Cells inside the shape's bounding box never occlude it, since it may be in the grid itself; nor does the cell of the eye. Shapes outside of
-    /// the grid are hidden by the cells on the way.
+    /// Cells inside the shape's bounding box never occlude it, since it may be in the grid itself;
+    /// nor does the cell of the eye. Shapes outside of the grid are hidden by the cells on the way.
     ///
     /// # Errors
-    /// Refuses an eye that is not finite, shapes that a scene would refuse, and numbers of rays out of range.
+    /// Refuses an eye that is not finite, shapes that a scene would refuse, and numbers of rays out
+    /// of range.
     pub fn visible_fraction(&self, eye: Vec3, shape: impl Into<Bounds>, rays: u32) -> Result<f32, Error> {
         finite3("the eye", eye)?;
         check_rays(rays)?;
@@ -65,15 +67,17 @@ impl SoftGrid {
         CellBox { lo, hi }
     }
 
-    /// The share of the sky above a surface that is hidden, 0 to 1, weighted by the cosine of the angle with the normal: **an estimate**.
-    /// Shapes farther away from the point than `reach`, in world units, hide nothing; it may be infinite. With [`March::Rays`], by so many
-    /// rays; else by six cones of 60 degrees.
+    /// The share of the sky above a surface that is hidden, 0 to 1, weighted by the cosine of the
+    /// angle with the normal: **an estimate**. Shapes farther away from the point than `reach`, in
+    /// world units, hide nothing; it may be infinite. With [`March::Rays`], by so many rays; else
+    /// by six cones of 60 degrees.
     ///
-    /// All start 1.7 cells above the point along the normal: there no cell belongs to the surface itself, if that is flat. Nearer
-    /// shapes are not seen.
+    /// All start 1.7 cells above the point along the normal: there no cell belongs to the surface
+    /// itself, if that is flat. Nearer shapes are not seen.
     ///
     /// # Errors
-    /// Refuses a point and a normal that are not finite, a normal of length 0, a negative reach, and settings of the march out of range.
+    /// Refuses a point and a normal that are not finite, a normal of length 0, a negative reach,
+    /// and settings of the march out of range.
     pub fn ambient_occlusion(
         &self,
         point: Vec3,
@@ -110,10 +114,12 @@ impl SoftGrid {
         Ok((1.0 - open).clamp(0.0, 1.0) as f32)
     }
 
-    /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of their bounds from the eye of the
-    /// view that the set was found for, by so many rays each. No object leaves the list.
+    /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of
+    /// their bounds from the eye of the view that the set was found for, by so many rays each. No
+    /// object leaves the list.
     ///
-    /// Objects that are gone, or go unreported while hidden, keep their fraction; so do all in views of parallel rays.
+    /// Objects that are gone, or go unreported while hidden, keep their fraction; so do all in
+    /// views of parallel rays.
     ///
     /// ```
     /// use casca::soft::{Layer, SoftGrid};

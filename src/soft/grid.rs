@@ -1,7 +1,7 @@
 //! The grid of soft visibility: shapes as cells in two layers, and the pyramid above them.
 //!
-//! A layer counts the shapes in each cell, so that a shape that goes leaves the cells of the others as they were, and the order
-//! of insertions does not matter.
+//! A layer counts the shapes in each cell, so that a shape that goes leaves the cells of the others
+//! as they were, and the order of insertions does not matter.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,10 +20,12 @@ use crate::scene::Scene;
 use crate::shape::pieces::touched;
 use crate::soft::pyramid::Pyramid;
 
-/// The most cells of a grid: 1024^3. A solid that fills them has 2 million bricks, each of which is visited.
+/// The most cells of a grid: 1024^3. A solid that fills them has 2 million bricks, each of which is
+/// visited.
 const MAX_CELLS: u64 = 1 << 30;
 
-/// Numbers shapes across all grids, so that an id of another grid is found out. Clones have the ids of their original.
+/// Numbers shapes across all grids, so that an id of another grid is found out. Clones have the ids
+/// of their original.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 /// The layer of a shape.
@@ -35,8 +37,8 @@ pub enum Layer {
     Moving,
 }
 
-/// Names a shape of a [`SoftGrid`]. No two shapes of a process have the same, but a clone of the grid has
-/// the same ids.
+/// Names a shape of a [`SoftGrid`]. No two shapes of a process have the same, but a clone of the
+/// grid has the same ids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SoftId(u64);
 
@@ -55,7 +57,8 @@ struct Held {
 }
 
 impl Held {
-    /// The cells that a shape touches, and those inside of it. Costs those on its surface, and the full bricks.
+    /// The cells that a shape touches, and those inside of it. Costs those on its surface, and the
+    /// full bricks.
     fn new(shape: &Occluder, layer: Layer, grid: &Grid) -> Self {
         let mut held = Self { layer, partial: Vec::new(), full: Vec::new() };
         let (mesh, transform) = match shape {
@@ -87,8 +90,9 @@ impl Held {
 
 /// The cells that shapes occupy, and how much they hide. See the [module](crate::soft).
 ///
-/// Shapes count as the cells that they touch, those of closed meshes and solids with the cells inside. Call
-/// [`SoftGrid::rebuild`] to apply changes; it rebuilds only the 8x8x8-cell bricks they touch.
+/// Shapes count as the cells that they touch, those of closed meshes and solids with the cells
+/// inside. Call [`SoftGrid::rebuild`] to apply changes; it rebuilds only the 8x8x8-cell bricks they
+/// touch.
 #[derive(Clone)]
 pub struct SoftGrid {
     grid: Grid,
@@ -128,17 +132,20 @@ impl SoftGrid {
         &self.grid
     }
 
-    /// The occupied cells of both layers, as of the last [`SoftGrid::rebuild`], and the levels above.
+    /// The occupied cells of both layers, as of the last [`SoftGrid::rebuild`], and the levels
+    /// above.
     pub fn pyramid(&self) -> &Pyramid {
         &self.pyramid
     }
 
-    /// Whether shapes of a layer touch or contain a cell. At once, not as of the last [`SoftGrid::rebuild`].
+    /// Whether shapes of a layer touch or contain a cell. At once, not as of the last
+    /// [`SoftGrid::rebuild`].
     pub fn is_occupied(&self, layer: Layer, cell: IVec3) -> bool {
         self.layers[layer as usize].cells.get(cell)
     }
 
-    /// Adds a shape: a solid, a mesh, or an instance of a mesh. The part outside of the grid is left out.
+    /// Adds a shape: a solid, a mesh, or an instance of a mesh. The part outside of the grid is
+    /// left out.
     ///
     /// Costs the triangles and the cells on the surface, and the bricks inside.
     ///
@@ -170,7 +177,8 @@ impl SoftGrid {
     /// Removes a shape.
     ///
     /// # Errors
-    /// [`Error::UnknownShape`] if it was removed before, or belongs to another grid that this one was not cloned from.
+    /// [`Error::UnknownShape`] if it was removed before, or belongs to another grid that this one
+    /// was not cloned from.
     pub fn remove(&mut self, id: SoftId) -> Result<(), Error> {
         let held = self.shapes.remove(&id).ok_or(Error::UnknownShape(id.0))?;
         let Bits { cells, counts } = &mut self.layers[held.layer as usize];
@@ -190,14 +198,15 @@ impl SoftGrid {
         self.shapes.insert(id, held);
     }
 
-    /// Takes over the occluders of a scene, and [rebuilds](SoftGrid::rebuild): inserts new ones, replaces those that changed and
-    /// removes those that are gone since the last call. Static objects go to [`Layer::Fixed`]. Shapes that were inserted by hand
-    /// stay.
+    /// Takes over the occluders of a scene, and [rebuilds](SoftGrid::rebuild): inserts new ones,
+    /// replaces those that changed and removes those that are gone since the last call. Static
+    /// objects go to [`Layer::Fixed`]. Shapes that were inserted by hand stay.
     ///
     /// Costs the objects of the scene, and the cells of those that changed.
     ///
     /// # Errors
-    /// Only errors the scene itself would have returned. Objects before the failing one are already inserted, but not yet rebuilt.
+    /// Only errors the scene itself would have returned. Objects before the failing one are already
+    /// inserted, but not yet rebuilt.
     pub fn follow(&mut self, scene: &Scene) -> Result<usize, Error> {
         let gone = |id: &ObjectId| !scene.occluder(*id).is_ok_and(|occluder| occluder.is_some());
         for id in self.followed.keys().copied().filter(gone).collect::<Vec<_>>() {
@@ -221,7 +230,8 @@ impl SoftGrid {
         Ok(self.rebuild())
     }
 
-    /// Brings all answers up to date with the shapes. Returns the number of bricks of 8x8x8 cells that changed.
+    /// Brings all answers up to date with the shapes. Returns the number of bricks of 8x8x8 cells
+    /// that changed.
     ///
     /// Costs those bricks and the cells of the pyramid above them.
     pub fn rebuild(&mut self) -> usize {

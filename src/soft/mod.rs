@@ -1,16 +1,19 @@
 //! Soft visibility: estimates of how much of something can be seen, on the cells of a grid.
 //!
-//! A [`crate::Query`] says whether something can be seen and never errs by hiding it. The functions here say how much of it, and
-//! **may err both ways**: shapes count as the cells that they touch. Use them to choose levels of detail, to order what is
-//! streamed, and for light, but not to leave objects out.
+//! A [`crate::Query`] says whether something can be seen and never errs by hiding it. The functions
+//! here say how much of it, and **may err both ways**: shapes count as the cells that they touch.
+//! Use them to choose levels of detail, to order what is streamed, and for light, but not to leave
+//! objects out.
 //!
-//! [`SoftGrid`] holds the occupied cells in two layers, for fixed and for moving shapes, and a pyramid of opacities above
-//! them. It is asked by [`SoftGrid::first_hit`] (an exact walk through the cells), [`SoftGrid::cone`],
-//! [`SoftGrid::visible_fraction`] and [`SoftGrid::ambient_occlusion`]; a [`VisibilityVolume`] keeps what a light reaches.
+//! [`SoftGrid`] holds the occupied cells in two layers, for fixed and for moving shapes, and a
+//! pyramid of opacities above them. It is asked by [`SoftGrid::first_hit`] (an exact walk through
+//! the cells), [`SoftGrid::cone`], [`SoftGrid::visible_fraction`] and
+//! [`SoftGrid::ambient_occlusion`]; a [`VisibilityVolume`] keeps what a light reaches.
 //!
-//! Sources: J. G. Villegas, *Trazado de conos para el cálculo de iluminación global empleando sombreado de vóxeles* (UCV 2016), and
-//! Crassin et al., *Interactive Indirect Illumination Using Voxel Cone Tracing* (2011). Opacities have no running averages,
-//! so that results do not depend on the order of shapes.
+//! Sources: J. G. Villegas, *Trazado de conos para el cálculo de iluminación global empleando
+//! sombreado de vóxeles* (UCV 2016), and Crassin et al., *Interactive Indirect Illumination Using
+//! Voxel Cone Tracing* (2011). Opacities have no running averages, so that results do not depend on
+//! the order of shapes.
 //!
 //! ```
 //! use casca::soft::{Cone, Layer, March, SoftGrid};

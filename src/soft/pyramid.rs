@@ -1,9 +1,10 @@
-//! Opacities at half the resolution again and again: six directional channels (Villegas 2016, section 1.7.4.5), and beside them
-//! whether any and whether all cells below are occupied.
+//! Opacities at half the resolution again and again: six directional channels (Villegas 2016,
+//! section 1.7.4.5), and beside them whether any and whether all cells below are occupied.
 //!
-//! A channel composes pairs of cells front to back and takes the mean of the four results. A wall thus stays opaque for rays
-//! through it at every level. Seen along it, an opacity a becomes a - a^2 / 2 a level: pairs count as independent, so that it falls
-//! more slowly than the share 2^-l of the rays that a thin wall stops. Only bricks that are neither empty nor full hold channels.
+//! A channel composes pairs of cells front to back and takes the mean of the four results. A wall
+//! thus stays opaque for rays through it at every level. Seen along it, an opacity a becomes a -
+//! a^2 / 2 a level: pairs count as independent, so that it falls more slowly than the share 2^-l of
+//! the rays that a thin wall stops. Only bricks that are neither empty nor full hold channels.
 
 use glam::{DVec3, IVec3};
 
@@ -29,8 +30,9 @@ struct Level {
     channels: Bricks<Channels>,
 }
 
-/// The occupied cells of a [`crate::soft::SoftGrid`] and the levels above them. Level 0 is the grid; a cell of level `l` covers 2^l
-/// cells of it along each axis, as far as these are in the grid: cells beyond the border take no part.
+/// The occupied cells of a [`crate::soft::SoftGrid`] and the levels above them. Level 0 is the
+/// grid; a cell of level `l` covers 2^l cells of it along each axis, as far as these are in the
+/// grid: cells beyond the border take no part.
 #[derive(Clone)]
 pub struct Pyramid {
     base: BitMatrix,
@@ -67,12 +69,14 @@ impl Pyramid {
         self.any_bits(level).get(cell)
     }
 
-    /// Whether all base cells covered by this cell of a level are occupied; outside the grid they are not.
+    /// Whether all base cells covered by this cell of a level are occupied; outside the grid they
+    /// are not.
     pub fn all(&self, level: usize, cell: IVec3) -> bool {
         self.all_bits(level).get(cell)
     }
 
-    /// The opacity of a cell of a level, 0 to 1, for rays that travel along an axis (0 to 2), upwards or downwards. 0 outside the grid.
+    /// The opacity of a cell of a level, 0 to 1, for rays that travel along an axis (0 to 2),
+    /// upwards or downwards. 0 outside the grid.
     pub fn opacity(&self, level: usize, cell: IVec3, axis: usize, up: bool) -> f32 {
         let level = level.min(self.top());
         let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(self.dims(level)).all();
@@ -112,7 +116,8 @@ impl Pyramid {
         changed
     }
 
-    /// Makes anew all that lies above bricks of the base. Costs 64 cells for each of them and of the levels.
+    /// Makes anew all that lies above bricks of the base. Costs 64 cells for each of them and of
+    /// the levels.
     pub(super) fn rebuild(&mut self, mut stale: Vec<IVec3>) {
         for level in 1..=self.top() {
             stale.iter().for_each(|&brick| self.lift(level, brick));
@@ -157,7 +162,8 @@ impl Pyramid {
         new.into_iter().for_each(|(place, faces)| cells[place] = faces);
     }
 
-    /// What lies above each part of a brick that is empty or full: the channels, and whether any and all cells are occupied.
+    /// What lies above each part of a brick that is empty or full: the channels, and whether any
+    /// and all cells are occupied.
     fn uniform(&self, level: usize, brick: IVec3) -> Option<(Faces, bool, bool)> {
         let empty = *self.any_bits(level).brick(brick) == NONE;
         match (empty, *self.all_bits(level).brick(brick) == ALL) {
@@ -167,8 +173,8 @@ impl Pyramid {
         }
     }
 
-    /// The channels of a cell from the eight of the level below that start at `corner`, and whether any and all of those are
-    /// occupied.
+    /// The channels of a cell from the eight of the level below that start at `corner`, and whether
+    /// any and all of those are occupied.
     fn composed(&self, below: usize, corner: IVec3) -> (Faces, bool, bool) {
         let (dims, mut some, mut full) = (self.dims(below), false, true);
         let mut children = [None; 8];
@@ -207,8 +213,8 @@ impl Pyramid {
         }
     }
 
-    /// Opacities for the three faces at a point in cells of the grid, interpolated between the eight nearest cells of a level.
-    /// Cells beyond the border are those of the border.
+    /// Opacities for the three faces at a point in cells of the grid, interpolated between the
+    /// eight nearest cells of a level. Cells beyond the border are those of the border.
     pub(super) fn smooth(&self, level: usize, point: DVec3, faces: [usize; 3]) -> DVec3 {
         let at = point / (1u64 << level) as f64 - 0.5;
         let last = self.dims(level) - 1;
@@ -226,7 +232,8 @@ impl Pyramid {
         sum / f64::from(ONE)
     }
 
-    /// As [`Pyramid::smooth`] for one face, but not interpolated along its axis: a slab of cells keeps its opacity.
+    /// As [`Pyramid::smooth`] for one face, but not interpolated along its axis: a slab of cells
+    /// keeps its opacity.
     pub(super) fn smooth_across(&self, level: usize, slab: i32, point: DVec3, face: usize) -> f64 {
         let mut at = point / (1u64 << level) as f64 - 0.5;
         at[face / 2] = f64::from(slab);

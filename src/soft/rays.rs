@@ -22,14 +22,16 @@ pub(super) fn check_rays(rays: u32) -> Result<(), Error> {
     }
 }
 
-/// Unit vectors around an axis, from the angle and the sine of the angle with it. The axis is a unit vector.
+/// Unit vectors around an axis, from the angle and the sine of the angle with it. The axis is a
+/// unit vector.
 fn around(axis: DVec3, turn: f64, sine: f64) -> DVec3 {
     let (right, up) = axis.any_orthonormal_pair();
     let cosine = (1.0 - sine * sine).max(0.0).sqrt();
     axis * cosine + (right * turn.cos() + up * turn.sin()) * sine
 }
 
-/// Directions that fill a cone around a unit vector evenly, by solid angle (Vogel's spiral); a single one is that vector.
+/// Directions that fill a cone around a unit vector evenly, by solid angle (Vogel's spiral); a
+/// single one is that vector.
 pub(super) fn in_cone(axis: DVec3, cosine: f64, rays: u32) -> impl Iterator<Item = DVec3> {
     let cosine = if rays == 1 { 1.0 } else { cosine };
     (0..rays).map(move |k| {
@@ -38,7 +40,8 @@ pub(super) fn in_cone(axis: DVec3, cosine: f64, rays: u32) -> impl Iterator<Item
     })
 }
 
-/// Directions above a surface, as dense as the cosine of the angle with its normal (Malley's method on Vogel's spiral).
+/// Directions above a surface, as dense as the cosine of the angle with its normal (Malley's method
+/// on Vogel's spiral).
 pub(super) fn above_surface(normal: DVec3, rays: u32) -> impl Iterator<Item = DVec3> {
     (0..rays).map(move |k| {
         let sine = ((f64::from(k) + 0.5) / f64::from(rays)).sqrt();
@@ -46,14 +49,15 @@ pub(super) fn above_surface(normal: DVec3, rays: u32) -> impl Iterator<Item = DV
     })
 }
 
-/// Six cones of 60 degrees above a surface: along its normal, and five at 60 degrees to it. With their weights by the cosine, which
-/// sum to 1.
+/// Six cones of 60 degrees above a surface: along its normal, and five at 60 degrees to it. With
+/// their weights by the cosine, which sum to 1.
 pub(super) fn six_cones(normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> {
     let side = (0..5).map(move |k| (around(normal, TAU * f64::from(k) / 5.0, 0.75f64.sqrt()), 0.15));
     std::iter::once((normal, 0.25)).chain(side)
 }
 
-/// Points of a sphere that an eye outside sees, evenly by solid angle, all with weight 1; `None` for an eye inside.
+/// Points of a sphere that an eye outside sees, evenly by solid angle, all with weight 1; `None`
+/// for an eye inside.
 pub(super) fn on_sphere(eye: DVec3, ball: &Sphere, rays: u32) -> Option<Vec<(DVec3, f64)>> {
     let (way, radius) = (ball.center.as_dvec3() - eye, f64::from(ball.radius));
     let axis = way.try_normalize().filter(|_| way.length() > radius)?;
@@ -67,8 +71,8 @@ pub(super) fn on_sphere(eye: DVec3, ball: &Sphere, rays: u32) -> Option<Vec<(DVe
     Some(in_cone(axis, (1.0 - sine * sine).sqrt(), rays).map(point).collect())
 }
 
-/// Points on those faces of a box that an eye outside sees, with weights by the solid angles that they stand for. About as
-/// many as asked.
+/// Points on those faces of a box that an eye outside sees, with weights by the solid angles that
+/// they stand for. About as many as asked.
 pub(super) fn on_box(eye: DVec3, block: &Block, rays: u32) -> Vec<(DVec3, f64)> {
     let size = block.max - block.min;
     let seen = |axis: usize| match (eye[axis] < block.min[axis], eye[axis] > block.max[axis]) {

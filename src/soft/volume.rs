@@ -1,4 +1,5 @@
-//! How much of the light of one source reaches each cell near a surface: the scalar twin of the matrix of hidden cells.
+//! How much of the light of one source reaches each cell near a surface: the scalar twin of the
+//! matrix of hidden cells.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -25,11 +26,12 @@ const PAGE: i32 = 8;
 #[derive(Clone, Default)]
 struct Values(Option<Box<[u8; 512]>>);
 
-/// The share of a light's rays that reaches each cell that is occupied or next to an occupied one. It holds for the grid as it was at the
-/// last [`VisibilityVolume::update`].
+/// The share of a light's rays that reaches each cell that is occupied or next to an occupied one.
+/// It holds for the grid as it was at the last [`VisibilityVolume::update`].
 ///
-/// The share of an occupied cell is not the light on the surface in it: from inside a flat floor, rays to a low sun cross the cells of the
-/// floor beside. [`VisibilityVolume::least`] and [`VisibilityVolume::smooth`] therefore use the open cells in front of a surface.
+/// The share of an occupied cell is not the light on the surface in it: from inside a flat floor,
+/// rays to a low sun cross the cells of the floor beside. [`VisibilityVolume::least`] and
+/// [`VisibilityVolume::smooth`] therefore use the open cells in front of a surface.
 #[derive(Clone)]
 pub struct VisibilityVolume {
     grid: Grid,
@@ -82,13 +84,17 @@ impl Source {
 }
 
 impl VisibilityVolume {
-    /// Finds which cells a light reaches, by so many exact walks from points of each cell (1 to 4096; the first is its middle). The
-    /// cell itself does not hide the light from itself, nor does the cell that a point or spot light is in. A spot light counts as shining in all directions.
+    /// Finds which cells a light reaches, by so many exact walks from points of each cell (1 to
+    /// 4096; the first is its middle). The cell itself does not hide the light from itself, nor
+    /// does the cell that a point or spot light is in. A spot light counts as shining in all
+    /// directions.
     ///
-    /// Costs the number of rays times the number of cells that are occupied or next to an occupied one. Cells inside solids count.
+    /// Costs the number of rays times the number of cells that are occupied or next to an occupied
+    /// one. Cells inside solids count.
     ///
     /// # Errors
-    /// Refuses a light whose numbers are not finite (but for the range) or without direction, and numbers of rays out of range.
+    /// Refuses a light whose numbers are not finite (but for the range) or without direction, and
+    /// numbers of rays out of range.
     pub fn new(soft: &SoftGrid, light: &Light, rays: u32) -> Result<Self, Error> {
         check_rays(rays)?;
         let (source, grid) = (Source::new(light)?, *soft.grid());
@@ -98,13 +104,16 @@ impl VisibilityVolume {
         Ok(volume)
     }
 
-    /// Brings the volume up to date with a grid, as of its last [`SoftGrid::rebuild`]. Walks again only in those bricks of 8x8x8 cells
-    /// near which cells changed, or whose rays to the light may cross a brick that changed. Returns the number of bricks that it walked in,
-    /// and of those that it let go because no surface is near them any longer. The result is that of a new volume, to the bit. A grid
-    /// with other cells starts it anew, and so does a change of so many bricks that new walks cost less than the comparisons.
+    /// Brings the volume up to date with a grid, as of its last [`SoftGrid::rebuild`]. Walks again
+    /// only in those bricks of 8x8x8 cells near which cells changed, or whose rays to the light may
+    /// cross a brick that changed. Returns the number of bricks that it walked in, and of those
+    /// that it let go because no surface is near them any longer. The result is that of a new
+    /// volume, to the bit. A grid with other cells starts it anew, and so does a change of so many
+    /// bricks that new walks cost less than the comparisons.
     ///
-    /// Costs the cells of these bricks times the rays, and a comparison of each brick near a surface with each one that changed, but hardly
-    /// more than a new volume. With the feature `rayon`, several threads share the bricks.
+    /// Costs the cells of these bricks times the rays, and a comparison of each brick near a
+    /// surface with each one that changed, but hardly more than a new volume. With the feature
+    /// `rayon`, several threads share the bricks.
     ///
     /// ```
     /// use casca::soft::{Layer, SoftGrid, VisibilityVolume};
@@ -129,7 +138,8 @@ impl VisibilityVolume {
         self.update_comparing(soft, COMPARED * self.rays as usize)
     }
 
-    /// [`Self::update`], which starts anew if a brick had to be compared with more than `most` others.
+    /// [`Self::update`], which starts anew if a brick had to be compared with more than `most`
+    /// others.
     fn update_comparing(&mut self, soft: &SoftGrid, most: usize) -> usize {
         let now = soft.pyramid().any_bits(0);
         if self.grid != *soft.grid() {
@@ -178,8 +188,9 @@ impl VisibilityVolume {
         near
     }
 
-    /// The blocks, in cells, inside which walks may go another way than before. A walk crosses an empty page in one step: where a page
-    /// became empty or is so no longer, walks may be rounded to other cells anywhere in it.
+    /// The blocks, in cells, inside which walks may go another way than before. A walk crosses an
+    /// empty page in one step: where a page became empty or is so no longer, walks may be rounded
+    /// to other cells anywhere in it.
     fn changed_blocks(&self, changed: &[IVec3], now: &BitMatrix) -> Vec<(DVec3, DVec3)> {
         let block = |brick: &IVec3| {
             let page = brick.div_euclid(IVec3::splat(PAGE));
@@ -193,8 +204,9 @@ impl VisibilityVolume {
         blocks
     }
 
-    /// Whether a ray from a point of a brick to the light may cross a block. The rays at a share of their way fill a box, whose sides
-    /// move evenly with that share: the shares at which it meets the block are an interval on each axis.
+    /// Whether a ray from a point of a brick to the light may cross a block. The rays at a share of
+    /// their way fill a box, whose sides move evenly with that share: the shares at which it meets
+    /// the block are an interval on each axis.
     fn may_cross(&self, brick: IVec3, (min, max): &(DVec3, DVec3)) -> bool {
         let lo = (brick * BRICK).as_dvec3();
         let hi = lo + f64::from(BRICK);
@@ -252,45 +264,50 @@ impl VisibilityVolume {
         Some(values)
     }
 
-    /// The share of the light that reaches a cell, 0 to 1; `None` far from surfaces and outside the grid.
+    /// The share of the light that reaches a cell, 0 to 1; `None` far from surfaces and outside the
+    /// grid.
     pub fn get(&self, cell: IVec3) -> Option<f32> {
         let held = self.values.get(self.grid.contains(cell).then_some(cell >> 3i32)?).0.as_ref()?;
         let value = held[place(cell)];
         (value != UNKNOWN).then(|| f32::from(value) / FULL as f32)
     }
 
-    /// The least share of the cells around a point in world units, the conservative choice: interpolation would let light through walls.
-    /// `None` if all of them are far from surfaces.
+    /// The least share of the cells around a point in world units, the conservative choice:
+    /// interpolation would let light through walls. `None` if all of them are far from surfaces.
     ///
-    /// The cells are the open ones of the eight around the point. If none of these is open, as in the lower half of the cells of a floor,
-    /// they are the open ones of the 26 beside the point's cell, and all eight if none of those is open, as deep inside a solid. A
-    /// point on a wall of one cell has open cells on both sides: to ask for one side, add the length of a cell along its normal.
+    /// The cells are the open ones of the eight around the point. If none of these is open, as in
+    /// the lower half of the cells of a floor, they are the open ones of the 26 beside the point's
+    /// cell, and all eight if none of those is open, as deep inside a solid. A point on a wall of
+    /// one cell has open cells on both sides: to ask for one side, add the length of a cell along
+    /// its normal.
     pub fn least(&self, point: Vec3) -> Option<f32> {
         self.around(point).map(|(share, _)| share).reduce(f32::min)
     }
 
-    /// The share at a point in world units, interpolated between the same cells as those of [`VisibilityVolume::least`]. `None` if none of
-    /// them is known.
+    /// The share at a point in world units, interpolated between the same cells as those of
+    /// [`VisibilityVolume::least`]. `None` if none of them is known.
     pub fn smooth(&self, point: Vec3) -> Option<f32> {
         let (sum, all) = self.around(point).fold((0.0, 0.0), |(sum, all), (v, w)| (sum + v * w, all + w));
         (all > 0.0).then(|| sum / all)
     }
 
-    /// The shares of cells around a point, and their weights: of the nearest open cells, else of all eight around it.
+    /// The shares of cells around a point, and their weights: of the nearest open cells, else of
+    /// all eight around it.
     fn around(&self, point: Vec3) -> impl Iterator<Item = (f32, f32)> {
         let at = (point.as_dvec3() - self.grid.min()) / self.grid.cell_size() - 0.5;
         let at = at.clamp(DVec3::splat(-3.0), self.grid.dims().as_dvec3() + 2.0);
         let choices = [(1.0, true), (1.5, true), (1.0, false)].into_iter().filter(move |_| point.is_finite());
-        let mut choices = choices.map(move |(reach, open)| self.within(at, reach, open).peekable());
+        let mut choices = choices.map(move |(distance, open)| self.within(at, distance, open).peekable());
         choices.find_map(|mut cells| cells.peek().is_some().then_some(cells)).into_iter().flatten()
     }
 
-    /// The known shares of cells whose middle is at most `reach` cells from a place along each axis, 1 or 1.5, and their weights: of open
-    /// cells or of all. The place is in cells from the middle of the first one.
-    fn within(&self, at: DVec3, reach: f64, open: bool) -> impl Iterator<Item = (f32, f32)> {
+    /// The known shares of cells whose middle is at most `reach` cells from a place along each
+    /// axis, 1 or 1.5, and their weights: of open cells or of all. The place is in cells from the
+    /// middle of the first one.
+    fn within(&self, at: DVec3, distance: f64, open: bool) -> impl Iterator<Item = (f32, f32)> {
         (0..27).filter_map(move |i| {
             let cell = at.round().as_ivec3() + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
-            let room = reach - (cell.as_dvec3() - at).abs();
+            let room = distance - (cell.as_dvec3() - at).abs();
             if room.min_element() < 0.0 || open && self.occupied.get(cell) {
                 return None;
             }
@@ -357,7 +374,8 @@ mod tests {
     use crate::soft::Layer;
     use crate::{Aabb, GridSpec};
 
-    /// A cube of one cell in each of 16 x 16 x 5 bricks, at a place in its brick, and a plate of 16 x 16 bricks above.
+    /// A cube of one cell in each of 16 x 16 x 5 bricks, at a place in its brick, and a plate of 16
+    /// x 16 bricks above.
     fn cubes(at: f32) -> SoftGrid {
         let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 128, 64) };
         let mut grid = SoftGrid::new(&spec).unwrap();

@@ -1,5 +1,5 @@
-//! The exact walk of a segment through the cells that it crosses (Amanatides and Woo 1987). Empty bricks of 8x8x8 cells and
-//! empty pages of 8x8x8 bricks are crossed in one step.
+//! The exact walk of a segment through the cells that it crosses (Amanatides and Woo 1987). Empty
+//! bricks of 8x8x8 cells and empty pages of 8x8x8 bricks are crossed in one step.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -18,7 +18,8 @@ const PAGE_SHIFT: i32 = 6;
 pub struct CellHit {
     /// The cell.
     pub cell: IVec3,
-    /// Where the segment enters it: the distance from its start in world units, 0 if it starts inside.
+    /// Where the segment enters it: the distance from its start in world units, 0 if it starts
+    /// inside.
     pub distance: f64,
 }
 
@@ -26,17 +27,19 @@ pub struct CellHit {
 pub(super) struct Segment {
     pub(super) from: DVec3,
     pub(super) to: DVec3,
-    /// Whether the cell that it starts in is passed over: an eye or a light may be in a cell that a surface touches.
+    /// Whether the cell that it starts in is passed over: an eye or a light may be in a cell that a
+    /// surface touches.
     pub(super) skips_first: bool,
     /// The walk ends, without a hit, where it enters this block.
     pub(super) until: Option<CellBox>,
 }
 
 impl SoftGrid {
-    /// The first occupied cell that the segment between two points in world units crosses. All cells count that contain a
-    /// part of it longer than rounding.
+    /// The first occupied cell that the segment between two points in world units crosses. All
+    /// cells count that contain a part of it longer than rounding.
     ///
-    /// Costs the cells on its way through bricks with occupied cells, and one step for each other brick or page of bricks.
+    /// Costs the cells on its way through bricks with occupied cells, and one step for each other
+    /// brick or page of bricks.
     ///
     /// # Errors
     /// Refuses points that are not finite.
@@ -92,7 +95,8 @@ impl SoftGrid {
         }
     }
 
-    /// The edge length of an empty block around a cell, as a power of two; 0 if its brick is not empty.
+    /// The edge length of an empty block around a cell, as a power of two; 0 if its brick is not
+    /// empty.
     fn empty_around(&self, cell: IVec3) -> i32 {
         let bits = self.pyramid().any_bits(0);
         if bits.pages().page_is_empty(cell >> PAGE_SHIFT) {

@@ -52,7 +52,8 @@ impl View {
     }
 }
 
-/// The directions in which two sides meet and that lie inside all of them; `None` if two sides are nearly parallel.
+/// The directions in which two sides meet and that lie inside all of them; `None` if two sides are
+/// nearly parallel.
 fn edges_of(sides: &[&HalfSpace]) -> Option<SmallVec<[DVec3; 8]>> {
     let mut edges = SmallVec::new();
     for (i, a) in sides.iter().enumerate() {
@@ -70,8 +71,8 @@ fn edges_of(sides: &[&HalfSpace]) -> Option<SmallVec<[DVec3; 8]>> {
 }
 
 impl Cone {
-    /// How far from the eye the points of the view lie, at most, that are no deeper than `depth` along a direction; infinity
-    /// if the view goes on for ever.
+    /// How far from the eye the points of the view lie, at most, that are no deeper than `depth`
+    /// along a direction; infinity if the view goes on for ever.
     pub(super) fn farthest(&self, direction: DVec3, depth: f64) -> f64 {
         let far = self.edges.iter().map(|e| {
             let along = e.dot(direction);

@@ -1,7 +1,8 @@
 //! The near plane: which solids it cuts into, so that rays may start inside of them.
 //!
-//! A solid that lies outside of no half-space of a region need not intersect the region: seen from a large solid, the
-//! region between near plane and eye is a splinter. Its box is small, and is compared with the solid's own sides too.
+//! A solid that lies outside of no half-space of a region need not intersect the region: seen from
+//! a large solid, the region between near plane and eye is a splinter. Its box is small, and is
+//! compared with the solid's own sides too.
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -53,7 +54,8 @@ impl View {
         Self { layers: self.layers, ..Self::bounded(self.origin, planes) }
     }
 
-    /// Where an eye may lie that is not known exactly, or that may go elsewhere, as a region with its box.
+    /// Where an eye may lie that is not known exactly, or that may go elsewhere, as a region with
+    /// its box.
     pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
         let Origin::Eye { at, .. } = self.origin else { return None };
         let room = self.eye_room();
@@ -68,8 +70,9 @@ pub(super) fn cube(at: DVec3, room: f64) -> impl Iterator<Item = HalfSpace> {
     axes.map(move |n| HalfSpace { normal: n, offset: room - n.dot(at) })
 }
 
-/// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye, which may be anywhere in
-/// `unsure`, or where the near plane cuts into it, for which `cut` has the regions between eye and near plane.
+/// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye,
+/// which may be anywhere in `unsure`, or where the near plane cuts into it, for which `cut` has the
+/// regions between eye and near plane.
 pub(crate) fn may_start_in(
     view: &View,
     cut: &[(View, Block)],

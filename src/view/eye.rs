@@ -14,7 +14,8 @@ pub(crate) enum Origin {
     Direction(DVec3),
 }
 
-/// How far a camera sees, as far as that limits the coordinates that its matrix was made from; else 0.
+/// How far a camera sees, as far as that limits the coordinates that its matrix was made from;
+/// else 0.
 pub(crate) fn sight(at: DVec3, depths: [DVec4; 2], w: DVec4) -> f64 {
     let distance = |plane: DVec4| {
         let length = plane.truncate().length();
@@ -26,9 +27,10 @@ pub(crate) fn sight(at: DVec3, depths: [DVec4; 2], w: DVec4) -> f64 {
     if sight.is_finite() { sight } else { 0.0 }
 }
 
-/// How far a given eye may be from the matrix's along each axis (0 where rounding explains it), and how far it
-/// lies beside the planes that contain the matrix's. In the matrix's eye x, y and w of clip space are zero; one that
-/// is off by a rounding lies next to these planes, however unsure it is where they meet.
+/// How far a given eye may be from the matrix's along each axis (0 where rounding explains it), and
+/// how far it lies beside the planes that contain the matrix's. In the matrix's eye x, y and w of
+/// clip space are zero; one that is off by a rounding lies next to these planes, however unsure it
+/// is where they meet.
 pub(crate) fn check_eye(at: DVec3, rows: [DVec4; 3], sight: f64) -> Result<(f64, f64), Error> {
     let (mut sure, mut beside) = (true, 0f64);
     let mut refused = None;
@@ -74,7 +76,8 @@ pub(crate) fn find_eye(x: DVec4, y: DVec4, w: DVec4) -> Result<Origin, Error> {
     if !at.is_finite() {
         return Err(Error::Matrix("its eye is not at a finite point"));
     }
-    // Each of the three planes may be off by its rounding; the more askew they meet, the farther their point is off.
+    // Each of the three planes may be off by its rounding; the more askew they meet, the farther
+    // their point is off.
     let spread: f64 = inverse.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt();
     let error = spread * EYE_ROUNDING * at.length();
     Ok(Origin::Eye { at, error })

@@ -22,7 +22,8 @@ pub(crate) struct Frustum {
 }
 
 impl Frustum {
-    /// The frustum of a matrix from world space to clip space, with depth from 0 or (`gl_depth`) from -1 to 1.
+    /// The frustum of a matrix from world space to clip space, with depth from 0 or (`gl_depth`)
+    /// from -1 to 1.
     pub(crate) fn new(matrix: Mat4, gl_depth: bool, eye: Option<DVec3>) -> Result<Self, Error> {
         if !matrix.is_finite() {
             return Err(Error::Matrix("it has elements that are not finite"));
@@ -47,8 +48,8 @@ impl Frustum {
         Self::bounded(origin, rows, near, eye.map(|_| beside))
     }
 
-    /// Moves the planes of a matrix outwards by their rounding. An eye that was given lies `beside` those that
-    /// should contain it, at most.
+    /// Moves the planes of a matrix outwards by their rounding. An eye that was given lies `beside`
+    /// those that should contain it, at most.
     fn bounded(
         origin: Origin,
         [x, y, z, w]: [DVec4; 4],
@@ -75,7 +76,8 @@ impl Frustum {
                             unsure += if beside.is_some() { (-space.distance(at)).max(0.0) } else { 0.0 };
                         } else {
                             unsure += beside.unwrap_or(0.0);
-                            // The near or far plane, whichever may lie between the eye and the rest.
+                            // The near or far plane, whichever may lie between the eye and the
+                            // rest.
                             cuts = space.distance(at) < unsure;
                         }
                     }
@@ -95,8 +97,8 @@ impl Frustum {
     }
 }
 
-/// Whether w is the same everywhere: an orthographic projection. However far the eye is, since distances from
-/// the origin do not count.
+/// Whether w is the same everywhere: an orthographic projection. However far the eye is, since
+/// distances from the origin do not count.
 fn is_parallel(x: DVec4, y: DVec4, w: DVec4) -> bool {
     let across = x.truncate().length().max(y.truncate().length());
     w.truncate().length() <= PARALLEL * across

@@ -27,12 +27,55 @@ pub const MAX_PLANES: usize = 32;
 
 /// The part of space that a camera sees: rays from an eye (or parallel ones), bounded by planes.
 ///
-/// The planes of a matrix are moved outwards by the distance that single precision leaves
-/// open about them: about 2e-7 of the eye's distance from the origin.
-/// Depth runs from 0 to 1 as in wgpu, Vulkan and Direct3D (glam's
-/// `camera::rh::proj::directx` and the like; before 0.33.2 `Mat4::perspective_rh`), also reversed or with an infinite
-/// far plane;
-/// OpenGL's -1 to 1 has its own constructor.
+/// # Use
+///
+/// Give [`View::perspective`] the eye and the matrix with which the camera draws,
+/// [`View::orthographic`] the direction and the matrix of a camera or light with parallel rays, or
+/// [`View::omnidirectional`] the eye alone. Then say which layers it shows ([`View::with_layers`]),
+/// how far its eye may go ([`View::with_reach`]) and by how much it may turn ([`View::with_turn`])
+/// before the set is found anew.
+///
+/// ```
+/// use casca::View;
+/// use glam::{Mat4, Vec3, Vec4};
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// // 60 degrees high and 16:9, with reversed depth from 0.1 on, looking along -z.
+/// let projection =
+///     Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
+/// let eye = Vec3::new(4.0, 2.0, 9.0);
+/// let matrix = projection * Mat4::from_translation(-eye);
+/// let view = View::perspective(eye, matrix)?.with_reach(0.25)?.with_layers(0b1);
+/// assert_eq!((view.eye(), view.reach(), view.layers()), (Some(eye.as_dvec3()), 0.25, 1));
+/// assert!(View::perspective(eye + Vec3::X, matrix).is_err(), "the matrix is of another eye");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Conventions
+///
+/// Units are those of the world, in single precision. Depth runs from 0 to 1 as in wgpu, Vulkan and
+/// Direct3D (glam's `camera::rh::proj::directx` and the like; before 0.33.2
+/// `Mat4::perspective_rh`), also reversed or with an infinite far plane; OpenGL's -1 to 1 has
+/// constructors of its own.
+///
+/// # Cost
+///
+/// A view is made in some hundred arithmetic operations, and is a few hundred bytes without memory
+/// on the heap unless it has more than six planes or may turn.
+///
+/// # Guarantees
+///
+/// The planes of a matrix are moved outwards by the distance that single precision leaves open
+/// about them: about 2e-7 of the eye's distance from the origin. So no object is lost that the
+/// renderer draws with the same matrix. What is not finite, or contradicts itself, is refused.
+///
+/// # Pitfalls
+///
+/// - [`View::from_view_projection`] has to find the eye from the matrix, and knows it only roughly:
+///   occluders then hide less. Give the eye where you have it.
+/// - Far from the origin single precision leaves more open: see [`crate::Scene::shift_origin`].
+/// - Parallel rays get occlusion only from [`View::orthographic`], which is told where they start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
     pub(crate) origin: Origin,
@@ -41,8 +84,8 @@ pub struct View {
     cutting: u32,
     /// One bit for each plane through the eye.
     sides: u32,
-    /// How far planes that cut off the eye, or any of parallel rays, were moved outwards, at most: since they were found from a
-    /// matrix, or because of the reach.
+    /// How far planes that cut off the eye, or any of parallel rays, were moved outwards, at most:
+    /// since they were found from a matrix, or because of the reach.
     widened: f64,
     /// Whether it is known at which end parallel rays start.
     ordered: bool,
@@ -59,8 +102,8 @@ pub struct View {
 struct Turned {
     /// The camera may turn by this, in radians.
     angle: f64,
-    /// Rays may start up to so far from the eye, inside the planes of the opened view: 0 without a near plane, infinity if
-    /// that does not bound them.
+    /// Rays may start up to so far from the eye, inside the planes of the opened view: 0 without a
+    /// near plane, infinity if that does not bound them.
     near: f64,
     /// The view as it was, with its reach.
     straight: View,
@@ -70,10 +113,10 @@ impl View {
     /// The view of a perspective or orthographic camera, from the matrix that
     /// takes world space to clip space with depth 0 to 1.
     ///
-    /// Orthographic views from here get no occlusion (see [`View::orthographic`]).
-    /// The eye is found from the matrix, to the precision that single floats
-    /// leave (about 1e-6 of its distance from the origin). Where that does not tell the cell of the eye, the
-    /// result of a query is slightly larger. [`View::perspective`] takes the exact eye.
+    /// Orthographic views from here get no occlusion (see [`View::orthographic`]). The eye is found
+    /// from the matrix, to the precision that single floats leave (about 1e-6 of its distance from
+    /// the origin). Where that does not tell the cell of the eye, the result of a query is slightly
+    /// larger. [`View::perspective`] takes the exact eye.
     ///
     /// # Errors
     /// Refuses a matrix that is not finite, or maps space to a plane, line or point.
@@ -89,17 +132,19 @@ impl View {
         Frustum::new(matrix, true, None).map(Self::from)
     }
 
-    /// The view of a perspective camera whose eye is known exactly; depth 0 to 1, also reversed or with an infinite far plane.
+    /// The view of a perspective camera whose eye is known exactly; depth 0 to 1, also reversed or
+    /// with an infinite far plane.
     ///
-    /// Visibility is that from the given eye. Planes are moved outwards until the eye lies inside. Where it differs
-    /// from the matrix's eye by more than products of matrices in single precision usually explain (a millionth of
-    /// its distance from the origin), it counts as known to within that difference.
+    /// Visibility is that from the given eye. Planes are moved outwards until the eye lies inside.
+    /// Where it differs from the matrix's eye by more than products of matrices in single precision
+    /// usually explain (a millionth of its distance from the origin), it counts as known to within
+    /// that difference.
     ///
     /// # Errors
-    /// As [`View::from_view_projection`]; also refuses an eye that is not
-    /// finite, an orthographic matrix, and with [`Error::EyeMismatch`] an eye that is not the matrix's: off by more
-    /// than about four millionths of twice its distance from the origin and of the distance that it sees (that of
-    /// the far plane, at most 10,000 times that of the near plane).
+    /// As [`View::from_view_projection`]; also refuses an eye that is not finite, an orthographic
+    /// matrix, and with [`Error::EyeMismatch`] an eye that is not the matrix's: off by more than
+    /// about four millionths of twice its distance from the origin and of the distance that it sees
+    /// (that of the far plane, at most 10,000 times that of the near plane).
     pub fn perspective(eye: Vec3, matrix: Mat4) -> Result<Self, Error> {
         finite3("the eye", eye)?;
         Frustum::new(matrix, false, Some(eye.as_dvec3())).map(Self::from)
@@ -114,14 +159,15 @@ impl View {
         Frustum::new(matrix, true, Some(eye.as_dvec3())).map(Self::from)
     }
 
-    /// The view of an orthographic camera that looks along `forward` (of any length); depth 0 to 1, also reversed.
+    /// The view of an orthographic camera that looks along `forward` (of any length); depth 0 to 1,
+    /// also reversed.
     ///
     /// A matrix alone does not tell at which end parallel rays start: views of orthographic
     /// matrices from the other constructors get no occlusion.
     ///
     /// # Errors
-    /// As [`View::from_view_projection`]; also refuses a direction that is not finite or runs across the
-    /// rays, and a perspective matrix.
+    /// As [`View::from_view_projection`]; also refuses a direction that is not finite or runs
+    /// across the rays, and a perspective matrix.
     pub fn orthographic(forward: Vec3, matrix: Mat4) -> Result<Self, Error> {
         finite3("the direction", forward)?;
         let mut view = Self::from_view_projection(matrix)?;
@@ -137,14 +183,14 @@ impl View {
         Ok(view)
     }
 
-    /// Parallel rays that start infinitely far away and run along `direction`, inside all of the half-spaces.
-    /// Directions and normals have length 1.
+    /// Parallel rays that start infinitely far away and run along `direction`, inside all of the
+    /// half-spaces. Directions and normals have length 1.
     pub(crate) fn parallel(direction: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
         Self { ordered: true, ..Self::bounded(Origin::Direction(direction), planes) }
     }
 
-    /// The part of space around an eye that lies inside all of the half-spaces, each of which contains the eye.
-    /// Normals have length 1.
+    /// The part of space around an eye that lies inside all of the half-spaces, each of which
+    /// contains the eye. Normals have length 1.
     pub(crate) fn around(eye: DVec3, planes: SmallVec<[HalfSpace; 6]>) -> Self {
         Self::bounded(Origin::Eye { at: eye, error: 0.0 }, planes)
     }
@@ -177,9 +223,9 @@ impl View {
         Self::from_planes(eye, &[])
     }
 
-    /// The part of space around an eye that lies inside all given half-spaces. Planes closer to the eye than about
-    /// a part in 10^7 of their coordinates count as planes through it, since single precision does not tell them
-    /// apart.
+    /// The part of space around an eye that lies inside all given half-spaces. Planes closer to the
+    /// eye than about a part in 10^7 of their coordinates count as planes through it, since single
+    /// precision does not tell them apart.
     ///
     /// # Errors
     /// Refuses an eye that is not finite, planes without direction and more than
@@ -206,7 +252,8 @@ impl View {
     }
 
     /// The same view of some layers only: it shows an object if `mask` has a bit in common with the
-    /// [layers](crate::ObjectDesc::layers) of the object. A new view shows all layers; the mask 0 shows nothing.
+    /// [layers](crate::ObjectDesc::layers) of the object. A new view shows all layers; the mask 0
+    /// shows nothing.
     ///
     /// ```
     /// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
@@ -237,16 +284,18 @@ impl View {
         self.layers
     }
 
-    /// The same view for an eye that may go up to `reach` world units from its place, in any direction and without
-    /// turning ([`View::with_turn`]): the result of a query has all that it can see from anywhere there. It holds for many frames
-    /// ([`crate::Pvs::is_valid_for`]), or for a client whose eye is known with delay.
+    /// The same view for an eye that may go up to `reach` world units from its place, in any
+    /// direction and without turning ([`View::with_turn`]): the result of a query has all that it
+    /// can see from anywhere there. It holds for many frames ([`crate::Pvs::is_valid_for`]), or for
+    /// a client whose eye is known with delay.
     ///
-    /// The planes of the view go along with the eye. Objects nearer than eight times the reach are visible without a test.
-    /// Occluders hide less around their rims, as far as one of these eyes sees past them (after Wonka, Wimmer & Schmalstieg
-    /// 2000, and Voglreiter et al. 2023); those nearer than about three times the reach hide nothing. Objects are tested as they
-    /// are. Where parts that abut share no edges, each opens a gap of the reach: make them one mesh, or let static ones share their
-    /// vertices.
-    /// The reach replaces that of an earlier call; 0 is the view as it was.
+    /// The planes of the view go along with the eye. Objects nearer than eight times the reach are
+    /// visible without a test. Occluders hide less around their outlines, as far as one of these eyes
+    /// sees past them (after Wonka, Wimmer & Schmalstieg 2000, and Voglreiter et al. 2023); those
+    /// nearer than about three times the reach hide nothing. Objects are tested as they are. Where
+    /// parts that abut share no edges, each opens a gap of the reach: make them one mesh, or let
+    /// static ones share their vertices. The reach replaces that of an earlier call; 0 is the view
+    /// as it was.
     ///
     /// # Errors
     /// Refuses a reach that is negative or not finite.
@@ -272,7 +321,8 @@ impl View {
         self.reach
     }
 
-    /// How far from its place the eye may be along an axis: as far as it is not known, and as it may go.
+    /// How far from its place the eye may be along an axis: as far as it is not known, and as it
+    /// may go.
     pub(crate) fn eye_room(&self) -> f64 {
         match self.origin {
             Origin::Eye { error, .. } => error + self.reach,

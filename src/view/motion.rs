@@ -14,7 +14,8 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// How a camera with an eye moved from one view to the next. Turns about the axis that it looks along do not count.
+    /// How a camera with an eye moved from one view to the next. Turns about the axis that it looks
+    /// along do not count.
     pub(crate) fn between(before: &View, after: &View) -> Option<Self> {
         let step = after.eye()? - before.eye()?;
         let (from, to) = (before.cone()?.middle, after.cone()?.middle);

@@ -21,8 +21,8 @@ impl View {
         })
     }
 
-    /// The corners of the view's half-spaces clipped to a box, and some points of its surface: the region lies in
-    /// their hull. Rounded outwards.
+    /// The corners of the view's half-spaces clipped to a box, and some points of its surface: the
+    /// region lies in their hull. Rounded outwards.
     pub(crate) fn corners(&self, min: DVec3, max: DVec3) -> Vec<DVec3> {
         let reach = min.abs().max(max.abs()).max_element();
         let mut faces = sides_of_box(min, max);

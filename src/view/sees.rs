@@ -8,8 +8,8 @@ use crate::shape::Shape;
 use crate::view::View;
 
 impl View {
-    /// Whether bounds may have points in each half-space of the view, or may contain the eye: in front of a near plane
-    /// that is known to a few digits only, that is doubt enough.
+    /// Whether bounds may have points in each half-space of the view, or may contain the eye: in
+    /// front of a near plane that is known to a few digits only, that is doubt enough.
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
         let meets = bounds.kind().may_reach(&self.planes);
         let room = self.eye_room();

@@ -95,7 +95,8 @@ fn a_narrower_view_is_held_and_a_turned_one_is_not() {
     assert!(around.contains(&wide, min, max) && !wide.contains(&around, min, max));
 }
 
-/// Three planes so nearly parallel that their normals span no volume worth the name still meet in a corner.
+/// Three planes so nearly parallel that their normals span no volume worth the name still meet in a
+/// corner.
 #[test]
 fn corners_of_nearly_parallel_planes_count() {
     let (min, max) = (DVec3::splat(-1.0), DVec3::ONE);
@@ -121,7 +122,8 @@ fn corners_of_nearly_parallel_planes_count() {
     }
 }
 
-/// All points that narrow and wide views see lie in the block around the view, and in views that contain it.
+/// All points that narrow and wide views see lie in the block around the view, and in views that
+/// contain it.
 #[test]
 fn regions_hold_what_is_in_all_of_their_planes() {
     let mut state = 7u32;

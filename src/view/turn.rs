@@ -1,13 +1,16 @@
 //! Views of cameras that may turn.
 //!
-//! Let a camera at e, whose view lies in the cone C around e, go to e' with |e' - e| <= r and turn by at most an angle a. Each point
-//! that it then sees is e' + p where p lies within the angle a of a direction of C, and no farther from e' than the view reached
-//! from e. A half-space `n·(q - e) >= 0` contains all e + p if n differs from every direction of C by at most a right angle
-//! less a, so if `n·c >= sin(a)` for all directions c of C. Those with `n·c >= sin(a)` are a convex cone: it is enough to ask the
-//! edges of C. Moved outwards by r, the half-space contains all e' + p.
+//! Let a camera at e, whose view lies in the cone C around e, go to e' with |e' - e| <= r and turn
+//! by at most an angle a. Each point that it then sees is e' + p where p lies within the angle a of
+//! a direction of C, and no farther from e' than the view reached from e. A half-space `n·(q -
+//! e) >= 0` contains all e + p if n differs from every direction of C by at most a right angle less
+//! a, so if `n·c >= sin(a)` for all directions c of C. Those with `n·c >= sin(a)` are a convex
+//! cone: it is enough to ask the edges of C. Moved outwards by r, the half-space contains all e' +
+//! p.
 //!
-//! So each side is tilted about the axis across its middle until that holds for all edges. That is more than the angle
-//! a: the directions within a of a side's edge are bounded by a small circle, not by a plane.
+//! So each side is tilted about the axis across its middle until that holds for all edges. That is
+//! more than the angle a: the directions within a of a side's edge are bounded by a small circle,
+//! not by a plane.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,20 +26,22 @@ use crate::view::cut::cube;
 use crate::view::{Origin, Turned, View};
 
 impl View {
-    /// The same view for a camera that may also turn by up to `angle` radians, about any axis through its eye: the result of
-    /// a query has all that it can see after any such turn, from anywhere within the [reach](View::with_reach).
+    /// The same view for a camera that may also turn by up to `angle` radians, about any axis
+    /// through its eye: the result of a query has all that it can see after any such turn, from
+    /// anywhere within the [reach](View::with_reach).
     ///
-    /// Side planes are tilted outwards, by more than the angle where the view is wide; a side that would have to be tilted too far
-    /// is left out. The far plane moves out to the distance of the farthest corner. The near plane is left out: no occluder counts
-    /// that reaches into the ball around the eye with the nearest corners. Of a view made [of planes](View::from_planes),
-    /// those through the eye are its sides. If they do not bound a pyramid, the view sees all round, and if a plane cuts off the
-    /// eye then, nothing is hidden.
+    /// Side planes are tilted outwards, by more than the angle where the view is wide; a side that
+    /// would have to be tilted too far is left out. The far plane moves out to the distance of the
+    /// farthest corner. The near plane is left out: no occluder counts that reaches into the ball
+    /// around the eye with the nearest corners. Of a view made [of planes](View::from_planes),
+    /// those through the eye are its sides. If they do not bound a pyramid, the view sees all
+    /// round, and if a plane cuts off the eye then, nothing is hidden.
     ///
     /// The angle replaces that of an earlier call; 0 is the view as it was.
     ///
     /// # Errors
-    /// Refuses an angle that is negative or not finite, and with [`Error::ParallelTurn`] a view of parallel rays and an angle
-    /// other than 0.
+    /// Refuses an angle that is negative or not finite, and with [`Error::ParallelTurn`] a view of
+    /// parallel rays and an angle other than 0.
     pub fn with_turn(self, angle: f32) -> Result<Self, Error> {
         not_negative("the angle", f64::from(angle))?;
         match self.origin {
@@ -59,8 +64,8 @@ impl View {
         }
     }
 
-    /// The view of all cameras that this one may be, and that go `reach` farther and turn by `turn` more. Its near plane is a
-    /// ball also if it does not turn. Parallel rays stay as they are.
+    /// The view of all cameras that this one may be, and that go `reach` farther and turn by `turn`
+    /// more. Its near plane is a ball also if it does not turn. Parallel rays stay as they are.
     pub(crate) fn widened(&self, reach: f64, turn: f64) -> Self {
         if matches!(self.origin, Origin::Direction(_)) {
             return self.clone();
@@ -69,8 +74,8 @@ impl View {
         self.clone().straight().reaching(reach).opened(turn)
     }
 
-    /// A view that is not opened yet, opened for turns by up to an angle, also by 0: then its near plane still turns into a
-    /// ball around the eye. Parallel rays stay as they are.
+    /// A view that is not opened yet, opened for turns by up to an angle, also by 0: then its near
+    /// plane still turns into a ball around the eye. Parallel rays stay as they are.
     pub(crate) fn opened(self, angle: f64) -> Self {
         let Origin::Eye { at, error } = self.origin else { return self };
         let cone = self.cone();
@@ -123,8 +128,9 @@ impl View {
         Some(self.region(self.planes.iter().copied().chain(ball).collect()))
     }
 
-    /// Whether rays of another view start only where rays of this one may, a view that may turn, if they go to points in its
-    /// half-spaces. So no occluder that this view lets hide anything is cut by the near plane of the other.
+    /// Whether rays of another view start only where rays of this one may, a view that may turn, if
+    /// they go to points in its half-spaces. So no occluder that this view lets hide anything is
+    /// cut by the near plane of the other.
     pub(crate) fn covers_starts(&self, other: &Self) -> bool {
         let (Some(own), Origin::Eye { at, error }) = (&self.turned, self.origin) else { return false };
         let Origin::Eye { at: eye, error: unsure } = other.origin else { return false };
@@ -137,8 +143,8 @@ impl View {
     }
 }
 
-/// The normal of a side tilted outwards, so that it makes at least the sine of `angle` with all directions of the cone; `None` if
-/// no tilt does.
+/// The normal of a side tilted outwards, so that it makes at least the sine of `angle` with all
+/// directions of the cone; `None` if no tilt does.
 fn tilted(normal: DVec3, cone: &Cone, angle: f64) -> Option<DVec3> {
     if angle >= FRAC_PI_2 {
         return None;

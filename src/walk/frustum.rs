@@ -1,5 +1,5 @@
-//! The frustum in cells: half-spaces around the viewer's cell, clipped against one row of cells at a time
-//! (thesis, section 3.4.2).
+//! The frustum in cells: half-spaces around the viewer's cell, clipped against one row of cells at
+//! a time (thesis, section 3.4.2).
 
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
@@ -30,8 +30,8 @@ pub(crate) enum Start {
 
 /// The cells that may intersect the frustum, relative to the viewer's cell V.
 ///
-/// Every half-space is widened until it contains the [`Start`]. The region is then convex, so segments from there to
-/// any point in it stay in it.
+/// Every half-space is widened until it contains the [`Start`]. The region is then convex, so
+/// segments from there to any point in it stay in it.
 #[derive(Debug, Clone)]
 pub(crate) struct CellFrustum {
     planes: SmallVec<[CellPlane; 6]>,
@@ -44,11 +44,11 @@ impl CellFrustum {
         let center = (lo + hi) * 0.5;
         let widened = |plane: &HalfSpace| {
             let mut offset = plane.offset;
-            let reach = plane.normal.abs().element_sum();
+            let radius = plane.normal.abs().element_sum();
             if let (Some(at), true) = (view.eye(), start != Start::None) {
-                offset += (reach * view.eye_room() - plane.distance(at)).max(0.0);
+                offset += (radius * view.eye_room() - plane.distance(at)).max(0.0);
             }
-            let half = reach * 0.5;
+            let half = radius * 0.5;
             let mut at_center = (plane.normal.dot(center) + offset) / grid.cell_size();
             if start == Start::Cell {
                 // From here on the farthest corner of the cell lies in the half-space.

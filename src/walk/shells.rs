@@ -21,8 +21,8 @@ pub(crate) struct Shells {
 }
 
 impl Shells {
-    /// The shells around the cell of the eye. `None` for parallel rays, and for an eye so far from the grid that
-    /// coordinates in cells are not exact enough.
+    /// The shells around the cell of the eye. `None` for parallel rays, and for an eye so far from
+    /// the grid that coordinates in cells are not exact enough.
     pub(crate) fn around_eye(grid: &Grid, view: &View, start: Start) -> Option<Self> {
         let Origin::Eye { at, .. } = view.origin else { return None };
         let cell = grid.cell_of(at);
@@ -63,8 +63,8 @@ pub(crate) struct ShellBegins {
 }
 
 impl ShellBegins {
-    /// The least shell that a box in world units reaches into, in the grid. Rounding may choose a neighbour where the
-    /// box ends on the border of a cell.
+    /// The least shell that a box in world units reaches into, in the grid. Rounding may choose a
+    /// neighbour where the box ends on the border of a cell.
     #[inline]
     pub(crate) fn shell(&self, block: &Block) -> usize {
         let away = (block.min - self.middle.max).max(self.middle.min - block.max).max_element();

@@ -101,7 +101,8 @@ pub struct Game {
     mask: u64,
     now: f64,
     pub query: KeptQuery,
-    /// The results of jobs, each of which ran when it was made ready or is run only when it is installed.
+    /// The results of jobs, each of which ran when it was made ready or is run only when it is
+    /// installed.
     done: Vec<KeptResult>,
     ends: bool,
 }

@@ -1,5 +1,6 @@
-//! Kept queries: every frame's set has all that the eye sees, while objects move, come and go, volumes expire, walls come
-//! and go, and the camera walks, turns and jumps. The oracle cuts segments by the shapes themselves.
+//! Kept queries: every frame's set has all that the eye sees, while objects move, come and go,
+//! volumes expire, walls come and go, and the camera walks, turns and jumps. The oracle cuts
+//! segments by the shapes themselves.
 
 mod game;
 #[path = "../worlds/mod.rs"]
@@ -178,7 +179,8 @@ fn a_door_hides_while_it_is_closed() {
     }
 }
 
-/// A volume that was passed over, since nothing on the layers of the view is inside, counts once its object is shown.
+/// A volume that was passed over, since nothing on the layers of the view is inside, counts once
+/// its object is shown.
 #[test]
 fn a_hidden_object_that_is_put_on_a_layer_of_the_view_is_seen() {
     let mut scene = World::new(&[], &[]).scene;
@@ -483,7 +485,8 @@ fn options_out_of_range_are_refused() {
     assert_eq!(query.options(), KeptOptions::default());
 }
 
-/// A kept set may be larger than that of a query, but not much where nothing moves and nothing is near.
+/// A kept set may be larger than that of a query, but not much where nothing moves and nothing is
+/// near.
 #[test]
 fn without_a_reach_sets_are_those_of_a_query() {
     let walls: Vec<Solid> = (0..20)
@@ -503,7 +506,8 @@ fn without_a_reach_sets_are_those_of_a_query() {
     }
 }
 
-/// A result for no reach and no turn holds for the view that it was found for, whatever that has for a near plane.
+/// A result for no reach and no turn holds for the view that it was found for, whatever that has
+/// for a near plane.
 #[test]
 fn a_result_without_reach_serves_its_own_view() {
     let (scene, _) = wall();

@@ -107,7 +107,8 @@ enum Stand {
     Anywhere([f64; 3]),
     /// At the middle of a solid's box.
     Within(usize),
-    /// Of a solid's triangle: a corner, the middle of an edge, or the middle; raised by a share of the size.
+    /// Of a solid's triangle: a corner, the middle of an edge, or the middle; raised by a share of
+    /// the size.
     On(usize, usize, u8, f64),
 }
 
@@ -190,7 +191,8 @@ fn triangles_of(mesh: &TriMesh, transform: Option<&Affine3A>) -> Vec<Triangle> {
     mesh.triangles().iter().map(|t| t.map(|v| place(mesh.positions()[v as usize]))).collect()
 }
 
-/// What hides of triangles under a transform: mirrors turn windings over, and what is flat has no front.
+/// What hides of triangles under a transform: mirrors turn windings over, and what is flat has no
+/// front.
 fn blocker_of(mesh: &TriMesh, transform: Option<&Affine3A>, front: bool) -> Blocker {
     let mut triangles = triangles_of(mesh, transform);
     if let (Some(a), true) = (transform, front) {

@@ -32,7 +32,8 @@ fn casters_are_those_whose_shadow_may_be_seen() {
     for id in [beside, shaded, seen] {
         assert!(!found.contains(&id), "{id} of {found:?}");
     }
-    // From the front the tower's shadow falls where the camera sees nothing, and the other two stand in the light.
+    // From the front the tower's shadow falls where the camera sees nothing, and the other two
+    // stand in the light.
     let found = casters(&scene, &ahead(), Vec3::new(0.0, -1.0, 1.0));
     assert!(!found.contains(&tower) && !found.contains(&beside), "{found:?}");
     assert!(found.contains(&seen), "{found:?}");

@@ -83,7 +83,8 @@ impl Lamp {
         light.with_layers(self.layers)
     }
 
-    /// Where the light's ray to a point starts; `None` for points that it does not reach, or hardly.
+    /// Where the light's ray to a point starts; `None` for points that it does not reach, or
+    /// hardly.
     fn start(&self, point: DVec3) -> Option<DVec3> {
         match &self.shine {
             Shine::Sun(direction) => Some(point - direction.as_dvec3().normalize() * FAR),
@@ -114,7 +115,8 @@ fn view_of(camera: &Camera, perspective: bool, exact_eye: bool) -> View {
     view.unwrap()
 }
 
-/// The layers of an object: by where it was first, so that they are many and the same in each frame.
+/// The layers of an object: by where it was first, so that they are many and the same in each
+/// frame.
 fn layers(number: usize) -> u64 {
     [u64::MAX, 1, 2, 6, u64::MAX][number % 5]
 }
@@ -143,7 +145,8 @@ fn rays(objects: &[Object], blocks: impl Fn(usize) -> bool) -> RayOracle {
     RayOracle::new(&objects.iter().enumerate().map(of).collect::<Vec<_>>())
 }
 
-/// Points that the camera sees through the middles of some pixels: of occluders, and of what else is before them.
+/// Points that the camera sees through the middles of some pixels: of occluders, and of what else
+/// is before them.
 fn seen_points(camera: &Camera, solid: &RayOracle, all: &RayOracle) -> Vec<DVec3> {
     const PIXELS: [i32; 2] = [24, 18];
     let inverse = camera.view_projection().as_dmat4().inverse();
@@ -164,7 +167,8 @@ fn seen_points(camera: &Camera, solid: &RayOracle, all: &RayOracle) -> Vec<DVec3
     points
 }
 
-/// Whether the ray to a point, and four beside it, are blocked by all or by none; `None` where they differ.
+/// Whether the ray to a point, and four beside it, are blocked by all or by none; `None` where they
+/// differ.
 fn blocked(oracle: &RayOracle, start: DVec3, point: DVec3) -> Option<bool> {
     let (right, up) = (point - start).normalize_or(DVec3::X).any_orthonormal_pair();
     let beside = [DVec3::ZERO, right, -right, up, -up].map(|side| {

@@ -1,5 +1,5 @@
-//! No shadow on what can be seen is ever lost: with the casters found alone, every light ray that something
-//! blocks stays blocked. Judged by exact rays, which share no code with the library.
+//! No shadow on what can be seen is ever lost: with the casters found alone, every light ray that
+//! something blocks stays blocked. Judged by exact rays, which share no code with the library.
 
 mod cases;
 mod exact;

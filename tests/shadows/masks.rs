@@ -1,4 +1,5 @@
-//! Places that the camera does not see receive no shadows, so that a large ground does not make everything a caster.
+//! Places that the camera does not see receive no shadows, so that a large ground does not make
+//! everything a caster.
 
 use casca::{Light, Method, ObjectId, Query, Scene};
 use glam::Vec3;
@@ -52,7 +53,8 @@ fn a_large_ground_does_not_make_everything_a_caster() {
     let evening = Light::directional(Vec3::new(0.0, -2.0, 1.0));
     let found = walled.casters(&camera, Method::point(), &evening);
     assert!(found.contains(&walled.tower) && walled.crates_in(&found) == 0, "{found:?}");
-    // A lamp behind the wall shines through nothing but the wall and the tower; one above it shines past the tower too.
+    // A lamp behind the wall shines through nothing but the wall and the tower; one above it shines
+    // past the tower too.
     let bulb = |y| Light::point(Vec3::new(32.0, y, 22.0), 60.0);
     for y in [5.0, 31.5] {
         let found = walled.casters(&camera, Method::point(), &bulb(y));

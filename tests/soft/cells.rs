@@ -1,4 +1,5 @@
-//! The cells of shapes, by separating axes and winding numbers cell by cell, and walks through them, box by box.
+//! The cells of shapes, by separating axes and winding numbers cell by cell, and walks through
+//! them, box by box.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,7 +23,8 @@ fn occupied(soft: &SoftGrid, layer: Layer) -> BTreeSet<[i32; 3]> {
     all_cells(n).filter(|&c| soft.is_occupied(layer, c)).map(|c| c.to_array()).collect()
 }
 
-/// The greatest gap between a triangle and a unit cell along the thirteen axes that can separate them; not positive if they meet.
+/// The greatest gap between a triangle and a unit cell along the thirteen axes that can separate
+/// them; not positive if they meet.
 fn gap(t: &Triangle, cell: IVec3) -> f64 {
     let middle = cell.as_dvec3() + 0.5;
     let edges = [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
@@ -37,7 +39,8 @@ fn gap(t: &Triangle, cell: IVec3) -> f64 {
     along.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The winding number of triangles around a point, by solid angles (Van Oosterom and Strackee 1983).
+/// The winding number of triangles around a point, by solid angles (Van Oosterom and Strackee
+/// 1983).
 fn winding(triangles: &[Triangle], at: DVec3) -> f64 {
     let angle = |t: &Triangle| {
         let [a, b, c] = t.map(|p| p - at);
@@ -103,7 +106,8 @@ fn meshes_occupy_the_cells_that_brute_force_finds() {
             let gap = world.iter().map(|t| gap(t, cell)).fold(f64::INFINITY, f64::min);
             let within = closed && winding(&world, cell.as_dvec3() + 0.5).abs() > 0.5;
             let held = soft.is_occupied(Layer::Moving, cell);
-            // The rasteriser widens triangles by 1e-12 of their coordinates; the test rounds as well.
+            // The rasteriser widens triangles by 1e-12 of their coordinates; the test rounds as
+            // well.
             if !(-1e-9..=1e-9).contains(&gap) {
                 assert_eq!(held, gap < 0.0 || within, "round {round}, cell {cell}, gap {gap}");
             }

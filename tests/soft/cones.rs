@@ -1,4 +1,5 @@
-//! Cones: the old rule's leaks to the numbers of the digest, those of the other marches, closed forms, and rays by brute force.
+//! Cones: the old rule's leaks to the numbers of the digest, those of the other marches, closed
+//! forms, and rays by brute force.
 
 use casca::soft::{Cone, Layer, March};
 use casca::{Aabb, Sphere};
@@ -12,7 +13,8 @@ const STEPS: [f32; 5] = [0.1, 0.25, 0.5, 1.0, 2.5];
 /// The tangent that the digest takes for 30 degrees.
 const WIDE: f32 = 0.57735;
 
-/// The old rule's leaks through a wall of so many cells, for a ray at an angle to x: mean and greatest, for each of the steps.
+/// The old rule's leaks through a wall of so many cells, for a ray at an angle to x: mean and
+/// greatest, for each of the steps.
 type Row = (u32, f32, f32, [(f32, f32); 5]);
 
 /// The digest's table, but for its row of isotropic opacities.

@@ -199,7 +199,8 @@ fn draw_lists_keep_all_objects_and_their_order() {
         assert_eq!((a.id, a.distance, a.size), (b.id, b.distance, b.size));
         assert!((0.0..=1.0).contains(&b.fraction));
     }
-    // The edge of the wall lies before the middle of this ball: one half of it is seen, and its size times the root of a half.
+    // The edge of the wall lies before the middle of this ball: one half of it is seen, and its
+    // size times the root of a half.
     let half = items.iter().position(|i| i.id == balls[9]).unwrap();
     let levels = |thresholds: &[f32]| [before[half].level(thresholds), items[half].level(thresholds)];
     assert_eq!([levels(&[0.15, 0.1]), levels(&[0.15, 0.125])], [[0, 1], [0, 2]], "{:?}", items[half]);

@@ -6,7 +6,8 @@ use glam::{IVec3, UVec3, Vec3};
 
 use crate::{Dice, soft};
 
-/// An opacity of level `l` is rounded `l` times, by 2^-16 each. The next level adds at most twice that of its children for a pair.
+/// An opacity of level `l` is rounded `l` times, by 2^-16 each. The next level adds at most twice
+/// that of its children for a pair.
 const ROUNDING: f64 = 1.0 / (1 << 13) as f64;
 
 fn cells(dims: IVec3) -> impl Iterator<Item = IVec3> + Clone {
@@ -105,7 +106,8 @@ fn walls_stay_opaque_across_and_thin_out_along() {
         for level in 0..=6 {
             for c in cells(p.dims(level)).filter(|c| p.any(level, *c)) {
                 for (other, up) in faces() {
-                    // Along it, one half of the columns of each level has a pair of cells of the level below.
+                    // Along it, one half of the columns of each level has a pair of cells of the
+                    // level below.
                     let along = (0..level).fold(1.0, |a: f32, _| (1.0 - (1.0 - a) * (1.0 - a)) / 2.0);
                     let (found, expected) =
                         (p.opacity(level, c, other, up), if other == axis { 1.0 } else { along });

@@ -49,7 +49,8 @@ fn an_updated_volume_is_that_of_a_new_one_to_the_bit() {
                 0 => drop(grid.update(one, Sphere::new(dice.point(0.0, 40.0), 2.0))),
                 1 => shapes.push(grid.insert(block(&mut dice), Layer::Moving).unwrap()),
                 2 => {
-                    // Nothing is left of a page; small things stand far from each other in the other one.
+                    // Nothing is left of a page; small things stand far from each other in the
+                    // other one.
                     shapes.drain(..).for_each(|id| grid.remove(id).unwrap());
                     for _ in 0..16 {
                         let small = Aabb::from_center(dice.point(1.0, 38.0), dice.point(0.2, 1.5));
@@ -88,7 +89,8 @@ fn only_bricks_beside_and_behind_a_change_are_walked_again() {
     assert_eq!(volume.update(&grid), 0);
     grid.rebuild();
     let done = volume.update(&grid);
-    // Both places have at most 2x2x2 bricks with 4x4x4 around them, and 4x4 bricks of the floor below: of 144 in all.
+    // Both places have at most 2x2x2 bricks with 4x4x4 around them, and 4x4 bricks of the floor
+    // below: of 144 in all.
     assert!((8..=2 * (64 + 16)).contains(&done), "{done}");
     // On the floor, and in the open cells above.
     for z in [3.5, 4.5] {

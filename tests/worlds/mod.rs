@@ -1,4 +1,5 @@
-//! Small worlds of boxes and balls, and the objects that an eye sees in them, by segments that share no code with the library.
+//! Small worlds of boxes and balls, and the objects that an eye sees in them, by segments that
+//! share no code with the library.
 
 // Each test uses a part of it.
 #![allow(dead_code)]
@@ -65,7 +66,8 @@ impl World {
         Self { scene, solids: solids.to_vec(), targets }
     }
 
-    /// The targets of which an eye sees the middle or a point of the surface inside the half-spaces.
+    /// The targets of which an eye sees the middle or a point of the surface inside the
+    /// half-spaces.
     pub fn seen(&self, eye: DVec3, planes: &[(DVec3, f64)]) -> Vec<ObjectId> {
         seen(&self.solids, &self.targets, eye, planes)
     }
@@ -87,7 +89,8 @@ pub fn seen(
             && !hiding.iter().any(|s| {
                 // Rays start at the near plane.
                 let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
-                    // The sides of a camera pass through its eye, but for the room by which they were moved.
+                    // The sides of a camera pass through its eye, but for the room by which they
+                    // were moved.
                     let (a, b) = (n.dot(eye) + offset + INWARDS, n.dot(p) + offset + INWARDS);
                     if a < -INWARDS { t.max(a / (a - b)) } else { t }
                 });

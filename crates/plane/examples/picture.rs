@@ -1,5 +1,5 @@
-//! A picture of one view: the visible region of an eye, the tiles that it does not see, the guards that it sees, and the hidden guards
-//! with the hollow circles that stand for them.
+//! A picture of one view: the visible region of an eye, the tiles that it does not see, the guards
+//! that it sees, and the hidden guards with the hollow circles that stand for them.
 //!
 //! ```sh
 //! cargo run --release -p casca-plane --features maps --example picture -- docs/plane.svg

@@ -71,7 +71,8 @@ impl BitGrid {
         self.words.fill(0);
     }
 
-    /// The words of a row: cell `x` is bit `x % 64` of word `x / 64`. Bits beyond the width are clear.
+    /// The words of a row: cell `x` is bit `x % 64` of word `x / 64`. Bits beyond the width are
+    /// clear.
     pub fn row(&self, y: u32) -> &[u64] {
         let first = y as usize * self.stride;
         self.words.get(first..first + self.stride).unwrap_or(&[])

@@ -1,6 +1,7 @@
 //! The regular grid: where its cells lie and which cell contains a point.
 //!
-//! All grid lines are exact `f64` numbers (see [`Grid::new`]), so that neighbouring cells share their side exactly.
+//! All grid lines are exact `f64` numbers (see [`Grid::new`]), so that neighbouring cells share
+//! their side exactly.
 
 use glam::{DVec2, IVec2, UVec2, Vec2};
 
@@ -10,11 +11,12 @@ use crate::geometry::Rect;
 /// Greatest number of cells along one axis.
 pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 
-/// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside, small enough for exact integer
-/// arithmetic.
+/// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside,
+/// small enough for exact integer arithmetic.
 const FAR_CELLS: f64 = (1u64 << 30) as f64;
 
-/// The measures of a grid: a corner, the edge length of its square cells and how many of them lie along each axis.
+/// The measures of a grid: a corner, the edge length of its square cells and how many of them lie
+/// along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridSpec {
     /// Least corner in world units.
@@ -29,8 +31,8 @@ impl GridSpec {
     /// The grid with cells of edge `cell`, in world units, that covers `region`.
     ///
     /// # Errors
-    /// Refuses a region that is not finite or inverted, a cell size that is not positive, and a region that needs more than
-    /// [`MAX_CELLS_PER_AXIS`] cells along an axis.
+    /// Refuses a region that is not finite or inverted, a cell size that is not positive, and a
+    /// region that needs more than [`MAX_CELLS_PER_AXIS`] cells along an axis.
     pub fn covering(region: Rect, cell: f32) -> Result<Self, Error> {
         region.check("the region")?;
         if !(cell.is_normal() && cell > 0.0) {
@@ -49,8 +51,8 @@ impl GridSpec {
     }
 }
 
-/// A grid whose lines are exact. Cells have integer coordinates from 0; a cell outside the grid has coordinates below 0 or from
-/// [`Grid::dims`] on.
+/// A grid whose lines are exact. Cells have integer coordinates from 0; a cell outside the grid has
+/// coordinates below 0 or from [`Grid::dims`] on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     origin: DVec2,
@@ -61,12 +63,14 @@ pub struct Grid {
 impl Grid {
     /// Checks `spec` and computes the grid's lines.
     ///
-    /// The corner is snapped down to a multiple of the cell size's last binary digit (at most 2^-23 of a cell). Corner and lines are
-    /// then multiples of one power of two below 2^52 times it, so `corner + i * cell` is exact.
+    /// The corner is snapped down to a multiple of the cell size's last binary digit (at most 2^-23
+    /// of a cell). Corner and lines are then multiples of one power of two below 2^52 times it, so
+    /// `corner + i * cell` is exact.
     ///
     /// # Errors
-    /// Refuses corners that are not finite, cell sizes that are not positive normal numbers, 0 or more than
-    /// [`MAX_CELLS_PER_AXIS`] cells, and corners more than about 2^28 cells from the origin.
+    /// Refuses corners that are not finite, cell sizes that are not positive normal numbers, 0 or
+    /// more than [`MAX_CELLS_PER_AXIS`] cells, and corners more than about 2^28 cells from the
+    /// origin.
     pub fn new(spec: &GridSpec) -> Result<Self, Error> {
         finite2("the grid's corner", spec.min)?;
         if !(spec.cell.is_normal() && spec.cell > 0.0) {
@@ -123,8 +127,8 @@ impl Grid {
         (self.origin + cell.as_dvec2() * self.cell, self.origin + (cell + 1).as_dvec2() * self.cell)
     }
 
-    /// The cell that contains `point`, inside the grid or not; a point on a side belongs to the upper cell. Coordinates saturate
-    /// 2^30 cells away.
+    /// The cell that contains `point`, inside the grid or not; a point on a side belongs to the
+    /// upper cell. Coordinates saturate 2^30 cells away.
     pub fn cell_of(&self, point: DVec2) -> IVec2 {
         IVec2::new(self.cell_along(0, point.x), self.cell_along(1, point.y))
     }

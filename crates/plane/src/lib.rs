@@ -1,11 +1,12 @@
-//! Visibility in the plane: floor plans, tile maps, and what can be seen in them. What can be seen is never left out.
+//! Visibility in the plane: floor plans, tile maps, and what can be seen in them. What can be seen
+//! is never left out.
 //!
 //! The planar twin of [casca](https://docs.rs/casca), with the same words.
 //!
 //! # Tiles
 //!
-//! [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`] remembers them for a group of
-//! viewers. [`VisibleFaces`] gives the sides of walls in sight.
+//! [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`]
+//! remembers them for a group of viewers. [`VisibleFaces`] gives the sides of walls in sight.
 //!
 //! ```
 //! use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
@@ -19,7 +20,8 @@
 //!
 //! # Objects
 //!
-//! A [`Scene`] keeps objects of any [`Shape`] on a grid, fixed or moving. A [`Query`] finds those that a [`View`] sees, by a [`Method`]:
+//! A [`Scene`] keeps objects of any [`Shape`] on a grid, fixed or moving. A [`Query`] finds those
+//! that a [`View`] sees, by a [`Method`]:
 //!
 //! | method | finds | cost |
 //! |---|---|---|
@@ -27,11 +29,12 @@
 //! | [`Method::Cell`] | the objects that can be seen from anywhere in the eye's cell | the cells in sight, 64 at a time |
 //! | [`Method::Sector`] | the objects in the view, hidden or not | all objects |
 //!
-//! A frame: [`Scene::begin_frame`], [`Scene::update`] for the objects that moved, queries, [`Scene::end_frame`] with their results. Moving objects
-//! that nobody sees get temporal bounding volumes, and queries do not test them until these come into sight or expire.
+//! A frame: [`Scene::begin_frame`], [`Scene::update`] for the objects that moved, queries,
+//! [`Scene::end_frame`] with their results. Moving objects that nobody sees get temporal bounding
+//! volumes, and queries do not test them until these come into sight or expire.
 //!
-//! The method is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a regular grid (Unicamp 2002), with the
-//! exact methods added.
+//! The method is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on
+//! a regular grid (Unicamp 2002), with the exact methods added.
 //!
 //! # Features
 //!

@@ -1,60 +1,77 @@
-//! Every margin of rounding, with its name and the reason for its size. One section for each part of the crate.
+//! Every margin of rounding, with its name and the reason for its size. One section for each part
+//! of the crate.
 
 // Objects and their cells.
 
-/// An occluder may stick out of its bounds by this share of their diagonal: roundings of the application's own arithmetic.
+/// An occluder may stick out of its bounds by this share of their diagonal: roundings of the
+/// application's own arithmetic.
 pub(crate) const OCCLUDER_SHARE: f64 = 1e-3;
 
-/// An occluder may also stick out by this share of the greatest coordinate: two roundings to single precision.
+/// An occluder may also stick out by this share of the greatest coordinate: two roundings to single
+/// precision.
 pub(crate) const OCCLUDER_ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
 
-/// Shapes touch the cells within this share of a cell around them. Grid lines are at most 2^29 cells from the origin, so that
-/// coordinates inside a grid, and points where sides cross its lines, err by less than 2^-22 of a cell. A margin above zero also makes
-/// shapes touch both cells beside a line that they end on.
+/// Shapes touch the cells within this share of a cell around them. Grid lines are at most 2^29
+/// cells from the origin, so that coordinates inside a grid, and points where sides cross its
+/// lines, err by less than 2^-22 of a cell. A margin above zero also makes shapes touch both cells
+/// beside a line that they end on.
 pub(crate) const TOUCH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Chords of solids err by less than this share of the greatest coordinate of a solid: sixteen roundings. A chord near the end of a disc
-/// errs by more, but is taken this much farther out, where it is shorter by as much.
+/// Chords of solids err by less than this share of the greatest coordinate of a solid: sixteen
+/// roundings. A chord near the end of a disc errs by more, but is taken this much farther out,
+/// where it is shorter by as much.
 pub(crate) const CHORD: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Corners of the polygon that stands for a disc lie inside of it by this share of the radius: far more than the error of a sine.
+/// Corners of the polygon that stands for a disc lie inside of it by this share of the radius: far
+/// more than the error of a sine.
 pub(crate) const INSIDE_DISC: f64 = 1e-9;
 
-/// A point counts as inside a disc up to this share of its distance from the centre: four roundings of the squared distance.
+/// A point counts as inside a disc up to this share of its distance from the centre: four roundings
+/// of the squared distance.
 pub(crate) const ON_DISC: f64 = 8.0 * f64::EPSILON;
 
 // Views.
 
-/// Directions of a view's sides are rounded to multiples of this, and tilted outwards by four times that, in radians: more than the
-/// rounding (2^-41 an axis) and the errors of sines together.
+/// Directions of a view's sides are rounded to multiples of this: by 2^-41 an axis.
 pub(crate) const DIRECTION: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// The sides of a view or of a disc are tilted outwards by this, in radians: more than the rounding
+/// to multiples of [`DIRECTION`] and the errors of sines together.
+pub(crate) const TILT: f64 = 4.0 * DIRECTION;
+
+/// A sector whose half angle is less than this below half a turn is a whole turn: its two sides,
+/// each tilted by [`TILT`], would meet or cross.
+pub(crate) const WHOLE: f64 = 5.0 * DIRECTION;
 
 // The cell method.
 
 /// The region of a view is widened by this many cells.
 ///
-/// Far more than the rounding of sums of three products of coordinates up to 2^21 cells (about 1e-9), far less than a cell.
+/// Far more than the rounding of sums of three products of coordinates up to 2^21 cells (about
+/// 1e-9), far less than a cell.
 pub(crate) const REGION: f64 = 1e-6;
 
-/// A half-plane whose value changes by less than this from cell to cell is not divided by: it is decided at the ends of the row.
-/// Larger slopes give quotients of which [`REGION`] still covers the rounding.
+/// A half-plane whose value changes by less than this from cell to cell is not divided by: it is
+/// decided at the ends of the row. Larger slopes give quotients of which [`REGION`] still covers
+/// the rounding.
 pub(crate) const REGION_SLOPE: f64 = 1e-9;
 
-/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: up to twice that, the sides of a view are less than
-/// [`REGION`] beside the place where they should be ([`DIRECTION`]).
+/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: up to twice that,
+/// the sides of a view are less than [`REGION`] beside the place where they should be
+/// ([`DIRECTION`]).
 pub(crate) const FAR_VIEWER: i32 = 1 << 16;
 
 // Volumes.
 
-/// A volume is larger by this many cells than the distances in it need: they are sums of a few products of coordinates up to 2^14
-/// cells, which are known to 2^-22 of a cell.
+/// A volume is larger by this many cells than the distances in it need: they are sums of a few
+/// products of coordinates up to 2^14 cells, which are known to 2^-22 of a cell.
 pub(crate) const VOLUME: f64 = 1e-5;
 
-/// The time before which an object that is somewhere `now` has not moved by a distance: seconds from world units and world units per
-/// second. Infinity for an object that does not move.
+/// The time before which an object that is somewhere `now` has not moved by a distance: seconds
+/// from world units and world units per second. Infinity for an object that does not move.
 ///
-/// The distance, the quotient and the sum are each rounded by at most half an ulp, and each result is taken down by one, so
-/// that rounding promises no more time than the distance gives.
+/// The distance, the quotient and the sum are each rounded by at most half an ulp, and each result
+/// is taken down by one, so that rounding promises no more time than the distance gives.
 pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
     if speed > 0.0 {
         (now + (distance.next_down().max(0.0) / speed).next_down().max(0.0)).next_down()
@@ -65,25 +82,37 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
 
 // Exact visibility from a point.
 
-/// Filters of the exact predicates allow for this share of each product: a difference, a product and a sum are off by 2^-53
-/// each, products of two differences and their sum by five times that. Twice as much is used.
+/// Filters of the exact predicates allow for this share of each product: a difference, a product
+/// and a sum are off by 2^-53 each, products of two differences and their sum by five times that.
+/// Twice as much is used.
 pub(crate) const ROUNDINGS: f64 = 5.0 * f64::EPSILON;
 
-/// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of differences, products and roots.
+/// The point where a ray hits a wall is known to this many times its relative error: the
+/// first-order error of a quotient (the share itself), what is left of higher orders for shares
+/// below [`HIT_SHARE`], and the roundings of the product.
+pub(crate) const HIT_ROOM: f64 = 4.0;
+
+/// With a greater relative error, the point where a ray hits a wall may be anywhere on it.
+pub(crate) const HIT_SHARE: f64 = 0.1;
+
+/// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of
+/// differences, products and roots.
 pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;
 
-/// Walls are clipped to squares of cells that are smaller by this share of a cell. A ray to a clipped end may hit the wall as far as
-/// that from it; flatter rays are not used.
+/// Walls are clipped to squares of cells that are smaller by this share of a cell. A ray to a
+/// clipped end may hit the wall as far as that from it; flatter rays are not used.
 pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
 
-/// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are multiplied by 2^25 at most.
+/// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are
+/// multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
 
 // Tiles.
 
 /// Field of view on tiles.
 ///
-/// Positions are whole numbers of `2^-TILE_BITS` of a tile, and the sweep only adds and compares them: it rounds nothing.
+/// Positions are whole numbers of `2^-TILE_BITS` of a tile, and the sweep only adds and compares
+/// them: it rounds nothing.
 pub(crate) mod tiles {
     /// Bits of a tile: a position is a multiple of `2^-28` of a tile.
     ///
@@ -93,15 +122,16 @@ pub(crate) mod tiles {
     /// A tile, in units of positions.
     pub(crate) const TILE: i64 = 1 << TILE_BITS;
 
-    /// Positions have no coordinate beyond this many tiles. Grids have at most `2^32` rows or columns, so that differences
-    /// stay below `2^61` units, and sums of two of them fit into 64 bits.
+    /// Positions have no coordinate beyond this many tiles. Grids have at most `2^32` rows or
+    /// columns, so that differences stay below `2^61` units, and sums of two of them fit into 64
+    /// bits.
     pub(crate) const FARTHEST: f64 = (1u64 << 32) as f64;
 
-    /// The length of the whole numbers that the two directions of a sector are rounded to. Denominators of slopes are this times
-    /// [`TILE`], at most `2^58`.
+    /// The length of the whole numbers that the two directions of a sector are rounded to.
+    /// Denominators of slopes are this times [`TILE`], at most `2^58`.
     pub(crate) const DIRECTION: f64 = (1u64 << 30) as f64;
 
-    /// A sector is wider than asked for by this angle at each side, in radians. Rounding to whole numbers turns its directions by
-    /// up to `2^-30.5`; angles in double precision err by far less.
+    /// A sector is wider than asked for by this angle at each side, in radians. Rounding to whole
+    /// numbers turns its directions by up to `2^-30.5`; angles in double precision err by far less.
     pub(crate) const SECTOR: f64 = 1.0 / (1u64 << 29) as f64;
 }

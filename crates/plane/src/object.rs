@@ -10,11 +10,12 @@ pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
     WhenMoved,
-    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it in sight. Needs a greatest speed,
-    /// which the object must keep while it goes unreported; a report may put it anywhere.
+    /// When [`crate::Scene::begin_frame`] lists it, and in every frame after one that ended with it
+    /// in sight. Needs a greatest speed, which the object must keep while it goes unreported; a
+    /// report may put it anywhere.
     ///
-    /// It counts as visible when its volume is seen, and from [`crate::Scene::begin_frame`] on until a report that is due comes. Until
-    /// then it hides nothing.
+    /// It counts as visible when its volume is seen, and from [`crate::Scene::begin_frame`] on
+    /// until a report that is due comes. Until then it hides nothing.
     OnExpiry,
 }
 
@@ -75,8 +76,8 @@ impl ObjectDesc {
         self
     }
 
-    /// Promises that no point of the object moves faster, in world units per second. Only for [dynamic](ObjectDesc::dynamic)
-    /// objects: [`crate::Scene::insert`] refuses it for a fixed one.
+    /// Promises that no point of the object moves faster, in world units per second. Only for
+    /// [dynamic](ObjectDesc::dynamic) objects: [`crate::Scene::insert`] refuses it for a fixed one.
     #[must_use]
     pub fn max_speed(mut self, speed: f32) -> Self {
         match &mut self.motion {
@@ -86,8 +87,9 @@ impl ObjectDesc {
         self
     }
 
-    /// Says that the object's motion goes unreported while it is hidden (see [`Reports::OnExpiry`]). Needs a
-    /// [greatest speed](ObjectDesc::max_speed), and a [dynamic](ObjectDesc::dynamic) object.
+    /// Says that the object's motion goes unreported while it is hidden (see
+    /// [`Reports::OnExpiry`]). Needs a [greatest speed](ObjectDesc::max_speed), and a
+    /// [dynamic](ObjectDesc::dynamic) object.
     #[must_use]
     pub fn reported_on_expiry(mut self) -> Self {
         match &mut self.motion {
@@ -97,7 +99,8 @@ impl ObjectDesc {
         self
     }
 
-    /// Gives the object a number of the application's, 0 if none is given: see [`crate::Scene::user_data`].
+    /// Gives the object a number of the application's, 0 if none is given: see
+    /// [`crate::Scene::user_data`].
     #[must_use]
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
@@ -117,7 +120,8 @@ impl ObjectDesc {
     }
 }
 
-/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their bounds.
+/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their
+/// bounds.
 pub(crate) fn check_pair(bounds: &Shape, occluder: Option<&Shape>) -> Result<(), Error> {
     bounds.check("the bounds")?;
     let Some(occluder) = occluder else { return Ok(()) };

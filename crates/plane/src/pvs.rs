@@ -7,7 +7,8 @@ use crate::id::ObjectId;
 use crate::method::Method;
 use crate::view::View;
 
-/// The work of a query in numbers, the same on every machine. The library has no clock: measure around [`crate::Query::run`].
+/// The work of a query in numbers, the same on every machine. The library has no clock: measure
+/// around [`crate::Query::run`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stats {
@@ -15,9 +16,11 @@ pub struct Stats {
     pub shells: u32,
     /// Cells visited. Cells of empty blocks of 8x8 cells are passed over and not counted.
     pub cells_visited: u64,
-    /// [`Method::Cell`]: how many of them were hidden. Cells on the diagonals through the viewer's count twice.
+    /// [`Method::Cell`]: how many of them were hidden. Cells on the diagonals through the viewer's
+    /// count twice.
     pub cells_hidden: u64,
-    /// [`Method::Cell`]: runs of cells that block, or extended occluders, that were used to hide others.
+    /// [`Method::Cell`]: runs of cells that block, or extended occluders, that were used to hide
+    /// others.
     pub occluders_drawn: u32,
     /// [`Method::Cell`]: extended occluders that were left out since their angle is small.
     pub occluders_skipped: u32,
@@ -27,16 +30,19 @@ pub struct Stats {
     pub objects_tested: u32,
     /// [`Method::Point`]: sides of occluders that were gathered.
     pub segments: u32,
-    /// [`Method::Point`]: pieces of the visibility polygon, each of which ends at one wall or at none.
+    /// [`Method::Point`]: pieces of the visibility polygon, each of which ends at one wall or at
+    /// none.
     pub pieces: u32,
     /// Whether the eye was inside a solid occluder, which then hides nothing.
     pub eye_in_occluder: bool,
 }
 
-/// The potentially visible set: every object of which any point can be seen. That of [`Method::Point`] has no other, but for objects
-/// that go unreported ([`crate::Reports::OnExpiry`]): those that may be in sight.
+/// The potentially visible set: every object of which any point can be seen. That of
+/// [`Method::Point`] has no other, but for objects that go unreported
+/// ([`crate::Reports::OnExpiry`]): those that may be in sight.
 ///
-/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone keeps it.
+/// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone
+/// keeps it.
 #[derive(Debug, Clone, Default)]
 pub struct Pvs {
     /// The tag of the scene; 0 before the first run.
@@ -53,9 +59,9 @@ pub struct Pvs {
 }
 
 impl Pvs {
-    /// The objects that can be seen, in the order in which the walk found them: by chessboard shells from the eye outwards.
-    /// [`Method::Sector`] gives them in the order of their indices. Objects in no cells, and hidden ones that came into sight, may come
-    /// elsewhere.
+    /// The objects that can be seen, in the order in which the walk found them: by chessboard
+    /// shells from the eye outwards. [`Method::Sector`] gives them in the order of their indices.
+    /// Objects in no cells, and hidden ones that came into sight, may come elsewhere.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
     }
@@ -81,8 +87,8 @@ impl Pvs {
         place > 0 && self.visible[place - 1] == id
     }
 
-    /// The differences between this set and one that was found earlier: the objects to show and those to take away. Costs one look-up
-    /// for each object of both sets, when the iterators run.
+    /// The differences between this set and one that was found earlier: the objects to show and
+    /// those to take away. Costs one look-up for each object of both sets, when the iterators run.
     pub fn changes_since<'a>(&'a self, earlier: &'a Self) -> PvsChanges<'a> {
         PvsChanges { earlier, later: self }
     }
@@ -151,7 +157,8 @@ impl<'a> PvsChanges<'a> {
         self.later.iter().filter(move |&id| !self.earlier.contains(id))
     }
 
-    /// The objects of the earlier set that are not in the later one, in the order of the earlier. Some may have been removed.
+    /// The objects of the earlier set that are not in the later one, in the order of the earlier.
+    /// Some may have been removed.
     pub fn left(self) -> impl Iterator<Item = ObjectId> + 'a {
         self.earlier.iter().filter(move |&id| !self.later.contains(id))
     }

@@ -10,8 +10,9 @@ use crate::geometry::polygon::ring;
 use crate::grid::Grid;
 use crate::numeric::TOUCH;
 
-/// Calls `run` with rows of cells and runs of columns that contain all cells of the grid that a shape touches, also those that it
-/// touches from outside. Cells of one row may come several times. The shape must lie inside the grid.
+/// Calls `run` with rows of cells and runs of columns that contain all cells of the grid that a
+/// shape touches, also those that it touches from outside. Cells of one row may come several times.
+/// The shape must lie inside the grid.
 pub(crate) fn touched(shape: &Shape, grid: &Grid, run: &mut impl FnMut(i32, RangeInclusive<i32>)) {
     match shape {
         Shape::Rect(rect) => {

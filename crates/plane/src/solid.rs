@@ -1,4 +1,5 @@
-//! The cells that lie wholly inside a solid shape, row by row: rounded inwards (thesis, section 3.3.1).
+//! The cells that lie wholly inside a solid shape, row by row: rounded inwards (thesis, section
+//! 3.3.1).
 
 use std::ops::RangeInclusive;
 
@@ -10,8 +11,8 @@ use crate::geometry::polygon::ring;
 use crate::grid::Grid;
 use crate::numeric::{CHORD, TOUCH};
 
-/// Calls `run` with rows of cells and runs of columns that lie wholly inside a shape, in the grid. A wall without thickness contains
-/// no cell.
+/// Calls `run` with rows of cells and runs of columns that lie wholly inside a shape, in the grid.
+/// A wall without thickness contains no cell.
 pub(crate) fn filled(shape: &Shape, grid: &Grid, run: &mut impl FnMut(i32, RangeInclusive<i32>)) {
     match shape {
         // Grid lines and sides of rectangles are exact numbers.
@@ -38,14 +39,16 @@ pub(crate) fn filled(shape: &Shape, grid: &Grid, run: &mut impl FnMut(i32, Range
     }
 }
 
-/// The cells inside a convex shape: a row lies inside as far as the chords on its lower and on its upper line do.
+/// The cells inside a convex shape: a row lies inside as far as the chords on its lower and on its
+/// upper line do.
 fn convex(
     grid: &Grid,
     block: &Block,
     run: &mut impl FnMut(i32, RangeInclusive<i32>),
     chord: impl Fn(f64) -> (f64, f64),
 ) {
-    // Coordinates inside a grid err by less than the first part, those of corners and centres by less than the second.
+    // Coordinates inside a grid err by less than the first part, those of corners and centres by
+    // less than the second.
     let farthest = block.min.abs().max(block.max.abs()).max_element();
     let margin = TOUCH * grid.cell_size() + CHORD * farthest;
     for row in between(grid, 1, block.min.y + margin, block.max.y - margin) {
@@ -60,7 +63,8 @@ fn convex(
     }
 }
 
-/// The interval of x in which a convex ring of sides contains points at a y; empty if it has none there.
+/// The interval of x in which a convex ring of sides contains points at a y; empty if it has none
+/// there.
 fn chord(sides: impl Iterator<Item = (DVec2, DVec2)>, y: f64) -> (f64, f64) {
     let ends = sides.filter(|(a, b)| (a.y <= y) != (b.y <= y));
     ends.map(|(a, b)| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0))

@@ -6,9 +6,10 @@ use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
 use crate::geometry::point_along;
-use crate::numeric::DIRECTION;
+use crate::numeric::{TILT, WHOLE};
 
-/// The part of the plane that an eye looks at: all of it, or a sector; as far as a range, if one is given.
+/// The part of the plane that an eye looks at: all of it, or a sector; as far as a range, if one is
+/// given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     eye: DVec2,
@@ -35,13 +36,14 @@ impl View {
         Ok(Self { eye: eye.as_dvec2(), sector: None, range: None })
     }
 
-    /// A view in the directions that make an angle of `half_angle` radians at most with `direction`, which may have any length. From
-    /// half a turn on (π) it looks all round.
+    /// A view in the directions that make an angle of `half_angle` radians at most with
+    /// `direction`, which may have any length. From half a turn on (π) it looks all round.
     ///
     /// Its sides are moved outwards by their rounding: by 5e-12 radians at most.
     ///
     /// # Errors
-    /// Refuses an eye or a direction that is not finite, a direction of length 0, and a half angle that is not between 0 and π.
+    /// Refuses an eye or a direction that is not finite, a direction of length 0, and a half angle
+    /// that is not between 0 and π.
     pub fn sector(eye: Vec2, direction: Vec2, half_angle: f32) -> Result<Self, Error> {
         let view = Self::all_round(eye)?;
         finite2("the direction", direction)?;
@@ -54,7 +56,7 @@ impl View {
             let what = "the half angle in radians";
             return Err(Error::Setting { what, value: half_angle, min: 0.0, max: most });
         }
-        let whole = half_angle + 5.0 * DIRECTION >= PI;
+        let whole = half_angle + WHOLE >= PI;
         Ok(Self { sector: (!whole).then_some(Sector { direction, half_angle }), ..view })
     }
 
@@ -90,11 +92,11 @@ impl View {
         self.range
     }
 
-    /// Points on the two sides of a sector, the first and the last counterclockwise; the directions to these points are the sides,
-    /// exactly.
+    /// Points on the two sides of a sector, the first and the last counterclockwise; the directions
+    /// to these points are the sides, exactly.
     pub(crate) fn sides(&self) -> Option<[DVec2; 2]> {
         let Sector { direction, half_angle } = self.sector?;
-        let angle = half_angle + 4.0 * DIRECTION;
+        let angle = half_angle + TILT;
         Some([-angle, angle].map(|angle| point_along(self.eye, DVec2::from_angle(angle).rotate(direction))))
     }
 }

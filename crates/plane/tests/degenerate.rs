@@ -1,4 +1,5 @@
-//! Walls that touch, cross and overlap, and eyes on walls, corners and borders: the cases that `Method::Point` defines.
+//! Walls that touch, cross and overlap, and eyes on walls, corners and borders: the cases that
+//! `Method::Point` defines.
 
 use casca_plane::{
     ConvexPolygon, Disc, Error, GridSpec, Method, ObjectDesc, Polyline, Query, Rect, Scene, Segment, Shape,

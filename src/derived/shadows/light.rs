@@ -28,28 +28,32 @@ pub(crate) enum LightKind {
 }
 
 impl Light {
-    /// A light infinitely far away, such as the sun. `direction` is the one in which light travels, of any length.
+    /// A light infinitely far away, such as the sun. `direction` is the one in which light travels,
+    /// of any length.
     pub const fn directional(direction: Vec3) -> Self {
         Self { kind: LightKind::Directional(direction), layers: u64::MAX }
     }
 
-    /// A light that shines from a point in all directions, and lights nothing farther away than `range`. Both are in world
-    /// units; the range may be infinite.
+    /// A light that shines from a point in all directions, and lights nothing farther away than
+    /// `range`. Both are in world units; the range may be infinite.
     pub const fn point(position: Vec3, range: f32) -> Self {
         Self { kind: LightKind::Point { position, range }, layers: u64::MAX }
     }
 
-    /// A light that shines from the eye of a view on all that lies inside the view: the camera of a shadow map. Rays
-    /// start at its near plane: objects before that cast no shadow. An orthographic view ([`View::orthographic`]) is a
-    /// directional light that lights a box. Its layers are those of the view.
+    /// A light that shines from the eye of a view on all that lies inside the view: the camera of a
+    /// shadow map. Rays start at its near plane: objects before that cast no shadow. An
+    /// orthographic view ([`View::orthographic`]) is a directional light that lights a box. Its
+    /// layers are those of the view.
     pub fn spot(view: View) -> Self {
         Self { layers: view.layers(), kind: LightKind::Spot(Box::new(view)) }
     }
 
-    /// The same light, whose shadows are cast by objects on some layers only, a bit for each. All others let it through:
-    /// they are no casters, and do not keep the light from those behind them.
+    /// The same light, whose shadows are cast by objects on some layers only, a bit for each. All
+    /// others let it through: they are no casters, and do not keep the light from those behind
+    /// them.
     ///
-    /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's matter.
+    /// Shadows may fall on all that the camera sees, whatever its layers: they are the camera's
+    /// matter.
     #[must_use]
     pub fn with_layers(self, mask: u64) -> Self {
         Self { layers: mask, ..self }
@@ -83,7 +87,8 @@ impl Lamp {
         self.rays.whole_view().with_layers(self.layers)
     }
 
-    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there are no boxes.
+    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there
+    /// are no boxes.
     pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
         Some(self.rays.view_of(pieces)?.with_layers(self.layers))
     }
@@ -131,11 +136,11 @@ impl Rays {
         match self {
             Self::Sun { .. } => Some(*block),
             Self::Bulb { at, range } => {
-                let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if block.distance_from(*at) > reach {
+                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
+                if block.distance_from(*at) > farthest {
                     return None;
                 }
-                let (min, max) = (block.min.max(at - reach), block.max.min(at + reach));
+                let (min, max) = (block.min.max(at - farthest), block.max.min(at + farthest));
                 // In doubt (NaN), it reaches all of it.
                 if min.cmple(max).all() { Some(Block { min, max }) } else { Some(*block) }
             }
@@ -148,9 +153,9 @@ impl Rays {
         match self {
             Self::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
             Self::Bulb { at, range } => {
-                let reach = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if reach.is_finite() {
-                    Self::between(*at, at - reach, at + reach)
+                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
+                if farthest.is_finite() {
+                    Self::between(*at, at - farthest, at + farthest)
                 } else {
                     View::around(*at, SmallVec::new())
                 }
@@ -164,15 +169,15 @@ impl Rays {
         match self {
             Self::Sun { axes } => {
                 let along = axes[2];
-                let reach = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
+                let extent = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
                 let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
                 for (axis, min, max) in
-                    [(axes[0], reach.min.x, reach.max.x), (axes[1], reach.min.y, reach.max.y)]
+                    [(axes[0], extent.min.x, extent.max.x), (axes[1], extent.min.y, extent.max.y)]
                 {
                     planes.push(HalfSpace { normal: axis, offset: -min });
                     planes.push(HalfSpace { normal: -axis, offset: max });
                 }
-                planes.push(HalfSpace { normal: -along, offset: reach.max.z });
+                planes.push(HalfSpace { normal: -along, offset: extent.max.z });
                 Some(View::parallel(along, planes))
             }
             Self::Bulb { at, .. } => {
@@ -203,6 +208,6 @@ fn widened(block: &Block, axes: &[DVec3; 3]) -> Block {
     let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     let greatest = block.min.abs().max(block.max.abs()).max_element();
     let middle = DVec3::from_array(axes.map(|axis| middle.dot(axis)));
-    let reach = DVec3::from_array(axes.map(|axis| half.dot(axis.abs()))) + LIGHT_EXTENT * greatest;
-    Block { min: middle - reach, max: middle + reach }
+    let radius = DVec3::from_array(axes.map(|axis| half.dot(axis.abs()))) + LIGHT_EXTENT * greatest;
+    Block { min: middle - radius, max: middle + radius }
 }

@@ -10,17 +10,19 @@ use crate::query::receivers::{Part, ReceiverScratch};
 use crate::query::sight::Sight;
 use crate::scene::{Object, Scene};
 
-/// Parts are not cut that appear smaller than this: longest edge over distance, 0.05 is about three degrees.
+/// Parts are not cut that appear smaller than this: longest edge over distance, 0.05 is about three
+/// degrees.
 const SMALLEST: f64 = 0.05;
 
 /// Nor along edges shorter than this many cells.
 const SHORTEST: f64 = 1.0;
 
-/// The boxes of all receivers together are cut at most this often, the largest in the picture first.
+/// The boxes of all receivers together are cut at most this often, the largest in the picture
+/// first.
 const MOST_CUTS: usize = 2048;
 
-/// Appends boxes that together contain every point that the camera sees, of objects in its set, and that one of the
-/// lights reaches; false if such a point may be anywhere.
+/// Appends boxes that together contain every point that the camera sees, of objects in its set, and
+/// that one of the lights reaches; false if such a point may be anywhere.
 pub(super) fn find_pieces(
     scene: &Scene,
     receivers: &Pvs,
@@ -41,7 +43,7 @@ pub(super) fn find_pieces(
         }
         for block in visible_boxes(object, &sight) {
             let Some(block) = lit(lamps, &block).filter(|block| sight.may_see(block)) else { continue };
-            parts.push(Part { size: size(&block), slot: id.slot, block });
+            parts.push(Part { size: size(&block), slot: id.slot(), block });
         }
     }
     let mut cuts = 0;
@@ -73,9 +75,10 @@ fn lit(lamps: &[Lamp], block: &Block) -> Option<Block> {
 
 /// Boxes that together contain all visible points of an object whose place is known.
 ///
-/// For a solid box seen from outside, these are the sides that rays may run into, with a little thickness for the
-/// rounding of applications. The whole box of a ground would reach below the foot of a wall, into pixels that only the
-/// ground itself covers, at a depth that tiles know roughly: the buffers would leave it undecided far behind the wall.
+/// For a solid box seen from outside, these are the sides that rays may run into, with a little
+/// thickness for the rounding of applications. The whole box of a ground would reach below the foot
+/// of a wall, into pixels that only the ground itself covers, at a depth that tiles know roughly:
+/// the buffers would leave it undecided far behind the wall.
 fn visible_boxes(object: &Object, sight: &Sight) -> SmallVec<[Block; 3]> {
     if let Some(volume) = object.unreported_volume() {
         return SmallVec::from_iter([*volume]);

@@ -22,10 +22,11 @@
 //! | open sides | 12 | side (u32), chain (u64) |
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces as outward normal and offset (f64 x 4), edges (u16 x 4) |
 //!
-//! Sides come in the order of their patches. A group comes before the patches inside, and has no sides of its own; the
-//! first patch contains all others. Groups that are drawn in parts only have the slab lo = infinity, hi = -infinity.
-//! Bounds, slacks and outlines that follow from the rest are computed when a file is read. A mesh that occludes nothing
-//! has no sides, patches and open sides. A mesh that is read and written again gives the same bytes.
+//! Sides come in the order of their patches. A group comes before the patches inside, and has no
+//! sides of its own; the first patch contains all others. Groups that are drawn in parts only have
+//! the slab lo = infinity, hi = -infinity. Bounds, slacks and outlines that follow from the rest
+//! are computed when a file is read. A mesh that occludes nothing has no sides, patches and open
+//! sides. A mesh that is read and written again gives the same bytes.
 
 mod contents;
 mod read;
@@ -50,7 +51,8 @@ const PATCHES: &str = "patches";
 const OPEN: &str = "open sides";
 const PARTS: &str = "parts";
 
-/// FNV-1a of 64 bits (Fowler, Noll and Vo 1991). No two inputs that differ in one byte have the same.
+/// FNV-1a of 64 bits (Fowler, Noll and Vo 1991). No two inputs that differ in one byte have the
+/// same.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
 }

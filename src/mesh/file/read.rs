@@ -11,7 +11,7 @@ use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
     CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
-use crate::mesh::surface::{NONE, Patch, Side, Surface, Topology, slack};
+use crate::mesh::surface::{Patch, PatchIndex, Side, Surface, Topology, slack};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
 use crate::shape::convex::Convex;
@@ -19,20 +19,21 @@ use crate::shape::convex::Convex;
 /// Corners, faces or edges of a part, at most: twice what a box with 20 planes cut off can have.
 const MOST_OF_PART: usize = 144;
 
-/// Groups are nested no deeper: far deeper than those of prepared meshes, and shallow enough for reading to cost the
-/// file's length.
+/// Groups are nested no deeper: far deeper than those of prepared meshes, and shallow enough for
+/// reading to cost the file's length.
 const DEEPEST: usize = 64;
 
 impl TriMesh {
-    /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for bytes
-    /// that are there.
+    /// Reads a mesh that [`TriMesh::write`] wrote, and not a byte more. Memory is only taken for
+    /// bytes that are there.
     ///
     /// It checks the checksum, and that a prepared mesh can have every number in the file: no file
     /// makes the library panic. It also checks that the mesh is closed if the file says so.
     ///
     /// It trusts that the patches and parts are those of the triangles. The checksum finds
-    /// accidents, but not intent: a file that was made by hand can hide objects that its triangles do not
-    /// hide, or be hidden where its triangles are seen. Prepare meshes of unknown origin yourself.
+    /// accidents, but not intent: a file that was made by hand can hide objects that its triangles
+    /// do not hide, or be hidden where its triangles are seen. Prepare meshes of unknown origin
+    /// yourself.
     ///
     /// # Errors
     /// Refuses bytes that are no such mesh; the stream is then left somewhere in them. At
@@ -119,17 +120,18 @@ impl Contents<'_> {
                 from: c.vec3()?,
                 to: c.vec3()?,
                 slack: c.f32()?,
-                twin: c.u32()?,
+                twin: PatchIndex::new(c.u32()?),
                 opposite: c.flag(i)?,
             };
             c.check(i, side.slack >= 0.0, "has a slack that is negative or no number")?;
-            let alone = side.twin == NONE && side.opposite;
+            let alone = side.twin == PatchIndex::NONE && side.opposite;
             c.check(i, !alone, "is opposite to no patch")?;
             Ok(side)
         })?;
         let patches = self.patches(bounds, &sides)?;
         let beyond = |s: &Side| {
-            s.twin != NONE && patches.get(s.twin as usize).is_none_or(|p: &Patch| p.next != s.twin + 1)
+            let patch = patches.get(s.twin.index());
+            s.twin != PatchIndex::NONE && patch.is_none_or(|p: &Patch| p.next != s.twin.after())
         };
         if let Some(entry) = sides.iter().position(beyond) {
             return Err(FileError::Entry { section: SIDES, entry, why: "names a patch that is not there" });
@@ -137,20 +139,20 @@ impl Contents<'_> {
         let mut next = 0;
         let open = self.section(OPEN, 12, |c, i| {
             let (side, chain) = (c.u32()?, c.u64()?);
-            let alone = sides.get(side as usize).is_some_and(|s| s.twin == NONE);
+            let alone = sides.get(side as usize).is_some_and(|s| s.twin == PatchIndex::NONE);
             c.check(i, alone, "names a side that is not there, or has a patch beyond")?;
             c.check(i, side as usize >= next, "names a side that comes before that of the last entry")?;
             next = side as usize + 1;
             Ok((side, chain))
         })?;
         let mut surface = Surface { sides, patches, front, open, ..Surface::default() };
-        surface.find_rims();
+        surface.find_group_outlines();
         self.section = PATCHES;
-        for (i, patch) in (0..).zip(&surface.patches).filter(|(i, p)| p.next > i + 1) {
+        for (i, patch) in surface.indexed().filter(|(i, p)| p.next > i.after()) {
             let along = |p: Vec3| patch.normal.dot(p.as_dvec3());
             let inside = |p: Vec3| patch.lo <= along(p) && along(p) <= patch.hi;
             let all = surface.outline(i).all(|(_, side)| inside(side.from) && inside(side.to));
-            self.check(i as usize, all, "has parts that leave its slab")?;
+            self.check(i.index(), all, "has parts that leave its slab")?;
         }
         Ok(surface)
     }
@@ -201,17 +203,18 @@ impl Contents<'_> {
                     let held = min.cmple(p).all() && max.cmpge(p).all() && lo <= along && along <= hi;
                     c.check(i, held, "has a side that leaves its box or slab")?;
                 }
-                c.check(i, side.twin != number, "has a side with itself beyond")?;
+                c.check(i, side.twin != PatchIndex::new(number), "has a side with itself beyond")?;
             }
             if group {
                 c.check(i, groups.len() < DEEPEST, "is inside of too many groups")?;
                 groups.push((Aabb { min, max }, next));
             }
+            let next = PatchIndex::new(next);
             let patch = Patch { first, last, next, sine, normal, lo, hi, min, max, slack: slack(own) };
             first = last;
             Ok(patch)
         })?;
-        let whole = patches.first().is_none_or(|p| p.next as usize == patches.len());
+        let whole = patches.first().is_none_or(|p| p.next.index() == patches.len());
         self.check(0, whole, "does not contain all others")?;
         if first as usize != sides.len() {
             return Err(self.broken(patches.len(), "is missing: there are sides without a patch"));

@@ -11,7 +11,7 @@ use crate::error::FileError;
 use crate::geometry::Sphere;
 use crate::grid::GridSpec;
 use crate::mesh::instance::Instance;
-use crate::mesh::surface::NONE;
+use crate::mesh::surface::PatchIndex;
 use crate::mesh::{Facing, MeshOptions, TriMesh};
 use crate::object::ObjectDesc;
 use crate::query::Query;
@@ -124,7 +124,7 @@ fn what_is_read_is_what_was_written() {
     let all = meshes();
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.slack > 0.0)));
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.opposite)));
-    assert!(all.iter().any(|m| m.surface.rims.len() > 1 && m.closed));
+    assert!(all.iter().any(|m| m.surface.group_outlines.len() > 1 && m.closed));
     assert!(all.iter().any(|m| !m.surface.open.is_empty() && m.surface.front));
     // One after the other, and nothing of the next is taken.
     let mut stream: Vec<u8> = all.iter().flat_map(bytes).collect();
@@ -268,27 +268,41 @@ fn claims_take_no_memory() {
     }
 }
 
+/// A change of bytes: where, what is written there, the section that is refused, and a part of the reason.
+type Change<'a> = (usize, &'a [u8], &'a str, &'a str);
+
+fn refuses_each(whole: &[u8], changes: &[Change]) {
+    for &(at, new, named, reason) in changes {
+        let mut made = whole.to_vec();
+        made[at..at + new.len()].copy_from_slice(new);
+        assert_ne!(made, whole, "{named}: {reason}");
+        mend(&mut made);
+        match read(&made).unwrap_err() {
+            FileError::Entry { section, why, .. } if section == named => {
+                assert!(why.contains(reason), "{named} {why}, where {reason} was expected");
+            }
+            other => panic!("{named} {reason}: {other}"),
+        }
+    }
+}
+
 #[test]
 fn refuses_nonsense_with_a_right_checksum() {
     let whole = bytes(&corner());
-    let [positions, triangles, flags, sides, patches, open, parts] = places(&whole);
+    let [positions, triangles, flags, sides, patches, open, _] = places(&whole);
     // A bundle of two patches.
     let [whole_patch, one, two_patch] = [8, 84, 160].map(|at| patches + at);
     let (nan, inf) = (f32::NAN.to_le_bytes(), f32::INFINITY.to_le_bytes());
     let (nan64, two) = (f64::NAN.to_le_bytes(), 2f64.to_le_bytes());
-    let none = NONE.to_le_bytes();
-    let (counts, first) = (parts + 8, parts + 14);
-    let vertices = usize::from(whole[counts]);
-    let faces = first + 24 * vertices;
-    let edges = faces + 32 * usize::from(whole[counts + 2]);
+    let none = u32::MAX.to_le_bytes();
     // The first open side, and one with a patch beyond.
     let alone = u32::from_le_bytes(*whole[open + 8..].first_chunk().unwrap()) as usize;
     let mesh = corner();
-    let beyond = mesh.surface.sides.iter().position(|s| s.twin != NONE).unwrap();
+    let beyond = mesh.surface.sides.iter().position(|s| s.twin != PatchIndex::NONE).unwrap();
     let twin = |side: usize| sides + 8 + 33 * side + 28;
     let other = 2 - u32::from(mesh.surface.patches[1].last as usize <= alone);
     let own = (1 + u32::from(mesh.surface.patches[1].last as usize <= beyond)).to_le_bytes();
-    let cases: &[(usize, &[u8], &str, &str)] = &[
+    let changes: &[Change] = &[
         (positions + 8, &nan, POSITIONS, "not finite"),
         (positions + 20, &inf, POSITIONS, "not finite"),
         (triangles + 8, &6u32.to_le_bytes(), TRIANGLES, "not there"),
@@ -330,6 +344,20 @@ fn refuses_nonsense_with_a_right_checksum() {
         (open + 8, &none, OPEN, "not there"),
         (open + 8, &(beyond as u32).to_le_bytes(), OPEN, "patch beyond"),
         (open + 20, &(alone as u32).to_le_bytes(), OPEN, "comes before"),
+    ];
+    refuses_each(&whole, changes);
+}
+
+#[test]
+fn refuses_parts_that_are_not_solid() {
+    let whole = bytes(&corner());
+    let [.., parts] = places(&whole);
+    let (nan64, two) = (f64::NAN.to_le_bytes(), 2f64.to_le_bytes());
+    let (counts, first) = (parts + 8, parts + 14);
+    let vertices = usize::from(whole[counts]);
+    let faces = first + 24 * vertices;
+    let edges = faces + 32 * usize::from(whole[counts + 2]);
+    let changes: &[Change] = &[
         (counts, &3u16.to_le_bytes(), PARTS, "too few"),
         (counts + 2, &3u16.to_le_bytes(), PARTS, "too few"),
         (counts + 4, &0u16.to_le_bytes(), PARTS, "too few"),
@@ -343,19 +371,13 @@ fn refuses_nonsense_with_a_right_checksum() {
         (edges + 4, &100u16.to_le_bytes(), PARTS, "without two"),
         (edges, &whole[edges + 2..edges + 4], PARTS, "without two"),
     ];
-    for &(at, new, named, reason) in cases {
-        let mut made = whole.clone();
-        made[at..at + new.len()].copy_from_slice(new);
-        assert_ne!(made, whole, "{named}: {reason}");
-        mend(&mut made);
-        match read(&made).unwrap_err() {
-            FileError::Entry { section, why, .. } if section == named => {
-                assert!(why.contains(reason), "{named} {why}, where {reason} was expected");
-            }
-            other => panic!("{named} {reason}: {other}"),
-        }
-    }
-    // Sections without entries.
+    refuses_each(&whole, changes);
+}
+
+#[test]
+fn refuses_sections_without_entries_and_twice_the_flags() {
+    let whole = bytes(&corner());
+    let [_, triangles, flags, .., parts] = places(&whole);
     let cut = |from: usize, size: usize, count: u64| {
         let mut made = whole.clone();
         made.drain(from + 8..from + 8 + size);
@@ -391,7 +413,7 @@ fn refuses_groups_nested_without_end() {
         for side in 0..u64::from_le_bytes(*made[sides..].first_chunk().unwrap()) as usize {
             let twin = sides + 8 + 33 * side + 28;
             let number = u32::from_le_bytes(*made[twin..].first_chunk().unwrap());
-            if number != NONE {
+            if number != PatchIndex::NONE.get() {
                 made[twin..twin + 4].copy_from_slice(&(number + deep).to_le_bytes());
             }
         }

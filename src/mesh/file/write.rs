@@ -11,11 +11,11 @@ use crate::mesh::tri_mesh::TriMesh;
 use crate::shape::convex::Convex;
 
 impl TriMesh {
-    /// Writes the mesh as prepared, so that [`TriMesh::read`] gets it back in a fraction of the time that
-    /// preparing took. Several meshes may follow each other in a stream.
+    /// Writes the mesh as prepared, so that [`TriMesh::read`] gets it back in a fraction of the
+    /// time that preparing took. Several meshes may follow each other in a stream.
     ///
-    /// The layout, described at the top of `src/mesh/file/mod.rs`, has a version. Files of other versions are
-    /// refused, so keep the sources of your meshes.
+    /// The layout, described at the top of `src/mesh/file/mod.rs`, has a version. Files of other
+    /// versions are refused, so keep the sources of your meshes.
     ///
     /// ```
     /// use casca::TriMesh;
@@ -66,12 +66,12 @@ impl TriMesh {
             put3(out, side.from);
             put3(out, side.to);
             out.extend(side.slack.to_le_bytes());
-            out.extend(side.twin.to_le_bytes());
+            out.extend(side.twin.get().to_le_bytes());
             out.push(u8::from(side.opposite));
         }
         count(out, patches.len());
-        for (patch, number) in patches.iter().zip(1..) {
-            let inside = patch.next - number;
+        for (at, patch) in self.surface.indexed() {
+            let inside = at.after().up_to(patch.next);
             let sides = if inside == 0 { patch.last - patch.first } else { 0 };
             out.extend(sides.to_le_bytes());
             out.extend(inside.to_le_bytes());

@@ -1,4 +1,5 @@
-//! Offsets of planes of given directions, so that each triangle of a sample lies beyond one and much room is left.
+//! Offsets of planes of given directions, so that each triangle of a sample lies beyond one and
+//! much room is left.
 
 use std::f64::consts::PI;
 
@@ -6,6 +7,7 @@ use glam::{DMat3, DVec3};
 
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::inner::frames::Frame;
+use crate::numeric::mesh::INNER_FIT;
 use crate::numeric::{greater, lesser};
 
 /// The most directions of a frame: planes are numbered by the bits of a word.
@@ -16,10 +18,6 @@ const SWEEPS: usize = 2;
 
 /// Directions in which the volume is measured.
 const RAYS: usize = 96;
-
-/// Offsets are made smaller by this factor, so that rounding them to single precision leaves no triangle of the sample
-/// out.
-const SHRINK: f64 = 1.0 - 1e-5;
 
 /// Planes around a point.
 pub(super) struct Fit {
@@ -42,7 +40,7 @@ impl Fit {
         let planes = directions.iter().zip(&offsets).map(|(&d, offset)| {
             let normal = turn * d;
             let length = normal.length();
-            HalfSpace { normal: -normal / length, offset: f64::from(*offset) * SHRINK / length }
+            HalfSpace { normal: -normal / length, offset: f64::from(*offset) * INNER_FIT / length }
         });
         Some(Self {
             center,
@@ -89,7 +87,8 @@ impl Extents {
         Self { count: directions.len(), least, greatest }
     }
 
-    /// The direction in which a triangle takes the least share of the offset, and the share that is left.
+    /// The direction in which a triangle takes the least share of the offset, and the share that is
+    /// left.
     fn best(&self, row: &Row, offsets: &Row) -> (usize, f32) {
         let mut best = (0, f32::NEG_INFINITY);
         for i in 0..self.count {
@@ -101,7 +100,8 @@ impl Extents {
         best
     }
 
-    /// Offsets of planes such that each triangle lies beyond one; `None` if that leaves no room around the origin.
+    /// Offsets of planes such that each triangle lies beyond one; `None` if that leaves no room
+    /// around the origin.
     fn offsets(&self) -> Option<Vec<f32>> {
         let mut offsets = self.greatest;
         // The deepest dents first: the planes that they need may suffice for others.

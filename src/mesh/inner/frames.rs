@@ -1,5 +1,5 @@
-//! Directions of planes: sets that are spread evenly over a ball or a box, in frames in which the mesh is about as large
-//! along all axes.
+//! Directions of planes: sets that are spread evenly over a ball or a box, in frames in which the
+//! mesh is about as large along all axes.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -59,9 +59,9 @@ pub(super) fn frames(moments: &Moments, sample: &[[DVec3; 3]]) -> impl Iterator<
             Frame { axes, directions: round().into_iter().map(|d| turn * d).collect() }
         })
     });
-    let reach = sample.iter().flatten().map(|&p| (p - moments.center).abs()).fold(DVec3::ZERO, DVec3::max);
+    let half = sample.iter().flatten().map(|&p| (p - moments.center).abs()).fold(DVec3::ZERO, DVec3::max);
     let boxed =
-        (reach.min_element() > 0.0).then(|| Frame { axes: DMat3::from_diagonal(reach), directions: boxed() });
+        (half.min_element() > 0.0).then(|| Frame { axes: DMat3::from_diagonal(half), directions: boxed() });
     round.chain(boxed)
 }
 

@@ -1,16 +1,18 @@
 //! Convex solids with few faces inside closed meshes.
 //!
-//! A small rock, a tree crown or a ball costs less to draw as one convex solid than patch by patch, and a solid inside the
-//! mesh hides nothing that the mesh does not hide.
+//! A small rock, a tree crown or a ball costs less to draw as one convex solid than patch by patch,
+//! and a solid inside the mesh hides nothing that the mesh does not hide.
 //!
-//! Let a closed mesh be wound alike, and let some half-spaces around a point `c` be such that all three corners of each
-//! triangle lie beyond the plane of one of them. A triangle is convex, so it lies beyond that plane as a whole, and no
-//! triangle meets the inside of the intersection of the half-spaces. That intersection is convex and contains `c`, so
-//! the mesh winds around each of its points as often as around `c`. If that is not zero, rays that start outside of the
-//! mesh pass a triangle before they reach the solid; if it is positive, they pass the front of one.
+//! Let a closed mesh be wound alike, and let some half-spaces around a point `c` be such that all
+//! three corners of each triangle lie beyond the plane of one of them. A triangle is convex, so it
+//! lies beyond that plane as a whole, and no triangle meets the inside of the intersection of the
+//! half-spaces. That intersection is convex and contains `c`, so the mesh winds around each of its
+//! points as often as around `c`. If that is not zero, rays that start outside of the mesh pass a
+//! triangle before they reach the solid; if it is positive, they pass the front of one.
 //!
-//! The directions of the half-spaces are fixed in advance ([`frames`]), and their offsets are fitted to a sample of the
-//! triangles ([`fit`]). Both decide the size of the solid only: in the end every triangle is compared with the planes.
+//! The directions of the half-spaces are fixed in advance ([`frames`]), and their offsets are
+//! fitted to a sample of the triangles ([`fit`]). Both decide the size of the solid only: in the
+//! end every triangle is compared with the planes.
 
 mod fit;
 mod frames;
@@ -45,12 +47,12 @@ const MOST_TRIANGLES: usize = 1 << 18;
 pub(crate) struct Inner {
     pub(crate) solid: Convex,
     /// By how much the mesh is larger along each axis in the mean, as a share of its size.
-    pub(crate) rim: f64,
+    pub(crate) gap: f64,
 }
 
-/// A convex solid inside a mesh that is closed and wound alike: `None` if none is found that is large enough. `outward`
-/// is 1 if normals point outwards, -1 if inwards, and 0 if the mesh is open. If `front`, triangles hide from their front
-/// only.
+/// A convex solid inside a mesh that is closed and wound alike: `None` if none is found that is
+/// large enough. `outward` is 1 if normals point outwards, -1 if inwards, and 0 if the mesh is
+/// open. If `front`, triangles hide from their front only.
 ///
 /// Costs a few passes over the triangles.
 pub(super) fn inner_solid(
@@ -86,10 +88,10 @@ pub(super) fn inner_solid(
     if wound == 0 || front && wound < 0 {
         return None;
     }
-    let reach = min.abs().max(max.abs()).max_element();
-    let solid = Convex::inside_planes(fit.center, &planes, INNER_ROOM * reach)?;
+    let largest = min.abs().max(max.abs()).max_element();
+    let solid = Convex::inside_planes(fit.center, &planes, INNER_ROOM * largest)?;
     let share = (solid.volume() / moments.volume).min(1.0);
-    (share >= LEAST_SHARE).then(|| Inner { solid, rim: 1.0 - share.cbrt() })
+    (share >= LEAST_SHARE).then(|| Inner { solid, gap: 1.0 - share.cbrt() })
 }
 
 /// The largest solid that the frames of a mesh give for a sample of its triangles, and the frame.
@@ -103,8 +105,8 @@ fn best_fit(moments: &Moments, sample: &[[DVec3; 3]]) -> Option<(Frame, Fit)> {
     (fit.volume >= LEAST_SHARE * moments.volume).then_some((frame, fit))
 }
 
-/// The half-spaces of a fit relative to its center, with planes moved inwards until each triangle of the mesh lies beyond
-/// one. Triangles for which one was moved join the sample.
+/// The half-spaces of a fit relative to its center, with planes moved inwards until each triangle
+/// of the mesh lies beyond one. Triangles for which one was moved join the sample.
 fn exact_planes(
     fit: &Fit,
     positions: &[Vec3],
@@ -142,8 +144,8 @@ fn sides(planes: &[HalfSpace], p: DVec3) -> u32 {
     planes.iter().zip(0..).fold(0, |bits, (plane, i)| bits | u32::from(plane.distance(p) <= 0.0) << i)
 }
 
-/// How often triangles wind around a point, counted by the solid angles that it sees them at (van Oosterom and Strackee
-/// 1983); `None` if their sum is not near a whole number.
+/// How often triangles wind around a point, counted by the solid angles that it sees them at (van
+/// Oosterom and Strackee 1983); `None` if their sum is not near a whole number.
 fn winding(center: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<i64> {
     let half_angle = |t: [DVec3; 3]| {
         let [a, b, c] = t.map(|p| p - center);

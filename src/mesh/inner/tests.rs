@@ -84,11 +84,12 @@ fn prepare((positions, triangles): Made, facing: Facing) -> TriMesh {
     TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// A ray that passes an edge at less than this, as a product of three lengths of about 1, is not counted: roundings of
-/// double precision are a thousandth of it.
+/// A ray that passes an edge at less than this, as a product of three lengths of about 1, is not
+/// counted: roundings of double precision are a thousandth of it.
 const NEAR_EDGE: f64 = 1e-12;
 
-/// How often a mesh winds around a point, by the triangles that a ray passes; `None` if it comes close to an edge.
+/// How often a mesh winds around a point, by the triangles that a ray passes; `None` if it comes
+/// close to an edge.
 fn winding_along(mesh: &TriMesh, from: DVec3, way: DVec3) -> Option<i32> {
     let mut sum = 0;
     for corners in mesh.all_corners() {
@@ -107,7 +108,8 @@ fn winding_along(mesh: &TriMesh, from: DVec3, way: DVec3) -> Option<i32> {
     Some(sum)
 }
 
-/// Checks that a mesh winds around points of its solid, if it has one. Returns the share of the volume in it.
+/// Checks that a mesh winds around points of its solid, if it has one. Returns the share of the
+/// volume in it.
 fn check(made: Made, facing: Facing, random: &mut Random) -> Option<f64> {
     let mesh = prepare(made, facing);
     let solid = &mesh.inner()?.solid;
@@ -185,7 +187,8 @@ fn an_eye_between_solid_and_mesh_sees_past_the_solid() {
         let mesh = [rough.clone(), turned(rough)].map(|made| prepare(made, facing));
         let mesh = mesh.into_iter().find(|m| m.inner().is_some() && m.surface().outward > 0.0).unwrap();
         let solid = mesh.inner().unwrap().solid.clone();
-        // Along the ray through the middle of a face there is room between solid and mesh, or next to it.
+        // Along the ray through the middle of a face there is room between solid and mesh, or next
+        // to it.
         let ends = [1.0, -1.0].map(|side| {
             let far = |t: f64| DVec3::X * side * t;
             let outside = |p: DVec3| solid.faces.iter().any(|f| f.beyond(p) > 0.01);

@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::error::Error;
 use crate::mesh::preparation::Progress;
 
-use crate::mesh::surface::chain::{rims, simplify};
+use crate::mesh::surface::chain::{borders, simplify};
 use crate::mesh::surface::gather::gather;
 use crate::mesh::surface::grow::grow;
 use crate::mesh::surface::patch::{Rules, Surface};
@@ -30,7 +30,7 @@ impl Surface {
     pub(crate) fn of(welded: &Welded, rules: &Rules, progress: &mut Progress) -> Result<Self, Error> {
         let patches = grow(welded, rules);
         progress.tell(0.25)?;
-        let straight = simplify(welded, &rims(welded, &patches), rules.tolerance);
+        let straight = simplify(welded, &borders(welded, &patches), rules.tolerance);
         progress.tell(0.4)?;
         gather(welded, &patches, &straight, rules, &mut progress.part(0.4, 1.0))
     }
@@ -41,7 +41,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::mesh::surface::patch::NONE;
+    use crate::mesh::surface::index::PatchIndex;
 
     fn rules(tolerance: f64) -> Rules {
         Rules { tolerance, cosine: 0.2, least: 0.0, front: false }
@@ -80,7 +80,7 @@ mod tests {
         let leaves: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, i + 2]).collect();
         let surface = Surface::new(&p, &leaves, &rules(0.01));
         assert_eq!((surface.leaves(), surface.sides.len()), (n as usize, 3 * n as usize));
-        assert!(surface.sides.iter().all(|s| s.twin == NONE && !s.opposite));
+        assert!(surface.sides.iter().all(|s| s.twin == PatchIndex::NONE && !s.opposite));
         // A cone around the vertex is one ring of patches.
         let cone: Vec<[u32; 3]> = (0..n).map(|i| [0, i + 2, (i + 1) % n + 2]).collect();
         let surface = Surface::new(&p, &cone, &rules(0.01));
@@ -105,14 +105,13 @@ mod tests {
         let (p, t) = ground(40);
         let surface = Surface::new(&p, &t, &rules(0.001));
         let patches = &surface.patches;
-        assert_eq!(patches[0].next as usize, patches.len(), "the first one contains all");
+        assert_eq!(patches[0].next.index(), patches.len(), "the first one contains all");
         let mut groups = 0;
-        for i in 0..patches.len() as u32 {
-            let patch = &patches[i as usize];
-            let parts: Vec<u32> = surface.parts(i).collect();
-            assert_eq!(parts.is_empty(), patch.next == i + 1);
+        for (i, patch) in surface.indexed() {
+            let parts: Vec<PatchIndex> = surface.parts(i).collect();
+            assert_eq!(parts.is_empty(), patch.next == i.after());
             for &part in &parts {
-                let part = &patches[part as usize];
+                let part = surface.patch(part);
                 assert!(part.min.cmpge(patch.min).all() && part.max.cmple(patch.max).all());
                 assert!(part.next <= patch.next && part.sine <= 1.0);
             }
@@ -120,13 +119,13 @@ mod tests {
             for (_, side) in surface.outline(i) {
                 for p in [side.from, side.to] {
                     let along = patch.normal.dot(p.as_dvec3());
-                    assert!(patch.lo <= along && along <= patch.hi, "{i}");
+                    assert!(patch.lo <= along && along <= patch.hi, "{i:?}");
                 }
                 *balance.entry(side.from.to_array().map(f32::to_bits)).or_insert(0) += 1;
                 *balance.entry(side.to.to_array().map(f32::to_bits)).or_insert(0) -= 1;
                 assert!(side.slack <= patch.slack);
             }
-            assert!(balance.values().all(|&b| b == 0), "the outline of {i} is closed");
+            assert!(balance.values().all(|&b| b == 0), "the outline of {i:?} is closed");
             if !parts.is_empty() && patch.has_outline() {
                 groups += 1;
                 let inside: usize = parts.iter().map(|&p| surface.outline(p).len()).sum();

@@ -8,8 +8,8 @@ use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::weld::{Welded, key};
 use crate::numeric::mesh::SLACK;
 
-/// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and then at its middle.
-/// Few chains get that far: cuts at the farthest point are mostly balanced.
+/// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and
+/// then at its middle. Few chains get that far: cuts at the farthest point are mostly balanced.
 const DEPTH: u32 = 4;
 
 /// Chains of up to this many points are cut at their farthest points only.
@@ -19,7 +19,7 @@ const SHORT: u32 = 16;
 pub(crate) type Runs = SmallVec<[(u32, i32); 2]>;
 
 /// An edge of outlines before simplification.
-pub(crate) struct Rim {
+pub(crate) struct BorderEdge {
     ends: [u32; 2],
     runs: Runs,
 }
@@ -34,8 +34,8 @@ pub(crate) struct Straight {
 }
 
 /// The edges of triangles that do not cancel inside a patch, without those of lone triangles.
-pub(crate) fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
-    let mut rims = Vec::new();
+pub(crate) fn borders(mesh: &Welded, patches: &Patches) -> Vec<BorderEdge> {
+    let mut borders = Vec::new();
     let mut steps: Vec<(u32, i32)> = Vec::new();
     for beside in mesh.edges.chunk_by(|a, b| a.ends == b.ends) {
         if patches.of[beside[0].run().0 as usize].0 < patches.lone {
@@ -51,10 +51,10 @@ pub(crate) fn rims(mesh: &Welded, patches: &Patches) -> Vec<Rim> {
         let sums = steps.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|r| r.1).sum()));
         let runs: Runs = sums.filter(|&(_, sum)| sum != 0).collect();
         if !runs.is_empty() {
-            rims.push(Rim { ends: beside[0].ends, runs });
+            borders.push(BorderEdge { ends: beside[0].ends, runs });
         }
     }
-    rims
+    borders
 }
 
 /// Whether the runs are those of an edge passed in the same, or in the opposite, direction.
@@ -64,58 +64,59 @@ fn same_runs(a: &Runs, b: &Runs, opposite: bool) -> bool {
 }
 
 /// Replaces chains of edges between the same patches by straight ones.
-pub(crate) fn simplify(mesh: &Welded, rims: &[Rim], tolerance: f64) -> Vec<Straight> {
-    let at = Lists::new(mesh.positions.len(), rims.iter().zip(0..).flat_map(|(r, i)| r.ends.map(|v| (v, i))));
+pub(crate) fn simplify(mesh: &Welded, borders: &[BorderEdge], tolerance: f64) -> Vec<Straight> {
+    let at =
+        Lists::new(mesh.positions.len(), borders.iter().zip(0..).flat_map(|(r, i)| r.ends.map(|v| (v, i))));
     // Leaving a vertex along an edge: the other end, and whether that is against its direction.
-    let leave = |rim: u32, v: u32| {
-        let ends = rims[rim as usize].ends;
+    let leave = |border: u32, v: u32| {
+        let ends = borders[border as usize].ends;
         if ends[0] == v { (ends[1], false) } else { (ends[0], true) }
     };
     let passes = |v: u32| {
         let &[a, b] = at.of(v) else { return false };
         // Arriving along one and leaving along the other.
         let (arrives_against, leaves_against) = (!leave(a, v).1, leave(b, v).1);
-        same_runs(&rims[a as usize].runs, &rims[b as usize].runs, arrives_against != leaves_against)
+        same_runs(&borders[a as usize].runs, &borders[b as usize].runs, arrives_against != leaves_against)
     };
-    let mut used = vec![false; rims.len()];
+    let mut used = vec![false; borders.len()];
     let mut straight = Vec::new();
     let mut chain = Vec::new();
     let mut follow = |start: u32, first: u32, used: &mut Vec<bool>| {
         chain.clear();
         chain.push(start);
-        let (mut v, mut rim) = (start, first);
+        let (mut v, mut border) = (start, first);
         loop {
-            used[rim as usize] = true;
-            v = leave(rim, v).0;
+            used[border as usize] = true;
+            v = leave(border, v).0;
             chain.push(v);
             if v == start || !passes(v) {
                 break;
             }
-            let next = if at.of(v)[0] == rim { at.of(v)[1] } else { at.of(v)[0] };
+            let next = if at.of(v)[0] == border { at.of(v)[1] } else { at.of(v)[0] };
             if used[next as usize] {
                 break;
             }
-            rim = next;
+            border = next;
         }
         let against = leave(first, start).1;
         let sign = if against { -1 } else { 1 };
-        let runs: Runs = rims[first as usize].runs.iter().map(|r| (r.0, sign * r.1)).collect();
+        let runs: Runs = borders[first as usize].runs.iter().map(|r| (r.0, sign * r.1)).collect();
         straighten(mesh, &chain, &runs, tolerance, &mut straight);
     };
     for v in 0..mesh.positions.len() as u32 {
         if at.of(v).is_empty() || passes(v) {
             continue;
         }
-        for &rim in at.of(v) {
-            if !used[rim as usize] {
-                follow(v, rim, &mut used);
+        for &border in at.of(v) {
+            if !used[border as usize] {
+                follow(v, border, &mut used);
             }
         }
     }
     // The rest are rings.
-    for rim in 0..rims.len() as u32 {
-        if !used[rim as usize] {
-            follow(rims[rim as usize].ends[0], rim, &mut used);
+    for border in 0..borders.len() as u32 {
+        if !used[border as usize] {
+            follow(borders[border as usize].ends[0], border, &mut used);
         }
     }
     straight
@@ -146,8 +147,8 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     (p - a - d * t).length()
 }
 
-/// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points that costs n
-/// log n: a chain that was cut too often is halved.
+/// Cuts a chain where it is farthest from a straight line, until it is close enough. For n points
+/// that costs n log n: a chain that was cut too often is halved.
 fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &mut Vec<Straight>) {
     let at = |i: usize| mesh.positions[chain[i] as usize].as_dvec3();
     let deepest = SHORT + DEPTH * chain.len().ilog2();

@@ -1,4 +1,5 @@
-//! The triangles of patches in the order of the patches, to be read again and again while groups grow.
+//! The triangles of patches in the order of the patches, to be read again and again while groups
+//! grow.
 
 use glam::{DVec3, Vec3};
 
@@ -10,9 +11,11 @@ use crate::mesh::surface::weld::Welded;
 pub(super) struct Facets {
     /// The number of the first such patch.
     first: u32,
-    /// Where the triangles and the points of each patch start; at last where those of the last one end.
+    /// Where the triangles and the points of each patch start; at last where those of the last one
+    /// end.
     starts: Vec<[u32; 2]>,
-    /// The cross product of two sides of each triangle, as it is wound in its patch, and its length.
+    /// The cross product of two sides of each triangle, as it is wound in its patch, and its
+    /// length.
     crosses: Vec<(DVec3, f64)>,
     /// The corners of triangles, once for each patch.
     points: Vec<Vec3>,

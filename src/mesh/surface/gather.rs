@@ -1,10 +1,12 @@
-//! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their sides.
+//! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their
+//! sides.
 
 use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::chain::{Straight, lone_outline};
 use crate::mesh::surface::grow::Patches;
+use crate::mesh::surface::index::PatchIndex;
 use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
 use crate::mesh::surface::tree::{Border, Node, Tree};
 use crate::mesh::surface::weld::Welded;
@@ -18,7 +20,8 @@ struct Rings {
     given: Vec<u32>,
     /// The start of each directed edge and its place, in order.
     by_start: Vec<(u32, u32)>,
-    /// How many edges were taken of those with the start of a place in `by_start`, if it is the first of them.
+    /// How many edges were taken of those with the start of a place in `by_start`, if it is the
+    /// first of them.
     taken: Vec<u32>,
 }
 
@@ -56,8 +59,8 @@ impl Rings {
     }
 }
 
-/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if the patch runs against
-/// it.
+/// The directed edges of patches: the number of the patch, and twice that of the edge, and one if
+/// the patch runs against it.
 fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
     straight.iter().zip(0u32..).flat_map(|(edge, i)| {
         edge.runs.iter().flat_map(move |&(patch, steps)| {
@@ -151,14 +154,26 @@ pub(crate) fn gather(
         let Node { normal, slab: (lo, hi), sine, min, max, .. } = tree.nodes[node as usize];
         let last = surface.sides.len() as u32;
         let slack = slack(&surface.sides[first as usize..]);
-        surface.patches.push(Patch { first, last, next: 0, sine, normal, lo, hi, min, max, slack });
+        surface.patches.push(Patch {
+            first,
+            last,
+            next: PatchIndex::FIRST,
+            sine,
+            normal,
+            lo,
+            hi,
+            min,
+            max,
+            slack,
+        });
     }
     close_ranges(&mut surface.patches, &tree, &order);
-    surface.find_rims();
+    surface.find_group_outlines();
     Ok(surface)
 }
 
-/// Reads the nodes that come next from memory, so that the processor waits for many of them at once.
+/// Reads the nodes that come next from memory, so that the processor waits for many of them at
+/// once.
 fn read_ahead(
     mesh: &Welded,
     grown: &Patches,
@@ -175,7 +190,8 @@ fn read_ahead(
     std::hint::black_box(corners.chain(ends).map(x).sum::<f32>());
 }
 
-/// The border between the two patches that an edge separates, if they run along it in opposite directions.
+/// The border between the two patches that an edge separates, if they run along it in opposite
+/// directions.
 fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<Border> {
     let &Beside::Two([p, q], true) = beside else { return None };
     let [a, b] = edge.ends.map(|v| mesh.positions[v as usize].as_dvec3());
@@ -189,7 +205,7 @@ fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
         place[node as usize] = at as u32;
         patches[at].next = match tree.parts(node).last() {
             Some(&last) => patches[place[last as usize] as usize].next,
-            None => at as u32 + 1,
+            None => PatchIndex::new(at as u32 + 1),
         };
     }
 }
@@ -207,6 +223,7 @@ impl Surface {
             }
             Beside::More => (NONE, false),
         };
+        let twin = PatchIndex::new(twin);
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
         self.sides.push(Side { from, to, slack, twin, opposite });
     }

@@ -6,7 +6,8 @@ use crate::mesh::parallel;
 use crate::mesh::surface::patch::{NONE, Rules};
 use crate::mesh::surface::weld::{Neighbour, Welded};
 
-/// How far a patch may rise above the plane of its first triangle, for each unit of distance from its middle.
+/// How far a patch may rise above the plane of its first triangle, for each unit of distance from
+/// its middle.
 const SLOPE: f64 = 0.35;
 
 /// Patches of triangles before they are gathered.
@@ -17,8 +18,8 @@ pub(crate) struct Patches {
     pub(crate) crosses: Vec<DVec3>,
     /// The first triangle of each.
     pub(crate) seeds: Vec<u32>,
-    /// So many patches, the first ones, are a triangle that shares no vertex with others. The rest are in order of
-    /// their [ranks](Patches::rank).
+    /// So many patches, the first ones, are a triangle that shares no vertex with others. The rest
+    /// are in order of their [ranks](Patches::rank).
     pub(crate) lone: u32,
 }
 
@@ -149,7 +150,8 @@ impl Seed {
         height <= self.tolerance || height <= self.tolerance + SLOPE * d.length()
     }
 
-    /// Whether a triangle with this cross product, of this length, is turned little enough from the plane.
+    /// Whether a triangle with this cross product, of this length, is turned little enough from the
+    /// plane.
     #[inline]
     pub(crate) fn is_along(&self, cross: DVec3, length: f64) -> bool {
         cross.dot(self.normal) >= self.cosine * length

@@ -7,23 +7,25 @@
 //! they can only make winding numbers vanish. Edges inside a patch cancel, and so do the
 //! outlines of two neighbouring patches where both are drawn.
 //!
-//! Patches form a [`tree`]: groups of them have outlines of their own, so that rolling ground can be drawn in few
-//! pieces from afar and triangle by triangle underfoot.
+//! Patches form a [`tree`]: groups of them have outlines of their own, so that rolling ground can
+//! be drawn in few pieces from afar and triangle by triangle underfoot.
 //!
 //! Outlines are simplified between the points where three patches touch. The chain of edges that a
-//! straight edge stands for stays within a known distance of it, so that winding numbers
-//! farther away than that are the same (Douglas & Peucker 1973 for the chains; the choice of patches after Coorg &
-//! Teller 1997 and the design of occluders in dPVS, Aila 2000).
+//! straight edge stands for stays within a known distance of it, so that winding numbers farther
+//! away than that are the same (Douglas & Peucker 1973 for the chains; the choice of patches after
+//! Coorg & Teller 1997 and the design of occluders in dPVS, Aila 2000).
 
 mod build;
 mod chain;
 mod facets;
 mod gather;
 mod grow;
+mod index;
 mod patch;
 pub(crate) mod seams;
 mod tree;
 mod weld;
 
-pub(crate) use patch::{NONE, Outline, Patch, Rules, Side, Surface, slack};
+pub(crate) use index::{PatchIndex, PatchNumber};
+pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use weld::{Topology, Welded, key};

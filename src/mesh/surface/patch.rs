@@ -3,8 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
+use crate::mesh::surface::index::PatchIndex;
 
-/// No patch, or none that can be told.
+/// No patch, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A side of a patch's outline: straight, in place of a chain of edges of triangles.
@@ -15,23 +16,23 @@ pub(crate) struct Side {
     /// No point of the chain is farther from it.
     pub(crate) slack: f32,
     /// The patch on the other side, if there is just one.
-    pub(crate) twin: u32,
+    pub(crate) twin: PatchIndex,
     /// Whether that runs along it in the opposite direction, so that the two cancel.
     pub(crate) opposite: bool,
 }
 
 /// Neighbouring triangles of similar directions, or a group of patches that can be drawn as one.
 ///
-/// Groups come before their parts, and these follow each other: the parts of patch `i` start at `i + 1`, each next
-/// one where the one before ends ([`Patch::next`]).
+/// Groups come before their parts, and these follow each other: the parts of patch `i` start at
+/// `i + 1`, each next one where the one before ends ([`Patch::next`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
-    /// Its outline: a range of the list of sides, or of that of rims if it has parts. Empty if it can only be drawn
-    /// in parts.
+    /// Its outline: a range of the list of sides, or of that of the outlines of groups if it has parts. Empty if it
+    /// can only be drawn in parts.
     pub(crate) first: u32,
     pub(crate) last: u32,
-    /// The number after that of its last part: its own number and one if it has none.
-    pub(crate) next: u32,
+    /// The place after that of its last part: the place after its own if it has none.
+    pub(crate) next: PatchIndex,
     /// No triangle is turned from the normal by an angle of a greater sine.
     pub(crate) sine: f32,
     /// All of it lies where `lo <= normal . x <= hi`.
@@ -51,12 +52,13 @@ pub(crate) struct Surface {
     /// The sides of patches without parts, in their order.
     pub(crate) sides: Vec<Side>,
     /// The outlines of groups, as numbers of sides.
-    pub(crate) rims: Vec<u32>,
+    pub(crate) group_outlines: Vec<u32>,
     /// All patches; the first one contains all others.
     pub(crate) patches: Vec<Patch>,
     /// Whether triangles hide from their front only.
     pub(crate) front: bool,
-    /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts if it is positive.
+    /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts
+    /// if it is positive.
     pub(crate) outward: f64,
     /// Sides with one patch only, and a number that tells their chains apart.
     pub(crate) open: Vec<(u32, u64)>,
@@ -80,70 +82,82 @@ impl Surface {
     pub(crate) fn bytes(&self) -> usize {
         self.sides.capacity() * size_of::<Side>()
             + self.patches.capacity() * size_of::<Patch>()
-            + self.rims.capacity() * size_of::<u32>()
+            + self.group_outlines.capacity() * size_of::<u32>()
             + self.open.capacity() * size_of::<(u32, u64)>()
+    }
+
+    /// A patch.
+    #[inline]
+    pub(crate) fn patch(&self, patch: PatchIndex) -> &Patch {
+        &self.patches[patch.index()]
+    }
+
+    /// All patches with their places, in order.
+    pub(crate) fn indexed(&self) -> impl Iterator<Item = (PatchIndex, &Patch)> {
+        (0..).map(PatchIndex::new).zip(&self.patches)
     }
 
     /// The sides of a patch, with their numbers.
     #[inline]
-    pub(crate) fn outline(&self, patch: u32) -> Outline<'_> {
-        let Patch { first, last, next, .. } = self.patches[patch as usize];
-        let rims = if next > patch + 1 { &self.rims[first as usize..last as usize] } else { &[] };
-        Outline { sides: &self.sides, rims, at: first, last }
+    pub(crate) fn outline(&self, patch: PatchIndex) -> Outline<'_> {
+        let Patch { first, last, next, .. } = *self.patch(patch);
+        let group =
+            if next > patch.after() { &self.group_outlines[first as usize..last as usize] } else { &[] };
+        Outline { sides: &self.sides, group, at: first, last }
     }
 
     /// How many patches have no parts.
     pub(crate) fn leaves(&self) -> usize {
-        (1..).zip(&self.patches).filter(|(next, patch)| patch.next == *next).count()
+        self.indexed().filter(|(at, patch)| patch.next == at.after()).count()
     }
 
-    /// The numbers of the parts of a patch.
+    /// The places of the parts of a patch.
     #[cfg(test)]
-    pub(crate) fn parts(&self, patch: u32) -> impl Iterator<Item = u32> {
-        let end = self.patches[patch as usize].next;
-        let mut part = patch + 1;
+    pub(crate) fn parts(&self, patch: PatchIndex) -> impl Iterator<Item = PatchIndex> {
+        let end = self.patch(patch).next;
+        let mut part = patch.after();
         std::iter::from_fn(move || {
             let this = part;
             (this < end).then(|| {
-                part = self.patches[this as usize].next;
+                part = self.patch(this).next;
                 this
             })
         })
     }
 
     /// Finds the outlines of all groups: the sides of their parts that no other part cancels.
-    pub(crate) fn find_rims(&mut self) {
-        self.rims.clear();
+    pub(crate) fn find_group_outlines(&mut self) {
+        self.group_outlines.clear();
         // Where the sides of each patch, or of its parts, begin.
         let mut starts = vec![0; self.patches.len() + 1];
         let mut reached = 0;
-        for (start, (patch, i)) in starts.iter_mut().zip(self.patches.iter().zip(0u32..)) {
+        for (start, (i, patch)) in starts.iter_mut().zip(self.indexed()) {
             *start = reached;
-            if patch.next == i + 1 {
+            if patch.next == i.after() {
                 reached = patch.last;
             }
         }
         starts[self.patches.len()] = reached;
-        for i in 0..self.patches.len() as u32 {
-            let Patch { next, lo, hi, .. } = self.patches[i as usize];
-            if next == i + 1 {
+        for i in (0..self.patches.len() as u32).map(PatchIndex::new) {
+            let Patch { next, lo, hi, .. } = *self.patch(i);
+            if next == i.after() {
                 continue;
             }
-            let first = self.rims.len() as u32;
+            let first = self.group_outlines.len() as u32;
             // One that can be drawn only in parts has an empty slab.
             if lo <= hi {
                 let inside = i..next;
-                let own = starts[i as usize]..starts[next as usize];
+                let own = starts[i.index()]..starts[next.index()];
                 let sides = &self.sides;
-                self.rims.extend(own.filter(|&s| {
+                self.group_outlines.extend(own.filter(|&s| {
                     let side = &sides[s as usize];
                     !(side.opposite && inside.contains(&side.twin))
                 }));
             }
-            let slack = self.rims[first as usize..].iter().map(|&s| self.sides[s as usize].slack);
+            let slack = self.group_outlines[first as usize..].iter().map(|&s| self.sides[s as usize].slack);
             let slack = slack.fold(0.0, f32::max);
-            let last = self.rims.len() as u32;
-            let patch = &mut self.patches[i as usize];
+            let last = self.group_outlines.len() as u32;
+            let patch = &mut self.patches[i.index()];
             (patch.first, patch.last, patch.slack) = (first, last, slack);
         }
     }
@@ -154,7 +168,7 @@ impl Surface {
 pub(crate) struct Outline<'a> {
     sides: &'a [Side],
     /// Their numbers, if the patch has parts.
-    rims: &'a [u32],
+    group: &'a [u32],
     at: u32,
     last: u32,
 }
@@ -167,9 +181,9 @@ impl<'a> Iterator for Outline<'a> {
         if self.at >= self.last {
             return None;
         }
-        let number = match self.rims.split_first() {
+        let number = match self.group.split_first() {
             Some((&number, rest)) => {
-                self.rims = rest;
+                self.group = rest;
                 number
             }
             None => self.at,

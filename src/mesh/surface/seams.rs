@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::heap::in_tree;
-use crate::mesh::surface::patch::{NONE, Surface};
+use crate::mesh::surface::index::{PatchIndex, PatchNumber};
+use crate::mesh::surface::patch::Surface;
 use crate::mesh::surface::weld::key;
 
 /// The ends of an open edge in order, and a number that tells its chain from others.
@@ -14,17 +16,17 @@ type Chain = ([[u32; 3]; 2], u64);
 /// An open side of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Open {
-    slot: u32,
+    slot: Slot,
     side: u32,
     /// Number of its patch.
-    number: u32,
+    number: PatchNumber,
     /// Whether the patch runs along it from its lesser end.
     upwards: bool,
 }
 
-/// A link of an object's side that comes, or goes: object, side, number of the other patch and whether
-/// the two run in opposite directions.
-type Change = (u32, u32, Option<(u32, bool)>);
+/// A link of an object's side that comes, or goes: object, side, number of the other patch and
+/// whether the two run in opposite directions.
+type Change = (Slot, u32, Option<(PatchNumber, bool)>);
 
 /// Up to this many changes of an object's links are made one by one; more are merged into the list.
 const FEW: usize = 4;
@@ -33,10 +35,10 @@ const FEW: usize = 4;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
     /// Number of its first patch, if it has any.
-    pub(crate) base: u32,
+    pub(crate) base: PatchNumber,
     /// Its open sides that run along one of another object: side, number of the other patch, and
     /// whether the two run in opposite directions. In order of sides.
-    pub(crate) links: Vec<(u32, u32, bool)>,
+    pub(crate) links: Vec<(u32, PatchNumber, bool)>,
 }
 
 /// Numbers the patches of all surfaces, and joins static ones.
@@ -44,41 +46,41 @@ pub(crate) struct Place {
 pub(crate) struct Seams {
     places: Vec<Place>,
     /// The ranges of numbers ever given, in order: the first number of each, and the object.
-    ranges: Vec<(u32, u32)>,
+    ranges: Vec<(PatchNumber, Slot)>,
     /// All numbers ever given are smaller.
-    end: u32,
+    end: PatchNumber,
     /// Ranges given back, by the logarithm of their length.
-    free: Vec<Vec<u32>>,
-    /// The open sides of static objects at each chain: number of the patch and its direction, by object and side.
-    /// Thousands may share one.
-    open: BTreeMap<(Chain, u32, u32), (u32, bool)>,
+    free: Vec<Vec<PatchNumber>>,
+    /// The open sides of static objects at each chain: number of the patch and its direction, by
+    /// object and side. Thousands may share one.
+    open: BTreeMap<(Chain, Slot, u32), (PatchNumber, bool)>,
 }
 
 impl Seams {
     /// All numbers are smaller.
     pub(crate) fn patches(&self) -> usize {
-        self.end as usize
+        self.end.index()
     }
 
     /// The object that has a patch.
-    pub(crate) fn owner(&self, number: u32) -> u32 {
+    pub(crate) fn owner(&self, number: PatchNumber) -> Option<Slot> {
         let after = self.ranges.partition_point(|r| r.0 <= number);
-        after.checked_sub(1).map_or(NONE, |at| self.ranges[at].1)
+        after.checked_sub(1).map(|at| self.ranges[at].1)
     }
 
-    pub(crate) fn place(&self, slot: u32) -> &Place {
-        &self.places[slot as usize]
+    pub(crate) fn place(&self, slot: Slot) -> &Place {
+        &self.places[slot.index()]
     }
 
     fn class(count: usize) -> usize {
         count.next_power_of_two().trailing_zeros() as usize
     }
 
-    /// Numbers the patches of an object's surface, for as long as it has it; false, without a change, if there are
-    /// no numbers left.
-    pub(crate) fn insert(&mut self, slot: u32, surface: &Surface, fixed: bool) -> bool {
-        if self.places.len() <= slot as usize {
-            self.places.resize_with(slot as usize + 1, Place::default);
+    /// Numbers the patches of an object's surface, for as long as it has it; false, without a
+    /// change, if there are no numbers left.
+    pub(crate) fn insert(&mut self, slot: Slot, surface: &Surface, fixed: bool) -> bool {
+        if self.places.len() <= slot.index() {
+            self.places.resize_with(slot.index() + 1, Place::default);
         }
         let class = Self::class(surface.patches.len());
         if self.free.len() <= class {
@@ -92,14 +94,13 @@ impl Seams {
             }
             None => {
                 // The last number means none.
-                let Some(end) = self.end.checked_add(1 << class).filter(|&end| end < NONE) else {
-                    return false;
-                };
+                let end = self.end.get().checked_add(1 << class).map(PatchNumber::new);
+                let Some(end) = end.filter(|&end| end < PatchNumber::NONE) else { return false };
                 self.ranges.push((self.end, slot));
                 std::mem::replace(&mut self.end, end)
             }
         };
-        self.places[slot as usize] = Place { base, links: Vec::new() };
+        self.places[slot.index()] = Place { base, links: Vec::new() };
         if !fixed {
             return true;
         }
@@ -120,7 +121,8 @@ impl Seams {
 
     /// The open sides at a chain: four of them, if there are more.
     fn at(&self, chain: Chain) -> SmallVec<[Open; 4]> {
-        let all = self.open.range((chain, 0, 0)..=(chain, u32::MAX, u32::MAX)).take(4);
+        let (first, last) = (Slot::new(0), Slot::new(u32::MAX));
+        let all = self.open.range((chain, first, 0)..=(chain, last, u32::MAX)).take(4);
         all.map(|(&(_, slot, side), &(number, upwards))| Open { slot, side, number, upwards }).collect()
     }
 
@@ -128,7 +130,7 @@ impl Seams {
     fn apply(&mut self, mut changes: Vec<Change>) {
         changes.sort_by_key(|c| (c.0, c.1));
         for own in changes.chunk_by(|a, b| a.0 == b.0) {
-            let links = &mut self.places[own[0].0 as usize].links;
+            let links = &mut self.places[own[0].0.index()].links;
             let last = own.chunk_by(|a, b| a.1 == b.1).filter_map(|same| same.last());
             if own.len() <= FEW {
                 for &(_, side, new) in last {
@@ -153,8 +155,8 @@ impl Seams {
     }
 
     /// Takes a surface out.
-    pub(crate) fn remove(&mut self, slot: u32, surface: &Surface, fixed: bool) {
-        let place = std::mem::take(&mut self.places[slot as usize]);
+    pub(crate) fn remove(&mut self, slot: Slot, surface: &Surface, fixed: bool) {
+        let place = std::mem::take(&mut self.places[slot.index()]);
         self.free[Self::class(surface.patches.len())].push(place.base);
         if !fixed {
             return;
@@ -175,11 +177,15 @@ impl Seams {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.ranges.capacity() * size_of::<(u32, u32)>()
+        self.ranges.capacity() * size_of::<(PatchNumber, Slot)>()
             + self.places.capacity() * size_of::<Place>()
-            + self.places.iter().map(|p| p.links.capacity() * size_of::<(u32, u32, bool)>()).sum::<usize>()
-            + self.free.iter().map(|list| list.capacity() * size_of::<u32>()).sum::<usize>()
-            + in_tree::<((Chain, u32, u32), (u32, bool))>(self.open.len())
+            + self
+                .places
+                .iter()
+                .map(|p| p.links.capacity() * size_of::<(u32, PatchNumber, bool)>())
+                .sum::<usize>()
+            + self.free.iter().map(|list| list.capacity() * size_of::<PatchNumber>()).sum::<usize>()
+            + in_tree::<((Chain, Slot, u32), (PatchNumber, bool))>(self.open.len())
     }
 }
 
@@ -196,22 +202,22 @@ fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
 }
 
 /// The open sides of a surface.
-fn opens(slot: u32, surface: &Surface, base: u32) -> impl Iterator<Item = (Chain, Open)> {
-    let mut patch = 0;
+fn opens(slot: Slot, surface: &Surface, base: PatchNumber) -> impl Iterator<Item = (Chain, Open)> {
+    let mut patch = PatchIndex::FIRST;
     surface.open.iter().map(move |&(index, chain)| {
         // Sides are in the order of their patches. Groups of those have no sides of their own.
-        let before = |i: u32| {
-            let p = &surface.patches[i as usize];
-            p.next > i + 1 || p.last <= index
+        let before = |i: PatchIndex| {
+            let p = surface.patch(i);
+            p.next > i.after() || p.last <= index
         };
         while before(patch) {
-            patch += 1;
+            patch = patch.after();
         }
         let side = &surface.sides[index as usize];
         let ends = [key(side.from), key(side.to)];
         let upwards = ends[0] <= ends[1];
         let ends = if upwards { ends } else { [ends[1], ends[0]] };
-        ((ends, chain), Open { slot, side: index, number: base + patch, upwards })
+        ((ends, chain), Open { slot, side: index, number: base.of(patch), upwards })
     })
 }
 
@@ -237,12 +243,12 @@ mod tests {
     }
 
     /// The links of each object, found anew: where just two open sides have the same chain.
-    fn links(seams: &Seams, there: &[(u32, &Surface)]) -> Vec<Vec<(u32, u32, bool)>> {
+    fn links(seams: &Seams, there: &[(Slot, &Surface)]) -> Vec<Vec<(u32, PatchNumber, bool)>> {
         let mut all: Vec<(Chain, Open)> = Vec::new();
         for &(slot, surface) in there {
             all.extend(opens(slot, surface, seams.place(slot).base));
         }
-        let one = |slot: u32| {
+        let one = |slot: Slot| {
             let own = all.iter().filter(|o| o.1.slot == slot);
             let linked = own.filter_map(|(chain, o)| {
                 let same: Vec<&Open> = all.iter().filter(|x| x.0 == *chain).map(|x| &x.1).collect();
@@ -258,12 +264,12 @@ mod tests {
     fn links_are_those_of_pairs_whatever_came_and_went() {
         let surfaces = [strip(7, false), strip(7, true), strip(3, true), strip(1, false)];
         let mut seams = Seams::default();
-        let mut there: Vec<(u32, &Surface)> = Vec::new();
+        let mut there: Vec<(Slot, &Surface)> = Vec::new();
         let mut state = 9u32;
         let mut most = 0;
         for _ in 0..400 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let slot = state >> 16 & 7;
+            let slot = Slot::new(state >> 16 & 7);
             match there.iter().position(|t| t.0 == slot) {
                 Some(at) => {
                     let (_, surface) = there.swap_remove(at);
@@ -292,35 +298,41 @@ mod tests {
         let large = Surface::new(&corners, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]], &rules);
         assert!(large.patches.len() > small.patches.len());
         let mut seams = Seams::default();
-        assert!(seams.insert(0, &small, true) && seams.insert(1, &small, true));
-        seams.remove(0, &small, true);
-        seams.end = NONE - 1;
-        assert!(!seams.insert(2, &large, true), "no numbers are left");
-        assert!(seams.insert(3, &small, true), "those of object 0 are");
-        assert!(!seams.insert(4, &small, true));
-        assert_eq!((seams.place(3).base, seams.owner(seams.place(3).base)), (0, 3));
+        assert!(seams.insert(Slot::new(0), &small, true) && seams.insert(Slot::new(1), &small, true));
+        seams.remove(Slot::new(0), &small, true);
+        seams.end = PatchNumber::new(u32::MAX - 1);
+        assert!(!seams.insert(Slot::new(2), &large, true), "no numbers are left");
+        assert!(seams.insert(Slot::new(3), &small, true), "those of object 0 are");
+        assert!(!seams.insert(Slot::new(4), &small, true));
+        assert_eq!(
+            (seams.place(Slot::new(3)).base, seams.owner(seams.place(Slot::new(3)).base)),
+            (PatchNumber::new(0), Some(Slot::new(3)))
+        );
     }
 
     #[test]
     fn thousands_of_objects_share_a_seam() {
         let (low, high) = (strip(4, false), strip(4, true));
         let mut seams = Seams::default();
-        for slot in 0..30_000 {
-            seams.insert(slot, if slot % 2 == 0 { &low } else { &high }, true);
+        for slot in Slot::below(30_000) {
+            seams.insert(slot, if slot.get() % 2 == 0 { &low } else { &high }, true);
         }
-        for slot in 2..30_000 {
+        for slot in Slot::below(30_000).skip(2) {
             // The last ones are pairs.
-            assert!(slot > 29_000 || seams.place(slot).links.is_empty());
-            seams.remove(slot, if slot % 2 == 0 { &low } else { &high }, true);
+            assert!(slot.get() > 29_000 || seams.place(slot).links.is_empty());
+            seams.remove(slot, if slot.get() % 2 == 0 { &low } else { &high }, true);
         }
-        assert!(seams.place(0).links.len() == 4 && seams.place(1).links.len() == 4);
+        assert!(seams.place(Slot::new(0)).links.len() == 4 && seams.place(Slot::new(1)).links.len() == 4);
         // Links that come in the opposite order of the other object's sides.
         let (low, high) = (strip(20_000, false), strip(20_000, true));
         let mut seams = Seams::default();
-        seams.insert(0, &low, true);
-        seams.insert(1, &high, true);
-        assert!(seams.place(0).links.len() == 20_000 && seams.place(1).links.len() == 20_000);
-        seams.remove(1, &high, true);
-        assert!(seams.place(0).links.is_empty());
+        seams.insert(Slot::new(0), &low, true);
+        seams.insert(Slot::new(1), &high, true);
+        assert!(
+            seams.place(Slot::new(0)).links.len() == 20_000
+                && seams.place(Slot::new(1)).links.len() == 20_000
+        );
+        seams.remove(Slot::new(1), &high, true);
+        assert!(seams.place(Slot::new(0)).links.is_empty());
     }
 }

@@ -1,11 +1,13 @@
 //! The tree of patches: groups of patches that are drawn as one from afar.
 //!
-//! Patches that share sides are joined to groups, and those again, as long as the directions of their triangles differ
-//! little enough. Inside a group the sides of its parts cancel, so it has fewer sides than they have together, but its
-//! slab is thicker: a query draws a group where that makes no difference, and its parts where it does. Groups that
-//! lie together are bundled at last, whatever their directions: bundles have no outlines.
+//! Patches that share sides are joined to groups, and those again, as long as the directions of
+//! their triangles differ little enough. Inside a group the sides of its parts cancel, so it has
+//! fewer sides than they have together, but its slab is thicker: a query draws a group where that
+//! makes no difference, and its parts where it does. Groups that lie together are bundled at last,
+//! whatever their directions: bundles have no outlines.
 //!
-//! After the clusters of triangles in hierarchical levels of detail (Cignoni et al. 2005); nothing is simplified here.
+//! After the clusters of triangles in hierarchical levels of detail (Cignoni et al. 2005); nothing
+//! is simplified here.
 
 use std::collections::BinaryHeap;
 
@@ -28,7 +30,8 @@ const GROWTH: f64 = 4.0;
 const PARTS: usize = 64;
 const BUNDLE: usize = 8;
 
-/// Lists of up to so many nodes are sorted where they are halved: their halves may be bundles, whose parts are in order.
+/// Lists of up to so many nodes are sorted where they are halved: their halves may be bundles,
+/// whose parts are in order.
 const SORTED: usize = 2 * BUNDLE + 1;
 
 /// Groups are joined so often, at most.

@@ -7,7 +7,8 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 
 use crate::mesh::surface::patch::NONE;
 
-/// Buckets get about so many positions, until there are as many buckets as a processor writes to at a time.
+/// Buckets get about so many positions, until there are as many buckets as a processor writes to at
+/// a time.
 const BUCKET: usize = 8192;
 const MOST_BUCKETS: usize = 256;
 
@@ -16,7 +17,8 @@ const MOST_BUCKETS: usize = 256;
 pub(crate) struct Edge {
     /// The vertices at its ends, the lesser number first.
     pub(crate) ends: [u32; 2],
-    /// Twice the number of the triangle, and one more if the triangle runs along the edge from the lesser end.
+    /// Twice the number of the triangle, and one more if the triangle runs along the edge from the
+    /// lesser end.
     run: u32,
 }
 
@@ -32,7 +34,8 @@ impl Edge {
 pub(crate) struct Neighbour(u32);
 
 impl Neighbour {
-    /// The triangle, and whether both run along the edge in the same direction, if just two share it.
+    /// The triangle, and whether both run along the edge in the same direction, if just two share
+    /// it.
     pub(crate) fn get(self) -> Option<(u32, bool)> {
         (self.0 != NONE).then_some((self.0 >> 1, self.0 & 1 == 1))
     }
@@ -48,8 +51,8 @@ pub(crate) struct Welded {
     pub(crate) topology: Topology,
 }
 
-/// How the triangles of a mesh share edges. Edges are told apart by position, and triangles with two equal corners
-/// are passed over.
+/// How the triangles of a mesh share edges. Edges are told apart by position, and triangles with
+/// two equal corners are passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Topology {
     /// Whether each edge has two triangles.
@@ -78,7 +81,8 @@ impl Welded {
         self.triangles[triangle].map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// The neighbours of each triangle. The first lies beyond the edge from its first corner to its second.
+    /// The neighbours of each triangle. The first lies beyond the edge from its first corner to its
+    /// second.
     pub(crate) fn neighbours(&self) -> Vec<[Neighbour; 3]> {
         let mut all = vec![[Neighbour(NONE); 3]; self.triangles.len()];
         for beside in self.edges.chunk_by(|a, b| a.ends == b.ends) {
@@ -109,7 +113,8 @@ impl Topology {
     }
 }
 
-/// Numbers positions in the order in which triangles name them, and leaves out triangles with two equal corners.
+/// Numbers positions in the order in which triangles name them, and leaves out triangles with two
+/// equal corners.
 fn number(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let first = first_of_equals(positions);
     let mut welded: Vec<Vec3> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
@@ -134,7 +139,8 @@ fn number(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3
 
 /// For each position, the place of the first that is equal to it.
 ///
-/// Positions are dealt to buckets by a hash first, so that the table of each bucket stays in the processor's cache.
+/// Positions are dealt to buckets by a hash first, so that the table of each bucket stays in the
+/// processor's cache.
 fn first_of_equals(positions: &[Vec3]) -> Vec<u32> {
     let buckets = (positions.len() / BUCKET).next_power_of_two().min(MOST_BUCKETS);
     let hasher = DefaultHashBuilder::default();
@@ -165,7 +171,8 @@ fn first_of_equals(positions: &[Vec3]) -> Vec<u32> {
     first
 }
 
-/// The edges of triangles in order: sorted by the lesser vertex by counting, then those of each vertex.
+/// The edges of triangles in order: sorted by the lesser vertex by counting, then those of each
+/// vertex.
 fn edges_of(vertices: usize, triangles: &[[u32; 3]]) -> Vec<Edge> {
     let sides = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
     let mut ends = vec![0u32; vertices + 1];

@@ -1,5 +1,7 @@
 //! Drawing convex occluders.
 
+use casca_slots::Slot;
+
 use crate::numeric::occlusion::{above, below};
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
@@ -10,9 +12,9 @@ use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
 
 impl FaceBuffer {
-    /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and whether it hides
-    /// more than before.
-    pub(crate) fn draw(&mut self, solid: &Solid, index: u32, owner: u32) -> (bool, bool) {
+    /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and
+    /// whether it hides more than before.
+    pub(crate) fn draw(&mut self, solid: &Solid, index: u32, owner: Slot) -> (bool, bool) {
         let Some(seen) = solid.on_face(&self.face) else { return (false, false) };
         let pixels = self.window.touched_by(&seen.rect);
         if pixels.is_empty() {
@@ -34,8 +36,8 @@ impl FaceBuffer {
     }
 }
 
-/// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that hides more than
-/// before.
+/// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that
+/// hides more than before.
 fn cover_rows(coverage: &mut Coverage, window: &Window, rows: &Rows, front: &Front, nearest: f32) -> bool {
     let mut changed = false;
     let (tiles_x, tiles_y) = (rows.pixels().tiles_x(), rows.pixels().tiles_y());
@@ -111,8 +113,8 @@ mod tests {
         ];
         for (i, solid) in solids.iter().enumerate() {
             let mut buffer = buffer(64);
-            assert_eq!(buffer.draw(solid, 0, 0), (true, true));
-            assert_eq!(buffer.draw(solid, 1, 0), (true, false), "the second time nothing is new");
+            assert_eq!(buffer.draw(solid, 0, Slot::new(0)), (true, true));
+            assert_eq!(buffer.draw(solid, 1, Slot::new(0)), (true, false), "the second time nothing is new");
             let window = *buffer.window();
             let mut covered = 0;
             for y in 0..64 {

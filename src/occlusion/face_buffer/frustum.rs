@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use crate::numeric::occlusion::{DIRECTION, PLANE_ALONG_RAYS};
+use crate::numeric::occlusion::{DIRECTION, MAX_DEPTH, PLANE_ALONG_RAYS};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pitch::{MAX_DEPTH, Pitch};
+use crate::occlusion::pitch::Pitch;
 use crate::occlusion::rows::Rows;
 use crate::occlusion::tiles::TILE;
 use crate::view::{Origin, View};
@@ -13,7 +13,8 @@ use crate::view::{Origin, View};
 impl FaceBuffer {
     /// Takes over the frustum of a view. Returns a rectangle around its part on the face.
     ///
-    /// A plane that passes the eye at some distance bounds directions only for points beyond the nearest depth.
+    /// A plane that passes the eye at some distance bounds directions only for points beyond the
+    /// nearest depth.
     pub(crate) fn set_frustum(&mut self, view: &View, origin: DVec3, pitch: &Pitch) -> Option<Rect> {
         self.halves.clear();
         for plane in &view.planes {
@@ -27,7 +28,7 @@ impl FaceBuffer {
                 let along = plane.normal.dot(self.face.forward);
                 if along.abs() < PLANE_ALONG_RAYS {
                     let mut half =
-                        self.face.half(plane.normal, at + slack + along.abs() * MAX_DEPTH * pitch.reach);
+                        self.face.half(plane.normal, at + slack + along.abs() * MAX_DEPTH * pitch.radius);
                     half.c += DIRECTION;
                     self.halves.push(half);
                 }
@@ -75,7 +76,7 @@ mod tests {
         let matrix = directx::perspective(0.7, 1.5, 0.1, 50.0)
             * look_to_mat4(Vec3::ZERO, Vec3::new(0.9, 0.2, 0.4), Vec3::Y);
         let view = View::perspective(Vec3::ZERO, matrix).unwrap();
-        let pitch = Pitch { pixels: 64.0, least: 0.0, nearest: 1e-3, reach: 50.0, middle: DVec3::ZERO };
+        let pitch = Pitch { pixels: 64.0, least: 0.0, nearest: 1e-3, radius: 50.0, middle: DVec3::ZERO };
         let (mut open, mut covered) = (0, 0);
         for side in &Side::ALL {
             let mut buffer = FaceBuffer::new(Face::side(side));

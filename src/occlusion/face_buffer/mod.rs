@@ -5,6 +5,7 @@ mod frustum;
 mod receivers;
 pub(crate) mod search;
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
@@ -24,7 +25,7 @@ pub(crate) struct Drawn {
     /// Index into the list of shadows.
     pub(crate) solid: u32,
     /// The object that it was drawn for.
-    pub(crate) owner: u32,
+    pub(crate) owner: Slot,
 }
 
 /// A convex occluder in the list of a bin.
@@ -34,7 +35,8 @@ pub(crate) struct Listed {
     pub(crate) drawn: u32,
     /// No point of it is nearer.
     pub(crate) near: f32,
-    /// Around its silhouette. Most occluders of a bin are beside a target, which this tells without a look at them.
+    /// Around its silhouette. Most occluders of a bin are beside a target, which this tells without
+    /// a look at them.
     pub(crate) rect: Rect,
 }
 
@@ -94,8 +96,8 @@ impl FaceBuffer {
         self.face = face;
     }
 
-    /// Clears the buffer, for the part of the face inside a rectangle and inside the half-planes of the
-    /// frustum; `None` if there is none. The whole face has `pixels` along each side.
+    /// Clears the buffer, for the part of the face inside a rectangle and inside the half-planes of
+    /// the frustum; `None` if there is none. The whole face has `pixels` along each side.
     pub(crate) fn clear(&mut self, bounds: Option<Rect>, pixels: i64) {
         self.drawn.clear();
         self.active = bounds.is_some();
@@ -116,7 +118,8 @@ impl FaceBuffer {
         self.face = coarse.face;
         self.halves.clone_from(&coarse.halves);
         let w = &coarse.window;
-        // The borders between pixels belong to both; half a finer pixel in from them, the window ends with `pixels`.
+        // The borders between pixels belong to both; half a finer pixel in from them, the window
+        // ends with `pixels`.
         let inset = 0.5 * w.step() / finer as f64;
         let bounds = Rect {
             u0: w.border(pixels.x.0) + inset,
@@ -127,7 +130,8 @@ impl FaceBuffer {
         self.clear(Some(bounds), w.face_pixels() * finer);
     }
 
-    /// Takes over the covered pixels of another buffer, but not the lists of its occluders: those serve refinement only.
+    /// Takes over the covered pixels of another buffer, but not the lists of its occluders: those
+    /// serve refinement only.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.face = from.face;
         self.drawn.clear();
@@ -199,8 +203,8 @@ impl FaceBuffer {
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
     }
 
-    /// The nearness of the nearest point of a box, and the pixels of the rectangle around it; `None` if the face does not
-    /// see it, or hides it.
+    /// The nearness of the nearest point of a box, and the pixels of the rectangle around it;
+    /// `None` if the face does not see it, or hides it.
     #[inline]
     pub(crate) fn sight(&self, block: &Block) -> Option<(f32, PixelRect)> {
         let (rect, (depth, _)) = self.face.block(block)?;
@@ -218,7 +222,8 @@ impl FaceBuffer {
         self.hides_pixels(&self.window.touched_by(rect), near)
     }
 
-    /// Whether every pixel of a rectangle of them is covered for targets nowhere nearer than `near`.
+    /// Whether every pixel of a rectangle of them is covered for targets nowhere nearer than
+    /// `near`.
     #[inline]
     pub(crate) fn hides_pixels(&self, pixels: &PixelRect, near: f32) -> bool {
         self.coverage.hides(&self.window, pixels, near)

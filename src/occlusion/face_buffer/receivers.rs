@@ -1,5 +1,5 @@
-//! Receivers: what lies before none of them is covered, after Bittner et al. 2011 (shadow caster culling for efficient
-//! shadow mapping).
+//! Receivers: what lies before none of them is covered, after Bittner et al. 2011 (shadow caster
+//! culling for efficient shadow mapping).
 
 use crate::geometry::Block;
 use crate::numeric::occlusion::below;
@@ -7,8 +7,8 @@ use crate::occlusion::face_buffer::{FaceBuffer, Received};
 use crate::occlusion::tiles::{TILE, block};
 
 impl FaceBuffer {
-    /// Covers all pixels that no box touches, and each tile beyond the farthest box in it. Where it is not known at
-    /// which end rays start (not `ordered`), nothing is beyond.
+    /// Covers all pixels that no box touches, and each tile beyond the farthest box in it. Where it
+    /// is not known at which end rays start (not `ordered`), nothing is beyond.
     pub(crate) fn keep_before(&mut self, receivers: impl Iterator<Item = Block>, ordered: bool) {
         let mut received = std::mem::take(&mut self.received);
         let (nx, ny) = self.window.tile_count();

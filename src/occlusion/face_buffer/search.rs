@@ -1,5 +1,6 @@
 //! Searching a face for open pixels.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
@@ -61,9 +62,9 @@ impl FaceBuffer {
         listed.iter().any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
     }
 
-    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex occluders but those of
-    /// its owner.
-    pub(crate) fn shows(&self, p: DVec3, owner: u32) -> bool {
+    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
+    /// occluders but those of its owner.
+    pub(crate) fn shows(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             // Patches alone leave open few pixels that they hide, magnified.
@@ -73,7 +74,7 @@ impl FaceBuffer {
     }
 
     /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
-    pub(crate) fn shows_plainly(&self, p: DVec3, owner: u32) -> bool {
+    pub(crate) fn shows_plainly(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             !self.patch_may_hide(pixel, below(near))
@@ -100,8 +101,9 @@ impl FaceBuffer {
         (!hidden).then_some(OpenPixel { pixel: (x, y), at: (u, v), near })
     }
 
-    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not count.
-    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: u32) -> bool {
+    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not
+    /// count.
+    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: Slot) -> bool {
         solids.iter().all(|listed| {
             if f64::from(listed.near) <= near || !listed.rect.contains(u, v) {
                 return true;
@@ -112,8 +114,9 @@ impl FaceBuffer {
     }
 }
 
-/// Calls `found` with those of the pixels `open` of a tile that are not hidden and that a target may touch, until that
-/// returns true. Returns whether it did. `(x, y)` is the tile's first pixel in the window.
+/// Calls `found` with those of the pixels `open` of a tile that are not hidden and that a target
+/// may touch, until that returns true. Returns whether it did. `(x, y)` is the tile's first pixel
+/// in the window.
 #[inline(always)]
 pub(crate) fn search_tile(
     coverage: &Coverage,
@@ -157,7 +160,7 @@ mod tests {
         buffer.clear(Some(Rect::FACE), 64);
         // Covers u < 0 but for a little.
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
-        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, 0);
+        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, Slot::new(0));
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
             Target::block(Block { min: c - h, max: c + h }, None)
@@ -173,7 +176,8 @@ mod tests {
         assert!(open(-2.0).is_empty() && !buffer.sees(&target(-2.0).on_face(&face).unwrap()));
         let half = open(0.0);
         assert!(buffer.sees(&target(0.0).on_face(&face).unwrap()));
-        // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for rounding.
+        // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for
+        // rounding.
         assert!(half.iter().all(|p| (31..37).contains(&p.0)), "{half:?}");
         assert!(half.len() >= 5 * 9, "{half:?}");
         let mut count = 0;
@@ -182,9 +186,10 @@ mod tests {
             count == 3
         });
         assert_eq!(count, 3, "the search stops when told");
-        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0), 1));
-        assert!(buffer.shows(DVec3::new(-1.0, 0.0, 3.9), 1), "before the wall");
-        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0), 1), "behind the wall");
-        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0), 1), "behind the eye");
+        let other = Slot::new(1);
+        assert!(buffer.shows(DVec3::new(4.0, 0.0, 8.0), other));
+        assert!(buffer.shows(DVec3::new(-1.0, 0.0, 3.9), other), "before the wall");
+        assert!(!buffer.shows(DVec3::new(-1.0, 0.0, 8.0), other), "behind the wall");
+        assert!(!buffer.shows(DVec3::new(4.0, 0.0, -8.0), other), "behind the eye");
     }
 }

@@ -8,8 +8,8 @@ use crate::numeric::occlusion::{PLANE_NEAR_EYE, SLAB_EDGE_ON};
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::surface::drawable::Drawable;
 
-/// The far side of a patch: where rays leave the intersection of half-spaces that contain the patch and the
-/// origin.
+/// The far side of a patch: where rays leave the intersection of half-spaces that contain the patch
+/// and the origin.
 pub(super) struct Back {
     planes: SmallVec<[Linear; 7]>,
     floor: f64,
@@ -50,7 +50,8 @@ impl Back {
         Self { planes, floor: if floor > 0.0 { 1.0 / floor } else { f64::NEG_INFINITY } }
     }
 
-    /// Points of a rectangle less near than this are behind the patch. With the plane that bounds it, if one does.
+    /// Points of a rectangle less near than this are behind the patch. With the plane that bounds
+    /// it, if one does.
     #[inline]
     pub(super) fn behind(&self, rect: &Rect) -> (f64, Option<Linear>) {
         let (mut near, mut plane) = (self.floor, None);

@@ -31,8 +31,8 @@ impl<'a> Batch<'a> {
         Self { drawables: Vec::with_capacity(patches), sights: Vec::with_capacity(patches) }
     }
 
-    /// Appends the faces that see the box around the next patch, relative to the origin. Returns whether any does.
-    /// Without such a patch call [`Batch::drop_sights`].
+    /// Appends the faces that see the box around the next patch, relative to the origin. Returns
+    /// whether any does. Without such a patch call [`Batch::drop_sights`].
     pub(crate) fn see(&mut self, buffers: &OcclusionBuffers, block: &Block) -> bool {
         let (patch, before) = (self.drawables.len() as u32, self.sights.len());
         let block = buffers.within_reach(block);

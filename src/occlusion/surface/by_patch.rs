@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
+use crate::mesh::surface::PatchNumber;
+
 /// Patches in a page.
 const PAGE: usize = 256;
 
-/// A value for each patch of a scene, by its number. Memory is taken where values were set, so that scenes may have
-/// hundreds of millions of patches.
+/// A value for each patch of a scene, by its number. Memory is taken where values were set, so that
+/// scenes may have hundreds of millions of patches.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ByPatch<T> {
     pages: Vec<Option<Box<[T; PAGE]>>>,
@@ -28,15 +30,15 @@ impl<T: Copy + Default> ByPatch<T> {
 
     /// The value of a patch, or the default one.
     #[inline]
-    pub(crate) fn get(&self, number: u32) -> T {
-        let page = self.pages.get(number as usize / PAGE).and_then(Option::as_ref);
-        page.map_or_else(T::default, |page| page[number as usize % PAGE])
+    pub(crate) fn get(&self, number: PatchNumber) -> T {
+        let page = self.pages.get(number.index() / PAGE).and_then(Option::as_ref);
+        page.map_or_else(T::default, |page| page[number.index() % PAGE])
     }
 
     /// Sets the values of patches whose numbers follow each other, as far as there is room.
     #[inline]
-    pub(crate) fn fill(&mut self, numbers: Range<u32>, value: T) {
-        let (mut at, end) = (numbers.start as usize, numbers.end as usize);
+    pub(crate) fn fill(&mut self, numbers: Range<PatchNumber>, value: T) {
+        let (mut at, end) = (numbers.start.index(), numbers.end.index());
         while at < end {
             let first = at % PAGE;
             let count = (end - at).min(PAGE - first);
@@ -56,14 +58,16 @@ mod tests {
     fn values_are_kept_by_number() {
         let mut values: ByPatch<u32> = ByPatch::default();
         values.grow(1000);
-        values.fill(250..600, 7);
-        values.fill(300..301, 8);
-        let found = [0, 249, 250, 300, 301, 599, 600, 999, 5000].map(|n| values.get(n));
+        let range = |from, to| PatchNumber::new(from)..PatchNumber::new(to);
+        let get = |values: &ByPatch<u32>, number| values.get(PatchNumber::new(number));
+        values.fill(range(250, 600), 7);
+        values.fill(range(300, 301), 8);
+        let found = [0, 249, 250, 300, 301, 599, 600, 999, 5000].map(|n| get(&values, n));
         assert_eq!(found, [0, 0, 7, 8, 7, 7, 0, 0, 0]);
         // Beyond the room nothing is kept.
-        values.fill(1020..9000, 9);
-        assert_eq!((values.get(1020), values.get(2000)), (9, 0));
+        values.fill(range(1020, 9000), 9);
+        assert_eq!((get(&values, 1020), get(&values, 2000)), (9, 0));
         values.clear();
-        assert_eq!(values.get(300), 0);
+        assert_eq!(get(&values, 300), 0);
     }
 }

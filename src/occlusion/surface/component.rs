@@ -13,7 +13,8 @@ use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch, WholeSide}
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
-/// Draws the patches of one component, a range of the order of drawing, and notes which hide more than before.
+/// Draws the patches of one component, a range of the order of drawing, and notes which hide more
+/// than before.
 pub(super) fn draw_component(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],

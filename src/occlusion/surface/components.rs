@@ -10,12 +10,12 @@ use crate::occlusion::surface::raster::LANES;
 use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
 use crate::occlusion::surface::viewpoint::Viewpoint;
 
-/// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly all of those pixels,
-/// so that they cover none alone, and hardly any with their neighbours.
+/// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly
+/// all of those pixels, so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
 
-/// Draws patches together on one face, those that it sees, and notes which hide more than before. `patches` is greater than all
-/// their numbers.
+/// Draws patches together on one face, those that it sees, and notes which hide more than before.
+/// `patches` is greater than all their numbers.
 pub(crate) fn draw_surfaces(
     buffer: &mut FaceBuffer,
     batch: &[Drawable],
@@ -43,7 +43,8 @@ pub(crate) fn draw_surfaces(
     }
 }
 
-/// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its pixels.
+/// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its
+/// pixels.
 pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &SurfaceScratch) {
     let drawn = scratch.seen.iter().map(|s| (s.drawable, s.near, s.pixels));
     let all = drawn.chain(scratch.narrow.iter().copied());
@@ -100,8 +101,9 @@ fn see(
 
 /// Joins patches that share sides, and marks those sides as seams.
 ///
-/// If the eye may go some way, only patches that are wholly turned to it are joined, and those that were drawn before take
-/// part as all others: the rims of a component must be known wherever it covers pixels.
+/// If the eye may go some way, only patches that are wholly turned to it are joined, and those that
+/// were drawn before take part as all others: the rims of a component must be known wherever it
+/// covers pixels.
 fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
     let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
@@ -121,7 +123,8 @@ fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
                     continue;
                 }
                 let joins = if in_part {
-                    // Patches that were drawn before are drawn again in part only: the sum of two of them is not known.
+                    // Patches that were drawn before are drawn again in part only: the sum of two
+                    // of them is not known.
                     !(d.again && other.again)
                 } else {
                     d.faces_eye && other.faces_eye

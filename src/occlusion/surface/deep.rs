@@ -23,8 +23,8 @@ pub(super) struct DeepSides {
 }
 
 impl DeepSides {
-    /// Draws sides; `falls` tells whether winding numbers fall to the right of those that go up, and `is_seam` which of
-    /// them two patches share.
+    /// Draws sides; `falls` tells whether winding numbers fall to the right of those that go up,
+    /// and `is_seam` which of them two patches share.
     pub(super) fn draw(
         &self,
         raster: &mut Raster,
@@ -91,8 +91,8 @@ impl DeepSides {
         }
     }
 
-    /// The width of a piece of the edge from `p` to `q` whose least depth is `near`, and the part of it that rounding
-    /// alone takes.
+    /// The width of a piece of the edge from `p` to `q` whose least depth is `near`, and the part
+    /// of it that rounding alone takes.
     ///
     /// At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
     fn widths(&self, p: DVec3, q: DVec3, near: f64, slack: f64) -> (f64, f64) {
@@ -113,7 +113,8 @@ impl DeepSides {
             return None;
         }
         let leaves = q.z < self.limit;
-        // Always from the lesser to the greater depth: two patches that share the edge get the same point.
+        // Always from the lesser to the greater depth: two patches that share the edge get the same
+        // point.
         let (p, q) = if leaves { (q, p) } else { (p, q) };
         let mut at = p + (q - p) * ((self.limit - p.z) / (q.z - p.z));
         at.z = self.limit;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
-use crate::mesh::surface::{NONE, Outline, Side, Surface};
+use crate::mesh::surface::{Outline, PatchIndex, PatchNumber, Side, Surface};
 
 /// A patch to be drawn, relative to the origin of the rays.
 #[derive(Clone)]
@@ -12,14 +12,14 @@ pub(crate) struct Drawable<'a> {
     pub(crate) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.
     pub(crate) placement: Option<&'a Placement>,
-    pub(crate) patch: u32,
+    pub(crate) patch: PatchIndex,
     /// The number of the patch in the order of first drawing. Without meaning where `again` is set.
     pub(crate) id: u32,
     /// Its number among all patches of the scene. Those of one surface follow each other.
-    pub(crate) number: u32,
-    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether the two run
-    /// along it in opposite directions), in order of sides.
-    pub(crate) links: &'a [(u32, u32, bool)],
+    pub(crate) number: PatchNumber,
+    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether
+    /// the two run along it in opposite directions), in order of sides.
+    pub(crate) links: &'a [(u32, PatchNumber, bool)],
     /// A box around it.
     pub(crate) block: Block,
     /// All of it lies where `lo <= normal . x <= hi`.
@@ -31,24 +31,24 @@ pub(crate) struct Drawable<'a> {
     pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
-    /// Whether every triangle of it is known to be turned to the eye with the same side. Without meaning where the eye may
-    /// not go from its place.
+    /// Whether every triangle of it is known to be turned to the eye with the same side. Without
+    /// meaning where the eye may not go from its place.
     pub(crate) faces_eye: bool,
     /// Its points may be this far from where the surface says.
     pub(crate) error: f64,
 }
 
 impl<'a> Drawable<'a> {
-    /// The patch beyond a side of its outline, which is given with its number: the number of the patch, and whether the
-    /// two run along the side in opposite directions.
+    /// The patch beyond a side of its outline, which is given with its number: the number of the
+    /// patch, and whether the two run along the side in opposite directions.
     #[inline]
-    pub(crate) fn beyond(&self, number: u32, side: &Side) -> Option<(u32, bool)> {
-        beyond(self.number - self.patch, self.links, number, side)
+    pub(crate) fn beyond(&self, number: u32, side: &Side) -> Option<(PatchNumber, bool)> {
+        beyond(self.number.base(self.patch), self.links, number, side)
     }
 
     /// The numbers of the patches beyond its sides.
-    pub(crate) fn twins(&self) -> impl Iterator<Item = u32> + use<'a> {
-        let (base, links) = (self.number - self.patch, self.links);
+    pub(crate) fn twins(&self) -> impl Iterator<Item = PatchNumber> + use<'a> {
+        let (base, links) = (self.number.base(self.patch), self.links);
         self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, side)?.0))
     }
 
@@ -59,17 +59,22 @@ impl<'a> Drawable<'a> {
     }
 
     /// Its number among all patches of the scene, and those of its parts.
-    pub(crate) fn numbers(&self) -> std::ops::Range<u32> {
-        let next = self.surface.patches[self.patch as usize].next;
-        self.number..self.number + (next - self.patch)
+    pub(crate) fn numbers(&self) -> std::ops::Range<PatchNumber> {
+        let next = self.surface.patch(self.patch).next;
+        self.number..self.number.base(self.patch).of(next)
     }
 }
 
 /// As [`Drawable::beyond`], for a surface whose first patch has the number `base`.
 #[inline]
-fn beyond(base: u32, links: &[(u32, u32, bool)], number: u32, side: &Side) -> Option<(u32, bool)> {
-    if side.twin != NONE {
-        return Some((base + side.twin, side.opposite));
+fn beyond(
+    base: PatchNumber,
+    links: &[(u32, PatchNumber, bool)],
+    number: u32,
+    side: &Side,
+) -> Option<(PatchNumber, bool)> {
+    if side.twin != PatchIndex::NONE {
+        return Some((base.of(side.twin), side.opposite));
     }
     if links.is_empty() {
         return None;

@@ -1,21 +1,23 @@
 //! Drawing surfaces of triangles: winding numbers of outlines, less the pixels that outlines touch.
 //!
-//! If no edge of a patch's outline touches a pixel, the patch has one winding number there, that of the
-//! pixel's middle: if it is not zero, the patch covers all of the pixel, at the depth of the far side of
-//! its slab. Patches are drawn in batches, and on each face as components of patches that share sides. Pixels
-//! that only shared sides (seams) touch are covered if the winding numbers of the component's patches do not
-//! sum to zero at their middles, at the depth of the farthest patch there. The sign of a patch's winding numbers
-//! is free: turning all patches to the eye keeps folds from cancelling.
+//! If no edge of a patch's outline touches a pixel, the patch has one winding number there, that of
+//! the pixel's middle: if it is not zero, the patch covers all of the pixel, at the depth of the
+//! far side of its slab. Patches are drawn in batches, and on each face as components of patches
+//! that share sides. Pixels that only shared sides (seams) touch are covered if the winding numbers
+//! of the component's patches do not sum to zero at their middles, at the depth of the farthest
+//! patch there. The sign of a patch's winding numbers is free: turning all patches to the eye keeps
+//! folds from cancelling.
 //!
-//! If the eye may go some way (a reach), the sides of a component that no two of its patches share are its rim. Pixels with
-//! rays within the reach of the rim stay open, and are marked before the component covers any ([`rim`]). Only patches that are
-//! wholly turned to the eye are joined then.
+//! If the eye may go some way (a reach), the sides of a component that no two of its patches share
+//! are its rim. Pixels with rays within the reach of the rim stay open, and are marked before the
+//! component covers any ([`rim`]). Only patches that are wholly turned to the eye are joined then.
 //!
-//! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`] joins
-//! patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that [`back`] gives.
+//! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`]
+//! joins patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that
+//! [`back`] gives.
 //!
-//! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by the slack of
-//! the outline.
+//! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by
+//! the slack of the outline.
 
 pub(crate) mod back;
 pub(crate) mod batch;
@@ -30,16 +32,16 @@ mod rim;
 pub(crate) mod scratch;
 pub(crate) mod viewpoint;
 
-use crate::numeric::occlusion::REACH_CLEARANCE;
+use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
 use crate::occlusion::surface::viewpoint::Viewpoint;
 
 impl OcclusionBuffers {
-    /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater than all
-    /// their numbers; `listed` tells whether they are listed by place. [`OcclusionBuffers::useful_patches`] then tells which hide
-    /// more than before.
+    /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater
+    /// than all their numbers; `listed` tells whether they are listed by place.
+    /// [`OcclusionBuffers::useful_patches`] then tells which hide more than before.
     pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) {
         let viewpoint = self.viewpoint();
         let (faces, scratch) = self.surfaces_mut();
@@ -53,17 +55,19 @@ impl OcclusionBuffers {
         }
     }
 
-    /// The indices of the patches of the last batch that hid more than before. Some may be named twice.
+    /// The indices of the patches of the last batch that hid more than before. Some may be named
+    /// twice.
     pub(crate) fn useful_patches(&self) -> &[u32] {
         &self.surfaces().useful
     }
 
     /// How far a patch must be from the eye to be drawn, if its points are known to `slack`.
     ///
-    /// Farther patches are neither cut at the near limit nor widened without bound: where a straight edge is less
-    /// deep than twice the slack, neither it nor the chain that it replaces reaches into the face.
+    /// Farther patches are neither cut at the near limit nor widened without bound: where a
+    /// straight edge is less deep than twice the slack, neither it nor the chain that it replaces
+    /// reaches into the face.
     pub(crate) fn clearance(&self, slack: f64) -> f64 {
         let Viewpoint { limit, reach, .. } = self.viewpoint();
-        8.0 * (limit + slack) + REACH_CLEARANCE * reach
+        CLEARANCE * (limit + slack) + REACH_CLEARANCE * reach
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
+use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -145,8 +145,8 @@ impl<'a> Projector<'a> {
         (self.reach > 0.0).then(|| Rims { sides: self.deep_sides(), reach: self.reach })
     }
 
-    /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere, and lengths in units of
-    /// the face.
+    /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere,
+    /// and lengths in units of the face.
     fn frame(&self, d: &Drawable) -> Frame {
         let origin = self.origin;
         let Face { right, up, forward, parallel } = *self.face;
@@ -181,8 +181,8 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the patch may
-    /// touch; `None` if there are none, or if it cannot be drawn.
+    /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the
+    /// patch may touch; `None` if there are none, or if it cannot be drawn.
     #[inline]
     pub(super) fn project(&self, d: &Drawable, within: PixelRect, out: &mut SeenSides) -> Option<PixelRect> {
         let frame = self.frame(d);
@@ -224,7 +224,8 @@ impl<'a> Projector<'a> {
         if finite { self.tighter(&extent, within) } else { None }
     }
 
-    /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is deep enough.
+    /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
+    /// deep enough.
     fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
         if !extent.known.iter().all(|&known| known) {
             return Some(within);
@@ -233,7 +234,7 @@ impl<'a> Projector<'a> {
         let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, lesser));
         let wide = most(&extent.wide);
         let narrow = |(lo, hi): (i64, i64), axis: usize, first: i64| {
-            let at = |v: f64| first + floor(v.clamp(-1e9, 1e9));
+            let at = |v: f64| first + floor(v.clamp(-FARTHEST_PIXEL, FARTHEST_PIXEL));
             let (a, b) = (at(least(&extent.least[axis]) - wide), at(most(&extent.most[axis]) + wide));
             (lo.max(a), hi.min(b + 1))
         };
@@ -366,13 +367,13 @@ mod tests {
             let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
             let surface = Surface::new(&corners, &triangles, &rules);
             let projector = Projector::new(&buffer, Viewpoint { origin: eye, limit: 0.01, reach: 0.0 });
-            for (patch, _) in (0..).zip(&surface.patches).filter(|(i, p)| p.next == i + 1) {
+            for (patch, _) in surface.indexed().filter(|(i, p)| p.next == i.after()) {
                 let drawable = Drawable {
                     surface: &surface,
                     placement: placement.as_ref(),
                     patch,
                     id: 0,
-                    number: patch,
+                    number: crate::mesh::surface::PatchNumber::new(patch.get()),
                     links: &[],
                     block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
                     normal: DVec3::X,

@@ -1,8 +1,9 @@
-//! The rims of components, for an eye that may go some way: pixels that the eye may see past a rim are marked.
+//! The rims of components, for an eye that may go some way: pixels that the eye may see past a rim
+//! are marked.
 //!
-//! A ray of a pixel that keeps farther than the reach from every point of a rim passes the same triangles, counted with
-//! signs, as the segments from all places of the eye to a point of the ray. So the pixels are marked that contain a ray within the
-//! reach of a side of the rim.
+//! A ray of a pixel that keeps farther than the reach from every point of a rim passes the same
+//! triangles, counted with signs, as the segments from all places of the eye to a point of the ray.
+//! So the pixels are marked that contain a ray within the reach of a side of the rim.
 
 use glam::DVec3;
 
@@ -11,8 +12,9 @@ use crate::occlusion::surface::deep::{Cut, DeepSides};
 use crate::occlusion::surface::raster::Raster;
 use crate::occlusion::surface::scratch::WholeSide;
 
-/// The depths of a piece of a side differ at most by the first factor where its strip is wider than so many pixels, elsewhere
-/// by the second one. Strips narrower than the least width are not divided.
+/// The depths of a piece of a side differ at most by the first factor where its strip is wider than
+/// so many pixels, elsewhere by the second one. Strips narrower than the least width are not
+/// divided.
 const STEP_WIDE: f64 = 1.25;
 const STEP: f64 = 2.0;
 const WIDE: f64 = 2.0;
@@ -26,8 +28,9 @@ pub(super) struct Rims {
 }
 
 impl Rims {
-    /// Marks the pixels with rays that come within the reach of a side. Points of the side that are less deep than the near limit
-    /// are not near any ray of the face: see [`REACH_CLEARANCE`](crate::numeric::occlusion::REACH_CLEARANCE).
+    /// Marks the pixels with rays that come within the reach of a side. Points of the side that are
+    /// less deep than the near limit are not near any ray of the face: see
+    /// [`REACH_CLEARANCE`](crate::numeric::occlusion::REACH_CLEARANCE).
     pub(super) fn draw(&self, raster: &mut Raster, side: &WholeSide) {
         let [mut p, mut q] = side.ends;
         let limit = self.sides.limit;
@@ -63,9 +66,9 @@ impl Rims {
 
     /// Draws a piece of a side, from its lesser to its greater depth.
     ///
-    /// Let a point at depth z lie within the reach r of a ray through p = (u, v). Then it lies at p + d on the face, with
-    /// d = A x / z, where |x| <= r and A has the rows (1, 0, -u) and (0, 1, -v). Along a unit vector n that is at most
-    /// r / z sqrt(1 + (n . p)^2).
+    /// Let a point at depth z lie within the reach r of a ray through p = (u, v). Then it lies at
+    /// p + d on the face, with d = A x / z, where |x| <= r and A has the rows (1, 0, -u) and (0, 1,
+    /// -v). Along a unit vector n that is at most r / z sqrt(1 + (n . p)^2).
     fn piece(&self, raster: &mut Raster, start: DVec3, stop: DVec3, reach: f64, rounding: f64) {
         let per_unit = self.sides.per_unit;
         let ratio = reach / start.z;
@@ -81,8 +84,9 @@ impl Rims {
     }
 }
 
-/// How far points of the face move along a direction, for points of space that move by `ratio` of their depth: the rays are
-/// those of the face, where that coordinate is at most `most`, and the points have up to `at` of it.
+/// How far points of the face move along a direction, for points of space that move by `ratio` of
+/// their depth: the rays are those of the face, where that coordinate is at most `most`, and the
+/// points have up to `at` of it.
 fn widening(ratio: f64, at: f64, most: f64) -> f64 {
     // A ray is no farther than that from the point: sqrt(1 + most^2) is less than two.
     let coordinate = (at + 2.0 * ratio).min(most);

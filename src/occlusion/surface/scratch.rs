@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::mesh::surface::PatchNumber;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::surface::raster::{Area, Edges, LANES, Marks, Raster};
@@ -28,14 +29,14 @@ pub(super) struct Seen {
 }
 
 /// The place of a side that no other patch shares.
-pub(super) const NO_TWIN: u32 = u32::MAX;
+pub(super) const NO_TWIN: PatchNumber = PatchNumber::NONE;
 
 /// Eight sides of a patch as one face sees them.
 #[derive(Debug, Clone)]
 pub(super) struct Sides {
     pub(super) edges: Edges,
     /// The numbers of the patches beyond, or [`NO_TWIN`].
-    pub(super) twins: [u32; LANES],
+    pub(super) twins: [PatchNumber; LANES],
     /// Those that run along the side in the opposite direction, one bit each.
     pub(super) opposite: u8,
 }
@@ -107,8 +108,8 @@ impl Joint {
     }
 }
 
-/// A patch in the order of drawing, nearest components first: farness of the component, its root, index of
-/// the patch.
+/// A patch in the order of drawing, nearest components first: farness of the component, its root,
+/// index of the patch.
 pub(super) type Place = (u32, u32, u32);
 
 /// The memory for drawing surfaces.
@@ -117,7 +118,8 @@ pub(crate) struct SurfaceScratch {
     pub(super) seen: Vec<Seen>,
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
-    /// For each patch of the scene, the last drawing of a face that saw it, and its index in `seen`.
+    /// For each patch of the scene, the last drawing of a face that saw it, and its index in
+    /// `seen`.
     places: ByPatch<(u32, u32)>,
     /// Counts drawings of faces.
     drawing: u32,
@@ -146,16 +148,22 @@ impl SurfaceScratch {
     }
 
     /// Appends a patch, by its number in the scene and those of its parts.
-    pub(super) fn push(&mut self, numbers: Range<u32>, seen: Seen) {
-        debug_assert!(numbers.clone().all(|n| self.find(n).is_none()), "patches of a batch share triangles");
+    pub(super) fn push(&mut self, numbers: Range<PatchNumber>, seen: Seen) {
+        debug_assert!(self.sees_none(&numbers), "patches of a batch share triangles");
         let place = (self.drawing, self.seen.len() as u32);
         self.places.fill(numbers, place);
         self.seen.push(seen);
     }
 
+    /// Whether the face sees none of some patches whose numbers follow each other.
+    fn sees_none(&self, numbers: &Range<PatchNumber>) -> bool {
+        let numbers = numbers.start.get()..numbers.end.get();
+        numbers.map(PatchNumber::new).all(|number| self.find(number).is_none())
+    }
+
     /// The index of a patch, if the face sees it.
     #[inline]
-    pub(super) fn find(&self, number: u32) -> Option<u32> {
+    pub(super) fn find(&self, number: PatchNumber) -> Option<u32> {
         let (drawing, place) = self.places.get(number);
         (drawing == self.drawing).then_some(place)
     }
@@ -188,15 +196,16 @@ mod tests {
         for i in 0..10 {
             let (pixels, around, sides) = (PixelRect::EMPTY, PixelRect::EMPTY, Default::default());
             let seen = Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides, around };
-            scratch.push(i * 2..i * 2 + 1, seen);
+            let number = PatchNumber::new(i * 2);
+            scratch.push(number..number.after(), seen);
         }
-        assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));
+        assert_eq!((scratch.find(PatchNumber::new(6)), scratch.find(PatchNumber::new(7))), (Some(3), None));
         for (a, b) in [(9, 7), (7, 5), (2, 4), (5, 3), (4, 8)] {
             scratch.unite(a, b);
         }
         let roots: Vec<u32> = (0..10).map(|i| scratch.root(i)).collect();
         assert_eq!(roots, [0, 1, 2, 3, 2, 3, 6, 3, 2, 3]);
         scratch.begin(20);
-        assert_eq!(scratch.find(6), None);
+        assert_eq!(scratch.find(PatchNumber::new(6)), None);
     }
 }

@@ -1,5 +1,5 @@
-//! Bands of eight rows of a side: bands where the grid contains nothing are passed over, and written later if cells
-//! around them block.
+//! Bands of eight rows of a side: bands where the grid contains nothing are passed over, and
+//! written later if cells around them block.
 
 use glam::IVec3;
 
@@ -73,8 +73,9 @@ impl Walk<'_> {
             && self.opaque.iter().all(|opaque| opaque.pages().row_is_empty(along, page))
     }
 
-    /// The columns between which rows of a side have cells that are not hidden, as far as the pixels around all of the rows
-    /// tell; `None` if they are hidden. Near shells are not looked at: their rows have many pixels each.
+    /// The columns between which rows of a side have cells that are not hidden, as far as the
+    /// pixels around all of the rows tell; `None` if they are hidden. Near shells are not looked
+    /// at: their rows have many pixels each.
     pub(crate) fn open_part(
         &self,
         index: usize,
@@ -93,7 +94,8 @@ impl Walk<'_> {
         (part.0 <= part.1).then_some(part)
     }
 
-    /// Whether the pages between two columns of a row of bricks contain nothing that a walk looks for.
+    /// Whether the pages between two columns of a row of bricks contain nothing that a walk looks
+    /// for.
     pub(crate) fn pages_are_empty(&self, axis: usize, brick: IVec3, cols: (i32, i32)) -> bool {
         (cols.0 >> 6..=cols.1 >> 6).all(|col| {
             let mut page = brick >> 3i32;
@@ -148,7 +150,7 @@ impl Walk<'_> {
     pub(crate) fn complete(&mut self, index: usize, m: i32, scale: &ShellScale) {
         let side = Side::ALL[index];
         let cells = &mut self.scratch.sides[index];
-        let (reach, rows) = (scale.reach(), cells.rows as usize);
+        let (spread, rows) = (scale.spread(), cells.rows as usize);
         let base = cells.offset as i32 - cells.col0;
         let columns = (cells.col0, cells.col0 + cells.cols - 1);
         let on_side = self.shells.frustum.on_side(&side, m * side.sign);
@@ -158,8 +160,8 @@ impl Walk<'_> {
             if !cells.fresh[r] {
                 continue;
             }
-            let first = r.saturating_sub(reach).max(done);
-            done = (r + reach + 1).min(rows);
+            let first = r.saturating_sub(spread).max(done);
+            done = (r + spread + 1).min(rows);
             if first >= done {
                 continue;
             }

@@ -1,7 +1,10 @@
 //! Where a walk ends: it leaves a side of the shells where no object remains to be found.
 //!
-//! A direction mask only ever grows. So an object or a volume whose directions it covers is not found any more, nor is
-//! one that was found, or whose cells the walk has passed: the search for one that remains goes through the slots once.
+//! A direction mask only ever grows. So an object or a volume whose directions it covers is not
+//! found any more, nor is one that was found, or whose cells the walk has passed: the search for
+//! one that remains goes through the slots once.
+
+use casca_slots::Slot;
 
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
@@ -12,7 +15,8 @@ use crate::query::cell::shell_scale::ShellScale;
 const WORDS_FOR_A_SLOT: i64 = 16;
 
 impl Walk<'_> {
-    /// Leaves the sides on which no object may be found beyond shell `m`. Returns whether a side is left to walk.
+    /// Leaves the sides on which no object may be found beyond shell `m`. Returns whether a side is
+    /// left to walk.
     pub(super) fn search_remaining(&mut self, m: i32) -> bool {
         self.remaining.earn();
         for side in 0..6 {
@@ -28,11 +32,11 @@ impl Walk<'_> {
         if !self.meets_beyond(&Side::ALL[index], m) {
             return false;
         }
-        while (self.remaining.slots[index] as usize) < self.scene.slot_count() {
+        while self.remaining.slots[index].index() < self.scene.slot_count() {
             if self.remaining.budget <= 0 || self.may_find(self.remaining.slots[index], index, m) {
                 return true;
             }
-            self.remaining.slots[index] += 1;
+            self.remaining.slots[index] = self.remaining.slots[index].next();
         }
         false
     }
@@ -50,7 +54,7 @@ impl Walk<'_> {
     }
 
     /// Whether the object in a slot, or its volume, may be found on a side beyond shell `m`.
-    fn may_find(&mut self, slot: u32, index: usize, m: i32) -> bool {
+    fn may_find(&mut self, slot: Slot, index: usize, m: i32) -> bool {
         self.remaining.budget -= 1;
         let Some(cells) = self.cells_to_find(slot) else { return false };
         let cells = CellBox { lo: cells.lo - self.shells.cell, hi: cells.hi - self.shells.cell };
@@ -74,9 +78,9 @@ impl Walk<'_> {
         open.is_some()
     }
 
-    /// The cells by which the walk may find an object: those of its volume, or its own. `None` if it was found, or is
-    /// not found by cells.
-    fn cells_to_find(&self, slot: u32) -> Option<CellBox> {
+    /// The cells by which the walk may find an object: those of its volume, or its own. `None` if
+    /// it was found, or is not found by cells.
+    fn cells_to_find(&self, slot: Slot) -> Option<CellBox> {
         if self.marks.is_decided(slot) {
             return None;
         }
@@ -89,7 +93,8 @@ impl Walk<'_> {
             return self.remaining.with_exits(slot, None);
         }
         let (grid, block) = (self.scene.grid(), object.bounds().block());
-        // Cells that shapes touch are rounded outwards, and these may be rounded inwards: by less than a cell both.
+        // Cells that shapes touch are rounded outwards, and these may be rounded inwards: by less
+        // than a cell both.
         let own = grid.clip(grid.cell_of(block.min) - 1, grid.cell_of(block.max) + 1);
         self.remaining.with_exits(slot, own.map(|(lo, hi)| CellBox { lo, hi }))
     }
@@ -109,8 +114,9 @@ fn shells_on_side(cells: &CellBox, side: &Side, m: i32) -> Option<(i32, i32)> {
 
 /// The pixels of the directions of lattice lines, of those on a side in the shells between two.
 ///
-/// The direction of a line c in shell m, c / m, only rises or only falls from shell to shell, also where it is cut off at
-/// the end of the side: so the nearest and the farthest shell have the first and the last pixel.
+/// The direction of a line c in shell m, c / m, only rises or only falls from shell to shell, also
+/// where it is cut off at the end of the side: so the nearest and the farthest shell have the first
+/// and the last pixel.
 fn pixels_of(scales: &[ShellScale; 2], lo: i32, hi: i32) -> (i64, i64) {
     let pixel = |scale: &ShellScale, line: i32| {
         let end = scale.shell() as i32;

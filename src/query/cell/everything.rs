@@ -1,4 +1,7 @@
-//! Views from which nothing is taken to be hidden: objects are compared with the frustum, and no cells are visited.
+//! Views from which nothing is taken to be hidden: objects are compared with the frustum, and no
+//! cells are visited.
+
+use casca_slots::Slot;
 
 use crate::query::cell::Walk;
 
@@ -10,8 +13,8 @@ enum Found {
 }
 
 impl Walk<'_> {
-    /// Finds the volumes and objects in the frustum, in the order of the shells in which their boxes begin. The cost
-    /// follows the number of objects, whatever the size of the grid.
+    /// Finds the volumes and objects in the frustum, in the order of the shells in which their
+    /// boxes begin. The cost follows the number of objects, whatever the size of the grid.
     pub(super) fn find_everything(&mut self) {
         let scene = self.scene;
         let begins = self.shells.begins(scene.grid());
@@ -49,7 +52,7 @@ impl Walk<'_> {
     }
 
     /// Whether the frustum, or the widened frustum of a walk, may meet a volume.
-    fn may_see_volume_of(&self, slot: u32) -> bool {
+    fn may_see_volume_of(&self, slot: Slot) -> bool {
         let volumes = self.scene.volumes();
         let (cells, v) = (volumes.cells(slot), self.shells.cell);
         let meets = || match volumes.is_outer(slot) {

@@ -73,7 +73,8 @@ impl DirectionMasks {
             || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
     }
 
-    /// The first pixel between two rows and two columns, all included, that is not set, and how many words were read.
+    /// The first pixel between two rows and two columns, all included, that is not set, and how
+    /// many words were read.
     pub(crate) fn first_open(
         &self,
         side: usize,
@@ -95,7 +96,8 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
-    /// The columns, of some, from the first to the last in which a pixel of some rows is not set; `None` if all are set.
+    /// The columns, of some, from the first to the last in which a pixel of some rows is not set;
+    /// `None` if all are set.
     pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
         if !self.used[side] {
             return Some(cols);
@@ -170,9 +172,9 @@ impl DirectionMasks {
             let end = cells.fresh.iter().rposition(|&f| f);
             let (Some(start), Some(end)) = (start, end) else { return };
             let (start, end) = (row_start + start as i64, row_start + end as i64);
-            let reach = scale.whole_slack() + 1;
-            let from = ((start - reach + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
-            let to = ((end + reach + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
+            let spread = scale.whole_slack() + 1;
+            let from = ((start - spread + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
+            let to = ((end + spread + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
             ((from - 1).max(0), to.min(size - 1))
         };
         self.used[side] = true;

@@ -13,8 +13,13 @@ mod side;
 mod side_cells;
 mod spans;
 
+use casca_slots::Slot;
+use glam::IVec3;
+use smallvec::SmallVec;
+
 use crate::matrix::bits::BitMatrix;
 use crate::method::CellOptions;
+use crate::numeric::query::UNCERTAIN_EYE;
 use crate::pvs::{Pvs, Stats};
 use crate::query::cell::remaining::Remaining;
 use crate::query::cell::scratch::CellScratch;
@@ -26,11 +31,6 @@ use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
-use glam::IVec3;
-use smallvec::SmallVec;
-
-/// An eye that may be this far outside its cell, in cells, gets no occlusion.
-const UNCERTAIN_EYE: f64 = 0.2;
 
 /// The matrices of visited and of hidden cells, if they are recorded.
 pub(crate) type Record<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;
@@ -46,7 +46,8 @@ pub(crate) struct Walk<'a> {
     record: Record<'a>,
     /// The shells around the viewer's cell; around the middle of the grid without one.
     shells: Shells,
-    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye and all of that cell.
+    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye
+    /// and all of that cell.
     from_eye: bool,
     /// The cells that count as opaque.
     opaque: SmallVec<[&'a BitMatrix; 4]>,
@@ -113,7 +114,7 @@ impl<'a> Walk<'a> {
             }
         }
         // Nothing is known to hide objects beyond the grid.
-        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| &bucket.slots) {
+        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| bucket.slots()) {
             if self.view.may_see_volume(&self.scene.volume_block(slot)) {
                 self.reveal(slot, 0);
                 self.decide(slot);
@@ -125,15 +126,17 @@ impl<'a> Walk<'a> {
         self.pvs.stats = self.stats;
     }
 
-    /// Records the cells of the frustum, if cells are recorded, where everything was found without them.
+    /// Records the cells of the frustum, if cells are recorded, where everything was found without
+    /// them.
     fn record_frustum(&mut self) {
         if self.record.is_some() {
-            (0..self.scene.slot_count() as u32).for_each(|slot| _ = self.marks.decide(slot));
+            Slot::below(self.scene.slot_count()).for_each(|slot| _ = self.marks.decide(slot));
             self.walk_shells(None);
         }
     }
 
-    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken to be hidden.
+    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken
+    /// to be hidden.
     fn occlusion_slack(&mut self) -> Option<f64> {
         let (at, error) = (self.view.eye()?, self.view.eye_room());
         let grid = self.scene.grid();
@@ -157,7 +160,8 @@ impl<'a> Walk<'a> {
         if inside {
             self.first_cell();
         }
-        // A segment from inside the grid to a farther cell passes each shell inside the grid, on the same side.
+        // A segment from inside the grid to a farther cell passes each shell inside the grid, on
+        // the same side.
         let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
             // All cells are recorded, also those without objects.

@@ -1,5 +1,6 @@
 //! Objects and temporal bounding volumes whose cells are in sight.
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::grid::cell_box::volume;
@@ -10,7 +11,8 @@ use crate::query::cell::shell_scale::ShellScale;
 use crate::scene::Object;
 use crate::shape::Shape;
 
-/// A revealed object with more cells than this is decided without testing which of them are in sight.
+/// A revealed object with more cells than this is decided without testing which of them are in
+/// sight.
 const MAX_PENDING: u64 = 1 << 18;
 
 impl Walk<'_> {
@@ -34,7 +36,7 @@ impl Walk<'_> {
     }
 
     /// Decides an object one of whose cells is in sight.
-    pub(super) fn decide(&mut self, slot: u32) {
+    pub(super) fn decide(&mut self, slot: Slot) {
         let object = self.scene.object(slot);
         if self.marks.decide(slot) && object.is_shown(self.view) && self.is_in_view(object) {
             self.pvs.push(self.scene.id(slot));
@@ -49,7 +51,7 @@ impl Walk<'_> {
     }
 
     /// Reveals a volume. Returns whether its object remains to be decided.
-    pub(super) fn uncover(&mut self, slot: u32) -> bool {
+    pub(super) fn uncover(&mut self, slot: Slot) -> bool {
         let object = self.scene.object(slot);
         // An object of unknown place is always found, and is in its old volume no more for certain.
         if object.is_unlocated() || !self.marks.reveal(slot) || !object.is_shown(self.view) {
@@ -69,7 +71,7 @@ impl Walk<'_> {
     /// A volume came into sight at shell `m`: the cells of its object from
     /// there on decide. Nearer ones are hidden, or the surface around them would have
     /// been seen before.
-    pub(super) fn reveal(&mut self, slot: u32, m: i32) {
+    pub(super) fn reveal(&mut self, slot: Slot, m: i32) {
         if !self.uncover(slot) {
             return;
         }
@@ -91,7 +93,7 @@ impl Walk<'_> {
     }
 
     /// Lists an object to be decided if a cell is in sight.
-    pub(super) fn pend(&mut self, cell: IVec3, slot: u32) {
+    pub(super) fn pend(&mut self, cell: IVec3, slot: Slot) {
         let shell = (cell - self.shells.cell).abs().max_element() as usize;
         let pending = &mut self.scratch.pending;
         if pending.len() <= shell {
@@ -139,7 +141,7 @@ impl Walk<'_> {
         corner[axes.normal] = at - self.shells.cell[axes.normal];
         let scene = self.scene;
         scene.cell_ids().for_tile(brick, &axes, at, tile, |bit, whole, own| {
-            let decided = |&slot: &u32| self.marks.is_decided(slot);
+            let decided = |&slot: &Slot| self.marks.is_decided(slot);
             if own.iter().all(decided) && whole.iter().all(decided) {
                 return;
             }

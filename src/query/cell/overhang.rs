@@ -1,14 +1,16 @@
 //! Objects that reach beyond the grid, where no cell can be hidden.
 //!
-//! Let the viewer's cell V lie in the grid, v be a point of it and p a point of an object beyond the grid. The segment
-//! from v to p leaves the grid at a point x of a cell on the border. If v sees p, it sees x. So if all cells in which
-//! such points x may lie are hidden, no point of the object beyond the grid is seen from V; its points in the grid are
-//! in its own cells, as those of other objects.
+//! Let the viewer's cell V lie in the grid, v be a point of it and p a point of an object beyond
+//! the grid. The segment from v to p leaves the grid at a point x of a cell on the border. If v
+//! sees p, it sees x. So if all cells in which such points x may lie are hidden, no point of the
+//! object beyond the grid is seen from V; its points in the grid are in its own cells, as those of
+//! other objects.
 //!
-//! Where are the points x? Let V be by h or more inside of a face of the grid, and the object by e or less beyond it.
-//! A segment passes that face at the share h / (h + e) of its way or later. Let t be the least of these shares, over the
-//! faces that the object passes: x = v + s (p - v) with a share s from t to 1. Along each axis that is between the
-//! least and the greatest coordinate of V + t (B - V) and of B, the object's box.
+//! Where are the points x? Let V be by h or more inside of a face of the grid, and the object by e
+//! or less beyond it. A segment passes that face at the share h / (h + e) of its way or later. Let
+//! t be the least of these shares, over the faces that the object passes: x = v + s (p - v) with a
+//! share s from t to 1. Along each axis that is between the least and the greatest coordinate of
+//! V + t (B - V) and of B, the object's box.
 
 use glam::DVec3;
 
@@ -21,8 +23,8 @@ use crate::query::cell::Walk;
 /// Objects whose points x may lie in more cells than this are decided at once.
 const MOST_EXITS: u64 = 1 << 12;
 
-/// The cells on the border in which segments from one box to the parts of another beyond the grid may leave the grid, face by
-/// face; `None` if that may be anywhere.
+/// The cells on the border in which segments from one box to the parts of another beyond the grid
+/// may leave the grid, face by face; `None` if that may be anywhere.
 fn exits(grid: &Grid, from: &Block, to: &Block) -> Option<impl Iterator<Item = CellBox> + use<>> {
     let (min, max) = (grid.min(), grid.max());
     let (below, above) = (min - to.min, to.max - max);
@@ -58,8 +60,9 @@ fn exits(grid: &Grid, from: &Block, to: &Block) -> Option<impl Iterator<Item = C
 }
 
 impl Walk<'_> {
-    /// Lists the objects that reach beyond the grid by the cells on the border that decide about those parts. Objects
-    /// for which no such cells are known are decided. Without `known` cells, that is all of them.
+    /// Lists the objects that reach beyond the grid by the cells on the border that decide about
+    /// those parts. Objects for which no such cells are known are decided. Without `known` cells,
+    /// that is all of them.
     pub(super) fn list_overhanging(&mut self, known: bool) {
         let (scene, cell) = (self.scene, self.shells.cell);
         let grid = scene.grid();

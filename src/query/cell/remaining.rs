@@ -1,9 +1,11 @@
 //! How far the search for objects that a walk may still find has come.
 
+use casca_slots::Slot;
+
 use crate::grid::cell_box::CellBox;
 
-/// So many slots are looked at after each shell, and one more for so many rows that were walked in it: the search costs
-/// a small part of the walk.
+/// So many slots are looked at after each shell, and one more for so many rows that were walked in
+/// it: the search costs a small part of the walk.
 const SLOTS: i64 = 64;
 const ROWS_FOR_A_SLOT: i64 = 8;
 
@@ -11,7 +13,7 @@ const ROWS_FOR_A_SLOT: i64 = 8;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Remaining {
     /// For each side, the first slot with an object that may still be found there.
-    pub(super) slots: [u32; 6],
+    pub(super) slots: [Slot; 6],
     /// For each side, a pixel through which it may be.
     pub(super) open: [(i64, i64); 6],
     /// Sides on which no object may be found.
@@ -20,20 +22,20 @@ pub(super) struct Remaining {
     pub(super) budget: i64,
     /// Rows walked since the last search.
     pub(super) rows: i64,
-    /// Slots of objects that reach beyond the grid, in order, with a box around the cells on the border that decide about
-    /// those parts.
-    exits: Vec<(u32, CellBox)>,
+    /// Slots of objects that reach beyond the grid, in order, with a box around the cells on the
+    /// border that decide about those parts.
+    exits: Vec<(Slot, CellBox)>,
 }
 
 impl Remaining {
     /// Adds the cells by which objects are found besides their own.
-    pub(super) fn add_exits(&mut self, mut exits: Vec<(u32, CellBox)>) {
+    pub(super) fn add_exits(&mut self, mut exits: Vec<(Slot, CellBox)>) {
         exits.sort_unstable_by_key(|exit| exit.0);
         self.exits = exits;
     }
 
     /// A box around some cells of an object and those that it is found by besides.
-    pub(super) fn with_exits(&self, slot: u32, own: Option<CellBox>) -> Option<CellBox> {
+    pub(super) fn with_exits(&self, slot: Slot, own: Option<CellBox>) -> Option<CellBox> {
         let exits = self.exits.binary_search_by_key(&slot, |exit| exit.0).ok().map(|at| self.exits[at].1);
         match (own, exits) {
             (Some(a), Some(b)) => Some(CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }),

@@ -1,5 +1,6 @@
 //! The memory of the cell method.
 
+use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::query::cell::masks::DirectionMasks;
@@ -21,7 +22,7 @@ pub(crate) struct CellScratch {
     pub(super) sides: [SideCells; 6],
     pub(super) hits: Vec<Hit>,
     /// For each shell, the cells there of revealed objects that are not decided.
-    pub(super) pending: Vec<Vec<(IVec3, u32)>>,
+    pub(super) pending: Vec<Vec<(IVec3, Slot)>>,
 }
 
 impl CellScratch {

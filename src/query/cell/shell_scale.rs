@@ -84,7 +84,7 @@ impl ShellScale {
     }
 
     /// How far apart the lattice lines around a pixel are, at most.
-    pub(crate) fn reach(&self) -> usize {
+    pub(crate) fn spread(&self) -> usize {
         ((2 * self.m) >> self.log) as usize + 2 * self.slack.ceil() as usize + 4
     }
 

@@ -33,8 +33,9 @@ struct Counts {
 }
 
 impl Walk<'_> {
-    /// Walks one side of shell `m`. Returns the number of its cells in the frustum, and how many of them are not
-    /// hidden, both without the parts where the grid contains nothing or the masks hide all: those are passed over.
+    /// Walks one side of shell `m`. Returns the number of its cells in the frustum, and how many of
+    /// them are not hidden, both without the parts where the grid contains nothing or the masks
+    /// hide all: those are passed over.
     pub(super) fn side(&mut self, index: usize, m: i32, scale: &ShellScale) -> (u64, u64) {
         let side = Side::ALL[index];
         let (axes, v, depth) = (side.axes, self.shells.cell, m * side.sign);
@@ -108,8 +109,8 @@ impl Walk<'_> {
         (counts.total, counts.in_sight)
     }
 
-    /// Sets the bits of the cells of a band that are in the frustum and not hidden, of which the columns of `part` contain
-    /// all. Returns the columns between which some are.
+    /// Sets the bits of the cells of a band that are in the frustum and not hidden, of which the
+    /// columns of `part` contain all. Returns the columns between which some are.
     #[inline(always)]
     fn open_rows(
         &mut self,
@@ -156,8 +157,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Looks up the tiles of a band between two columns, and clears the bits of opaque cells. Returns the rows with
-    /// such cells, one bit each.
+    /// Looks up the tiles of a band between two columns, and clears the bits of opaque cells.
+    /// Returns the rows with such cells, one bit each.
     #[inline(always)]
     fn block_tiles(
         &self,

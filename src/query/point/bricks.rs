@@ -1,5 +1,6 @@
 //! The walk over bricks.
 
+use casca_slots::Slot;
 use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
@@ -111,8 +112,9 @@ impl Walk<'_> {
             self.finish_bricks(0);
         }
         self.scratch.bricks = bricks;
-        // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
-        for slot in 0..self.scene.slot_count() as u32 {
+        // Rays may start inside a volume, or enter it where no brick of the view is: all are
+        // tested.
+        for slot in Slot::below(self.scene.slot_count()) {
             if self.scene.is_hidden(slot) {
                 self.test_volume(slot);
             }
@@ -202,7 +204,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches it.
+    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches
+    /// it.
     fn side_in_grid<'s>(
         &self,
         shells: &Shells,
@@ -218,9 +221,9 @@ impl Walk<'_> {
             return None;
         }
         // Edges belong to the first of their sides.
-        let reach = |axis: usize| if axis < index / 2 { m - 1 } else { m };
+        let last = |axis: usize| if axis < index / 2 { m - 1 } else { m };
         let span = |axis: usize| {
-            let r = reach(axis);
+            let r = last(axis);
             ((-brick[axis]).max(-r), (dims[axis] - 1 - brick[axis]).min(r))
         };
         let part = BrickSide { side, brick, depth, rows: span(axes.row), cols: span(axes.col) };
@@ -284,8 +287,9 @@ impl Walk<'_> {
         self.scratch.open = open;
     }
 
-    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is hidden.
-    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<u32>, volumes: bool) {
+    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is
+    /// hidden.
+    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<Slot>, volumes: bool) {
         let scene = self.scene;
         let has_fused = self.has_fused(brick);
         if open.len() >= WORTH_TESTING || has_fused || volumes {
@@ -295,7 +299,8 @@ impl Walk<'_> {
                 return;
             }
         }
-        // In a loop that does little else, the processor waits for the memory of many objects at once.
+        // In a loop that does little else, the processor waits for the memory of many objects at
+        // once.
         open.retain(|&slot| scene.object(slot).is_shown(self.view));
         for &slot in open.iter() {
             self.find(slot);

@@ -1,20 +1,24 @@
-//! Coherent queries: a run begins with the occluders that were of use in the last one, and leaves out those that were
-//! not, as long as nothing that was hidden comes into sight.
+//! Coherent queries: a run begins with the occluders that were of use in the last one, and leaves
+//! out those that were not, as long as nothing that was hidden comes into sight.
 //!
-//! Bittner, Wimmer, Piringer & Purgathofer 2004 (coherent hierarchical culling) guess from the last frame which objects
-//! are visible; Haar & Aaltonen 2015 draw those first. Here the guess is about patches and solids:
+//! Bittner, Wimmer, Piringer & Purgathofer 2004 (coherent hierarchical culling) guess from the last
+//! frame which objects are visible; Haar & Aaltonen 2015 draw those first. Here the guess is about
+//! patches and solids:
 //!
 //! 1. Those that hid something at the end of the last run are drawn first, patches in one batch.
 //! 2. The walk goes as ever. It draws occluders that the last run did not draw. Others wait.
-//! 3. An object that the last view could have seen, that it did not see, and that is not hidden yet, is suspicious: those
-//!    that wait before such objects are drawn now.
-//! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once: their open
-//!    pixels are examined in every sixteenth run only. All others are examined as ever.
+//! 3. An object that the last view could have seen, that it did not see, and that is not hidden
+//!    yet, is suspicious: those that wait before such objects are drawn now.
+//! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once:
+//!    their open pixels are examined in every sixteenth run only. All others are examined as ever.
 //!
-//! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an object in the set, and
-//! hides nothing.
+//! All that is drawn occludes, and all objects are tested: so a wrong guess costs time or leaves an
+//! object in the set, and hides nothing.
+
+use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::examine::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
@@ -41,7 +45,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Whether an object of which only the slot is known has an occluder that may be drawn.
-    fn may_draw(&self, slot: u32) -> bool {
+    fn may_draw(&self, slot: Slot) -> bool {
         self.scene.living_at(slot).is_some_and(|object| {
             object.occluder().is_some()
                 && object.is_shown(self.view)
@@ -51,8 +55,13 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Draws patches of objects of which only the slots are known, those of which `wanted` says so by their box.
-    fn draw_patches_of(&mut self, patches: &mut [(u32, u32)], wanted: impl Fn(&Self, &Block) -> bool) {
+    /// Draws patches of objects of which only the slots are known, those of which `wanted` says so
+    /// by their box.
+    fn draw_patches_of(
+        &mut self,
+        patches: &mut [(Slot, PatchIndex)],
+        wanted: impl Fn(&Self, &Block) -> bool,
+    ) {
         if patches.is_empty() || !self.view.is_ordered() {
             return;
         }
@@ -71,29 +80,31 @@ impl<'a> Walk<'a> {
         self.draw_batch(batch);
     }
 
-    /// Appends some patches of an object to a batch, in order of their numbers. The groups around them are drawn in parts from now
-    /// on, and the patches in them not again: no two patches drawn in a run have triangles in common.
+    /// Appends some patches of an object to a batch, in order of their numbers. The groups around
+    /// them are drawn in parts from now on, and the patches in them not again: no two patches drawn
+    /// in a run have triangles in common.
     fn collect_some(
         &mut self,
         source: &Source<'a>,
-        patches: &[(u32, u32)],
+        patches: &[(Slot, PatchIndex)],
         wanted: &impl Fn(&Self, &Block) -> bool,
         batch: &mut Batch<'a>,
     ) {
         let (surface, base) = (source.surface, source.place.base);
-        let mut at = 0;
+        let mut at = PatchIndex::FIRST;
         for &(_, patch) in patches {
-            // Groups come before their parts: those that end before the patch are passed by, the others contain it.
-            while at < patch && (at as usize) < surface.patches.len() {
-                let next = surface.patches[at as usize].next;
+            // Groups come before their parts: those that end before the patch are passed by, the
+            // others contain it.
+            while at < patch && at.index() < surface.patches.len() {
+                let next = surface.patch(at).next;
                 if next > patch {
-                    self.went_into(base + at);
+                    self.went_into(base.of(at));
                 }
-                at = if next > patch { at + 1 } else { next };
+                at = if next > patch { at.after() } else { next };
             }
-            let Some(whole) = surface.patches.get(patch as usize).filter(|_| at == patch) else { continue };
+            let Some(whole) = surface.patches.get(patch.index()).filter(|_| at == patch) else { continue };
             at = whole.next;
-            let drawn = self.scratch.drawn.get(base + patch).epoch == self.marks.epoch();
+            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.marks.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
             }
@@ -101,14 +112,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes for a result that is kept that it may rest on the occluder of an object.
-    fn note_offered(&mut self, slot: u32) {
+    fn note_offered(&mut self, slot: Slot) {
         if self.fixed_only {
             self.scratch.offered.push(slot);
         }
     }
 
     /// Draws the occluder of an object in sight, unless it waits.
-    pub(super) fn offer(&mut self, slot: u32) {
+    pub(super) fn offer(&mut self, slot: Slot) {
         self.note_offered(slot);
         let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
         match role {
@@ -119,7 +130,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes that a solid was drawn, and whether it hid more than before.
-    pub(super) fn drew_solid(&mut self, slot: u32, changed: bool) {
+    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
         if changed {
             self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
         }
@@ -128,8 +139,9 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// How a patch takes part in this run, by its place and its number in the scene. Patches that wait are listed.
-    pub(super) fn role(&mut self, slot: u32, patch: u32, number: u32) -> Role {
+    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
+    /// wait are listed.
+    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         if !self.coherent {
             return Role::Fresh;
         }
@@ -140,15 +152,16 @@ impl<'a> Walk<'a> {
     }
 
     /// Notes that the parts of a group were looked at.
-    pub(super) fn went_into(&mut self, number: u32) {
+    pub(super) fn went_into(&mut self, number: PatchNumber) {
         if self.coherent {
             let coherence = &mut self.scratch.coherence;
             let recall = Recall { run: coherence.run, usage: Usage::Parts };
-            coherence.patches.fill(number..number + 1, recall);
+            coherence.patches.fill(number..number.after(), recall);
         }
     }
 
-    /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than before.
+    /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than
+    /// before.
     pub(super) fn drew_batch(&mut self, batch: &Batch) {
         if !self.coherent {
             return;
@@ -170,8 +183,8 @@ impl<'a> Walk<'a> {
         suspicious.clear();
         candidates.retain(|candidate| {
             let coherence = &self.scratch.coherence;
-            let slot = candidate.id.slot;
-            if coherence.saw(slot) && !coherence.is_turn(slot) {
+            let slot = candidate.id.slot();
+            if coherence.saw(slot) && !coherence.is_turn(slot.get()) {
                 self.stats.occlusion_tests += 1;
                 return !candidate.block.is_some_and(|block| self.hides(&block));
             }
@@ -183,7 +196,7 @@ impl<'a> Walk<'a> {
             seen
         });
         suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot).is_ok();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot()).is_ok();
         if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
             self.begin_examinations();
             candidates.retain(|candidate| !(is_suspicious(candidate) && self.examine(candidate, left)));
@@ -231,7 +244,8 @@ impl<'a> Walk<'a> {
         before != (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len())
     }
 
-    /// Whether a box in world units touches a tile with an object that is nowhere nearer than a nearness, and the box is.
+    /// Whether a box in world units touches a tile with an object that is nowhere nearer than a
+    /// nearness, and the box is.
     fn is_before(&self, world: &Block, tiles: &[Vec<f32>]) -> bool {
         let buffers = &self.scratch.buffers;
         let block = buffers.relative(world);
@@ -250,19 +264,19 @@ impl<'a> Walk<'a> {
         self.pvs.visible.iter().for_each(|id| coherence.seen[id.index()] = run);
         let usage = |useful: bool| Recall { run, usage: if useful { Usage::Useful } else { Usage::Idle } };
         for &slot in &coherence.waiting_solids {
-            coherence.solids[slot as usize] = usage(false);
+            coherence.solids[slot.index()] = usage(false);
         }
         for &(slot, changed) in &coherence.drawn_solids {
             let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
-            coherence.solids[slot as usize] = usage(useful);
+            coherence.solids[slot.index()] = usage(useful);
         }
         for &slot in self.scratch.magnifier.used.solids.iter().filter(|&&slot| slot != NOBODY) {
-            coherence.solids[slot as usize] = usage(true);
+            coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();
         let solids = &coherence.solids;
-        let is_useful = |slot: &u32| solids[*slot as usize].usage == Usage::Useful;
+        let is_useful = |slot: &Slot| solids[slot.index()].usage == Usage::Useful;
         coherence.useful_solids.extend(coherence.drawn_solids.iter().map(|drawn| drawn.0).filter(is_useful));
         self.remember_patches(&mut coherence, usage);
         self.scratch.coherence = coherence;
@@ -270,10 +284,10 @@ impl<'a> Walk<'a> {
 
     fn remember_patches(&self, coherence: &mut Coherence, usage: impl Fn(bool) -> Recall) {
         let scene = self.scene;
-        let numbers = |slot: u32, patch: u32| {
+        let numbers = |slot: Slot, patch: PatchIndex| {
             let place = scene.seams().place(slot);
-            let next = self.source(slot).map_or(patch + 1, |s| s.surface.patches[patch as usize].next);
-            place.base + patch..place.base + next
+            let next = self.source(slot).map_or(patch.after(), |s| s.surface.patch(patch).next);
+            place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];
         let faces: Vec<_> = self.scratch.buffers.faces().collect();

@@ -1,5 +1,7 @@
 //! The second test of objects, and its refinement.
 
+use casca_slots::Slot;
+
 use crate::geometry::body::Body;
 use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
@@ -40,13 +42,13 @@ impl Walk<'_> {
         let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
         self.stats.occlusion_tests += 1;
         // Most candidates can be seen plainly.
-        if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot) {
+        if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot()) {
             return false;
         }
         let before = *left;
-        let bounds = self.scene.object(id.slot).bounds();
+        let bounds = self.scene.object(id.slot()).bounds();
         let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
-        let hidden = self.is_hidden(bounds, id.slot, &mut magnifier, left);
+        let hidden = self.is_hidden(bounds, id.slot(), &mut magnifier, left);
         self.scratch.magnifier = magnifier;
         self.stats.refined += u32::from(*left != before);
         self.stats.refined_hidden += u32::from(hidden && *left != before);
@@ -54,7 +56,7 @@ impl Walk<'_> {
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.
-    fn is_hidden(&self, bounds: &Bounds, slot: u32, magnifier: &mut Magnifier, budget: &mut Budget) -> bool {
+    fn is_hidden(&self, bounds: &Bounds, slot: Slot, magnifier: &mut Magnifier, budget: &mut Budget) -> bool {
         let buffers = &self.scratch.buffers;
         let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
         let drawable = |id: u32| {

@@ -1,11 +1,12 @@
 //! Patches made ready to be drawn: placed, and turned to the eye.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{Patch, Surface};
+use crate::mesh::surface::{Patch, PatchIndex, Surface};
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
@@ -13,7 +14,7 @@ use crate::query::point::Walk;
 /// The surface of an object.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
-    pub(super) slot: u32,
+    pub(super) slot: Slot,
     pub(super) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.
     pub(super) placement: Option<&'a Placement>,
@@ -33,14 +34,14 @@ struct Slab {
 
 impl Source<'_> {
     /// A box around a patch as it is placed, in world units.
-    pub(super) fn block(&self, patch: u32) -> Block {
-        placed_block(&self.surface.patches[patch as usize].block(), self.placement)
+    pub(super) fn block(&self, patch: PatchIndex) -> Block {
+        placed_block(&self.surface.patch(patch).block(), self.placement)
     }
 }
 
 impl<'a> Walk<'a> {
     /// The surface of an object, if it has one.
-    pub(super) fn source(&self, slot: u32) -> Option<Source<'a>> {
+    pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
         let scene = self.scene;
         let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
@@ -48,17 +49,22 @@ impl<'a> Walk<'a> {
     }
 
     /// A patch of an object's surface ready to be drawn, if it can be.
-    pub(super) fn drawable(&self, slot: u32, patch: u32) -> Option<Drawable<'a>> {
+    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
         let source = self.source(slot)?;
         self.drawable_in(&source, patch, &source.block(patch))
     }
 
     /// As [`Walk::drawable`], for a patch in a box in world units.
-    pub(super) fn drawable_in(&self, source: &Source<'a>, patch: u32, world: &Block) -> Option<Drawable<'a>> {
+    pub(super) fn drawable_in(
+        &self,
+        source: &Source<'a>,
+        patch: PatchIndex,
+        world: &Block,
+    ) -> Option<Drawable<'a>> {
         let &Source { surface, placement, place, .. } = source;
         let buffers = &self.scratch.buffers;
         let eye = buffers.origin();
-        let own = &surface.patches[patch as usize];
+        let own = surface.patch(patch);
         let block = buffers.relative(world);
         let Slab { normal, lo, hi, error, slack } = placed_slab(own, placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
@@ -100,7 +106,7 @@ impl<'a> Walk<'a> {
             placement,
             patch,
             id: 0,
-            number: place.base + patch,
+            number: place.base.of(patch),
             links: &place.links,
             block,
             normal,
@@ -113,8 +119,9 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether every triangle of a patch is turned to every ray: the directions from its points to the eye differ from
-    /// its normal by less than a right angle less the greatest angle of its triangles, whose sine is given.
+    /// Whether every triangle of a patch is turned to every ray: the directions from its points to
+    /// the eye differ from its normal by less than a right angle less the greatest angle of its
+    /// triangles, whose sine is given.
     fn is_front(&self, normal: DVec3, block: &Block, sine: f64) -> bool {
         let sine = sine + FRONT_SINE;
         match self.scratch.buffers.direction() {
@@ -132,19 +139,19 @@ impl<'a> Walk<'a> {
         let eye = self.scratch.buffers.origin();
         self.starts.cut().iter().any(|(region, around)| {
             let middle = normal.dot((around.min + around.max) * 0.5 - eye);
-            let reach = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
+            let radius = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
             around.min.cmple(world.max).all()
                 && world.min.cmple(around.max).all()
-                && middle + reach >= slab.0
-                && middle - reach <= slab.1
+                && middle + radius >= slab.0
+                && middle - radius <= slab.1
                 && region.may_see_block(world)
         })
     }
 }
 
-/// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side: the directions from its
-/// points to the eye differ from its normal, or from the opposite one, by less than a right angle less the greatest angle of its
-/// triangles, whose sine is given.
+/// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side:
+/// the directions from its points to the eye differ from its normal, or from the opposite one, by
+/// less than a right angle less the greatest angle of its triangles, whose sine is given.
 fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bool {
     let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     // How far the eye lies above all of the patch, or below.
@@ -154,7 +161,8 @@ fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -
     height > (sine + FRONT_SINE) * farthest
 }
 
-/// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range of numbers.
+/// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
+/// of numbers.
 fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {
@@ -179,7 +187,7 @@ fn placed_block(block: &Block, placement: Option<&Placement>) -> Block {
     let Some(p) = placement else { return *block };
     let (center, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
     let m = p.affine.matrix3;
-    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
+    let radius = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z + p.error;
     let center = p.affine.transform_point3(center);
-    Block { min: center - reach, max: center + reach }
+    Block { min: center - radius, max: center + radius }
 }

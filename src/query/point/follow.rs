@@ -1,17 +1,21 @@
 //! A run that goes on after static objects came, went or changed.
 //!
-//! The buffers of the run before stay. Where an occluder is gone, the tiles around its box are opened, that box grown by the
-//! reach; the occluders of other objects that reach into them are drawn again, and the walk finds the objects that come into
-//! sight. Objects that are new are tested, and their occluders drawn, like any others.
+//! The buffers of the run before stay. Where an occluder is gone, the tiles around its box are
+//! opened, that box grown by the reach; the occluders of other objects that reach into them are
+//! drawn again, and the walk finds the objects that come into sight. Objects that are new are
+//! tested, and their occluders drawn, like any others.
 //!
-//! Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it hides, from any eye within reach,
-//! met a solid, a patch or a box of opaque cells. A ray that ends in a pixel that was not opened passes no point of an
-//! occluder that is gone: otherwise the ray from the middle to the same end would pass within the reach of that point. So the
-//! ray met others, which are there; also in a box of cells, each of which solids fill that are there or that the ray does not
-//! meet. Occluders that were never offered need no hole: no free ray reached them.
+//! Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it hides,
+//! from any eye within reach, met a solid, a patch or a box of opaque cells. A ray that ends in a
+//! pixel that was not opened passes no point of an occluder that is gone: otherwise the ray from
+//! the middle to the same end would pass within the reach of that point. So the ray met others,
+//! which are there; also in a box of cells, each of which solids fill that are there or that the
+//! ray does not meet. Occluders that were never offered need no hole: no free ray reached them.
 //!
-//! Open pixels are not refined, since the lists of occluders in the buffers name some that are gone.
+//! Open pixels are not refined, since the lists of occluders in the buffers name some that are
+//! gone.
 
+use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
@@ -23,9 +27,9 @@ use crate::query::point::offered::Offered;
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     /// The slots of static objects that came or changed.
-    pub(crate) fresh: Vec<u32>,
+    pub(crate) fresh: Vec<Slot>,
     /// The slots of the objects in the set that stayed as they are.
-    pub(crate) known: Vec<u32>,
+    pub(crate) known: Vec<Slot>,
     /// Around the occluders that are gone, those that changed among them.
     pub(crate) gone: SmallVec<[Block; 4]>,
 }
@@ -38,8 +42,9 @@ impl PointOptions {
 }
 
 impl Walk<'_> {
-    /// Goes on with the buffers of the last run, which was of the same view. `offered` are the objects that
-    /// they rest on and that stayed. Fills the set with the objects that are not known. Returns the share of the pixels that were opened.
+    /// Goes on with the buffers of the last run, which was of the same view. `offered` are the
+    /// objects that they rest on and that stayed. Fills the set with the objects that are not
+    /// known. Returns the share of the pixels that were opened.
     pub(crate) fn follow(mut self, changes: &Changes, offered: &Offered) -> f64 {
         changes.known.iter().for_each(|&slot| {
             self.marks.decide(slot);
@@ -66,7 +71,7 @@ impl Walk<'_> {
     }
 
     /// Draws occluders over the buffers of an earlier run, and gives how many.
-    pub(crate) fn draw_over(mut self, slots: impl Iterator<Item = u32>) -> u32 {
+    pub(crate) fn draw_over(mut self, slots: impl Iterator<Item = Slot>) -> u32 {
         slots.for_each(|slot| self.draw(slot));
         self.draw_all_patches(i32::MAX);
         self.stats.occluders_drawn

@@ -1,10 +1,11 @@
 //! The point method: the objects that can be seen from the eye, at pixel precision.
 //!
-//! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum only. A brick is
-//! tested before the objects in it ([`bricks`]), an object before it is drawn as an occluder ([`objects`],
-//! [`occluders`], [`surfaces`]), and the walk ends when every pixel is closed. Objects that were found visible are
-//! tested once more when all occluders are drawn, so that the order matters for speed only; undecided pixels are
-//! refined ([`decide`]). Runs may build on the one before ([`coherence`]).
+//! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum
+//! only. A brick is tested before the objects in it ([`bricks`]), an object before it is drawn as
+//! an occluder ([`objects`], [`occluders`], [`surfaces`]), and the walk ends when every pixel is
+//! closed. Objects that were found visible are tested once more when all occluders are drawn, so
+//! that the order matters for speed only; undecided pixels are refined ([`decide`]). Runs may build
+//! on the one before ([`coherence`]).
 
 mod bricks;
 mod coherence;
@@ -26,6 +27,7 @@ use smallvec::SmallVec;
 use crate::grid::Grid;
 use crate::matrix::fused::Fused;
 use crate::method::PointOptions;
+use crate::numeric::query::NEAREST;
 use crate::occlusion::pitch::Pitch;
 use crate::pvs::{Pvs, Stats};
 use crate::query::marks::Marks;
@@ -34,9 +36,6 @@ use crate::query::start::Starts;
 use crate::scene::{LayerOpacity, Scene};
 use crate::view::{Origin, View};
 use crate::walk::{ShellBegins, Shells, Start};
-
-/// Objects nearer to the eye than this share of a cell are visible without a test.
-const NEAREST: f64 = 0.02;
 
 /// One run of the point method.
 pub(crate) struct Walk<'a> {
@@ -78,7 +77,7 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
         pixels: 90.0 / f64::from(options.pixel_degrees),
         least: f64::from(options.min_pixels),
         nearest: NEAREST * scene.grid().cell_size(),
-        reach: (max - min).length() * 0.5,
+        radius: (max - min).length() * 0.5,
         middle: (min + max) * 0.5,
     }
 }

@@ -1,22 +1,23 @@
 //! Testing objects for the first time.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::query::point::Walk;
 use crate::query::point::scratch::Candidate;
 
-/// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole numbers are
-/// compared without branches.
-fn sort_key(distance: f64, slot: u32, place: u32) -> u128 {
+/// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
+/// numbers are compared without branches.
+fn sort_key(distance: f64, slot: Slot, place: u32) -> u128 {
     let bits = distance.to_bits();
     // The bits of negative numbers run the other way.
     let order = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
-    u128::from(order) << 64 | u128::from(slot) << 32 | u128::from(place)
+    u128::from(order) << 64 | u128::from(slot.get()) << 32 | u128::from(place)
 }
 
 impl Walk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
-    pub(super) fn find(&mut self, slot: u32) {
+    pub(super) fn find(&mut self, slot: Slot) {
         let object = self.scene.object(slot);
         let passed_over = self.fixed_only && !object.is_static();
         if !self.marks.decide(slot) || passed_over || !object.is_shown(self.view) {
@@ -51,18 +52,18 @@ impl Walk<'_> {
         }
     }
 
-    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen: at once, or,
-    /// where only some may be drawn, the largest of the shell first.
+    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen:
+    /// at once, or, where only some may be drawn, the largest of the shell first.
     pub(super) fn settle(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.found);
         let limited = self.options.max_occluders < u32::MAX;
-        let mut seen: Vec<(f64, u32)> = Vec::new();
+        let mut seen: Vec<(f64, Slot)> = Vec::new();
         found.sort_unstable();
         for place in found.drain(..).map(|key| key as u32) {
             self.stats.occlusion_tests += 1;
             let candidate = self.scratch.objects[place as usize];
             if !candidate.block.is_some_and(|block| self.hides(&block)) {
-                let slot = candidate.id.slot;
+                let slot = candidate.id.slot();
                 self.scratch.candidates.push(candidate);
                 if !candidate.occludes {
                     continue;
@@ -90,7 +91,7 @@ mod tests {
     #[test]
     fn keys_sort_by_distance_and_then_by_slot() {
         let objects = [(-3.0, 9), (-1.0, 1), (0.0, 4), (0.0, 5), (1e-9, 0), (2.0, 7), (f64::INFINITY, 2)];
-        let keys = objects.map(|(distance, slot)| sort_key(distance, slot, 9 - slot));
+        let keys = objects.map(|(distance, slot)| sort_key(distance, Slot::new(slot), 9 - slot));
         assert!(keys.is_sorted());
         assert_eq!(keys.map(|key| key as u32), objects.map(|(_, slot)| 9 - slot));
     }

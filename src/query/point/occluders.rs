@@ -1,5 +1,7 @@
 //! Drawing convex occluders and boxes of opaque cells.
 
+use casca_slots::Slot;
+
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
 use crate::grid::cell_box::CellBox;
@@ -10,20 +12,21 @@ use crate::occlusion::solid::Solid;
 use crate::query::point::Walk;
 use crate::query::start::rays_start_in_occluder;
 
-/// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer pixels they hide too
-/// little for the time that they take: scenes of thousands lose less than one object of a thousand.
+/// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
+/// pixels they hide too little for the time that they take: scenes of thousands lose less than one
+/// object of a thousand.
 pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 
-/// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more pixels than this. Narrower
-/// rims hide less than the pixels that the outlines of patches touch.
-const MOST_RIM: f64 = 3.0;
+/// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more
+/// pixels than this. Narrower gaps hide less than the pixels that the outlines of patches touch.
+const MOST_GAP: f64 = 3.0;
 
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
-    pub(super) fn draw(&mut self, slot: u32) {
+    pub(super) fn draw(&mut self, slot: Slot) {
         if !self.view.is_ordered() {
             return;
         }
@@ -60,8 +63,9 @@ impl Walk<'_> {
         self.around_starts.as_ref().is_none_or(|around| around.may_meet(block))
     }
 
-    /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns whether it did.
-    fn draw_convex_mesh(&mut self, slot: u32, occluder: &Occluder) -> bool {
+    /// Draws a convex mesh as one solid, if the eye is known and rays start outside of it. Returns
+    /// whether it did.
+    fn draw_convex_mesh(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let buffers = &mut self.scratch.buffers;
         let origin = buffers.origin();
         if buffers.uncertainty() > 0.0 {
@@ -71,8 +75,8 @@ impl Walk<'_> {
         // Outside of the mesh, too: between it and the solid one sees into the mesh.
         let outside = |block: &Block| {
             let (middle, half) = ((block.min + block.max) * 0.5 - origin, (block.max - block.min) * 0.5);
-            let reach = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
-            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + reach;
+            let room = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
+            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + room;
             polytope.faces.iter().any(clear)
         };
         let starts_outside = match buffers.direction() {
@@ -90,17 +94,18 @@ impl Walk<'_> {
         true
     }
 
-    /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box around the mesh.
-    /// Returns whether it covers nearly the same pixels, so that the triangles need not be drawn. Larger solids are drawn
-    /// beside the triangles: they close pixels that outlines of patches touch, and hide some of those patches.
-    fn draw_inner_solid(&mut self, slot: u32, occluder: &Occluder) -> bool {
+    /// Draws the solid inside a closed mesh, if the eye is known and rays start outside of the box
+    /// around the mesh. Returns whether it covers nearly the same pixels, so that the triangles
+    /// need not be drawn. Larger solids are drawn beside the triangles: they close pixels that
+    /// outlines of patches touch, and hide some of those patches.
+    fn draw_inner_solid(&mut self, slot: Slot, occluder: &Occluder) -> bool {
         let Some(inner) = occluder.inner() else { return false };
         let block = occluder.block();
         let buffers = &self.scratch.buffers;
         if buffers.uncertainty() > 0.0 || self.starts_near(&block) {
             return false;
         }
-        let is_alike = self.is_like_solid(&block, inner.rim);
+        let is_alike = self.is_like_solid(&block, inner.gap);
         let buffers = &mut self.scratch.buffers;
         let polytope = occluder.inner_from(buffers.origin());
         let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction(), buffers.reach()))
@@ -112,20 +117,21 @@ impl Walk<'_> {
         is_alike
     }
 
-    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh and the width of the rim.
-    fn is_like_solid(&self, block: &Block, rim: f64) -> bool {
-        self.is_small(&self.scratch.buffers.relative(block), MOST_RIM / rim)
+    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
+    /// and the width of the gap between them.
+    fn is_like_solid(&self, block: &Block, gap: f64) -> bool {
+        self.is_small(&self.scratch.buffers.relative(block), MOST_GAP / gap)
     }
 
     /// Whether an object is drawn as a solid and, beside it, as patches.
-    pub(super) fn has_patches_beside_solid(&self, slot: u32) -> bool {
+    pub(super) fn has_patches_beside_solid(&self, slot: Slot) -> bool {
         let Some(occluder) = self.scene.object(slot).occluder() else { return false };
-        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.rim))
+        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.gap))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
     /// Teller 1997). For parallel rays, the area of that ball's disc.
-    pub(super) fn solid_angle(&self, slot: u32) -> f64 {
+    pub(super) fn solid_angle(&self, slot: Slot) -> f64 {
         let Some(occluder) = self.scene.object(slot).occluder() else { return 0.0 };
         let (block, buffers) = (occluder.block(), &self.scratch.buffers);
         let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
@@ -150,7 +156,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether opaque cells hide anything: rays must start outside the solids that make them opaque.
+    /// Whether opaque cells hide anything: rays must start outside the solids that make them
+    /// opaque.
     pub(super) fn may_fuse(&mut self) -> bool {
         let in_occluder = || rays_start_in_occluder(self.scene, self.view, &self.starts);
         *self.fuses.get_or_insert_with(|| !in_occluder())

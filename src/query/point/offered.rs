@@ -1,9 +1,12 @@
 //! The objects that a kept result rests on.
 
-/// The objects on whose occluders a kept result may rest: all that were not hidden when they were found, whether their
-/// occluders were drawn, waited or were too small. The occluders of others are hidden: no ray of the view reaches them.
+use casca_slots::Slot;
+
+/// The objects on whose occluders a kept result may rest: all that were not hidden when they were
+/// found, whether their occluders were drawn, waited or were too small. The occluders of others are
+/// hidden: no ray of the view reaches them.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Offered(Vec<u32>);
+pub(crate) struct Offered(Vec<Slot>);
 
 impl Offered {
     /// Forgets the last run.
@@ -12,7 +15,7 @@ impl Offered {
     }
 
     /// Adds an object by its slot.
-    pub(super) fn push(&mut self, slot: u32) {
+    pub(super) fn push(&mut self, slot: Slot) {
         self.0.push(slot);
     }
 
@@ -24,17 +27,17 @@ impl Offered {
     }
 
     /// Whether an object is among them, which are in order.
-    pub(crate) fn has(&self, slot: u32) -> bool {
+    pub(crate) fn has(&self, slot: Slot) -> bool {
         self.0.binary_search(&slot).is_ok()
     }
 
     /// Forgets objects, whose slots are in order.
-    pub(crate) fn forget(&mut self, slots: &[u32]) {
+    pub(crate) fn forget(&mut self, slots: &[Slot]) {
         self.0.retain(|slot| slots.binary_search(slot).is_err());
     }
 
     /// The slots of all.
-    pub(super) fn slots(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn slots(&self) -> impl Iterator<Item = Slot> {
         self.0.iter().copied()
     }
 }

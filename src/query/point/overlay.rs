@@ -1,5 +1,7 @@
 //! More occluders, drawn over a copy of the buffers of a query.
 
+use casca_slots::Slot;
+
 use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::pvs::Pvs;
@@ -20,14 +22,14 @@ pub(crate) struct Overlay {
 }
 
 impl Overlay {
-    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for the view of that. Small ones
-    /// are left out, and those that rays start in.
+    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for
+    /// the view of that. Small ones are left out, and those that rays start in.
     pub(crate) fn draw(
         &mut self,
         base: &PointScratch,
         scene: &Scene,
         view: &View,
-        mut slots: impl Iterator<Item = u32>,
+        mut slots: impl Iterator<Item = Slot>,
     ) {
         self.drawn = 0;
         let Some(first) = slots.next() else { return };

@@ -1,11 +1,16 @@
-//! The memory of coherent queries: the use of each occluder, and the objects found visible, in the last run.
+//! The memory of coherent queries: the use of each occluder, and the objects found visible, in the
+//! last run.
+
+use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::view::View;
 
-/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many runs: each in its turn.
+/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many
+/// runs: each in its turn.
 const TURN: u32 = 16;
 
 /// The use of an occluder in a run.
@@ -57,19 +62,20 @@ pub(crate) struct Coherence {
     /// By slot: the last run that found the object visible.
     pub(super) seen: Vec<u32>,
     /// Of the last run, slots.
-    pub(super) useful_solids: Vec<u32>,
+    pub(super) useful_solids: Vec<Slot>,
     /// Of the last run, slots and patches.
-    pub(super) useful_patches: Vec<(u32, u32)>,
+    pub(super) useful_patches: Vec<(Slot, PatchIndex)>,
     /// Solids drawn in this run, and whether they hid more than before.
-    pub(super) drawn_solids: Vec<(u32, bool)>,
-    /// For the patches drawn in this run, in order of first drawing, whether they hid more than before.
+    pub(super) drawn_solids: Vec<(Slot, bool)>,
+    /// For the patches drawn in this run, in order of first drawing, whether they hid more than
+    /// before.
     pub(super) changed: Vec<bool>,
     /// Where faces see those patches. The index is that in order of first drawing.
     pub(super) sights: Vec<Sighting>,
-    pub(super) waiting_solids: Vec<u32>,
-    pub(super) waiting_patches: Vec<(u32, u32)>,
+    pub(super) waiting_solids: Vec<Slot>,
+    pub(super) waiting_patches: Vec<(Slot, PatchIndex)>,
     /// Slots of objects that came into sight, though the last view could have seen them.
-    pub(super) suspicious: Vec<u32>,
+    pub(super) suspicious: Vec<Slot>,
 }
 
 impl Coherence {
@@ -95,27 +101,27 @@ impl Coherence {
         self.waiting_patches.clear();
     }
 
-    /// Whether the turn of a slot or patch comes in this run.
+    /// Whether the turn of the number of a slot or patch comes in this run.
     pub(super) fn is_turn(&self, number: u32) -> bool {
         number.wrapping_add(self.run).is_multiple_of(TURN)
     }
 
     /// How a solid takes part in this run. One that waits is listed.
-    pub(super) fn solid(&mut self, slot: u32) -> Role {
-        let Recall { run, usage } = self.solids[slot as usize];
+    pub(super) fn solid(&mut self, slot: Slot) -> Role {
+        let Recall { run, usage } = self.solids[slot.index()];
         if run == self.run {
             return Role::Drawn;
         }
-        if run + 1 == self.run && usage == Usage::Idle && !self.is_turn(slot) {
+        if run + 1 == self.run && usage == Usage::Idle && !self.is_turn(slot.get()) {
             self.waiting_solids.push(slot);
             return Role::Waits;
         }
         Role::Fresh
     }
 
-    /// How a patch that was not drawn in this run takes part in it, by its object and its number in the scene. One that waits
-    /// is listed.
-    pub(super) fn patch(&mut self, slot: u32, patch: u32, number: u32) -> Role {
+    /// How a patch that was not drawn in this run takes part in it, by its object and its number in
+    /// the scene. One that waits is listed.
+    pub(super) fn patch(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
         let Recall { run, usage } = self.patches.get(number);
         if run == self.run && usage == Usage::Parts {
             return Role::InParts;
@@ -124,8 +130,8 @@ impl Coherence {
             return Role::Fresh;
         }
         match usage {
-            Usage::Parts if !self.is_turn(number) => Role::InParts,
-            Usage::Idle if !self.is_turn(number) => {
+            Usage::Parts if !self.is_turn(number.get()) => Role::InParts,
+            Usage::Idle if !self.is_turn(number.get()) => {
                 self.waiting_patches.push((slot, patch));
                 Role::Waits
             }
@@ -134,20 +140,20 @@ impl Coherence {
     }
 
     /// Notes that a solid was drawn, and whether it hid more than before.
-    pub(super) fn drew_solid(&mut self, slot: u32, changed: bool) {
-        self.solids[slot as usize] = Recall { run: self.run, usage: Usage::Unknown };
+    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
+        self.solids[slot.index()] = Recall { run: self.run, usage: Usage::Unknown };
         self.drawn_solids.push((slot, changed));
     }
 
     /// Whether the last run took an object that was in its view for hidden.
-    pub(super) fn hid(&self, slot: u32, block: Option<&Block>) -> bool {
+    pub(super) fn hid(&self, slot: Slot, block: Option<&Block>) -> bool {
         let in_view = |block: &Block| self.view.as_ref().is_some_and(|view| view.may_see_block(block));
         !self.saw(slot) && block.is_some_and(in_view)
     }
 
     /// Whether the last run found an object visible.
-    pub(super) fn saw(&self, slot: u32) -> bool {
-        let run = self.seen[slot as usize];
+    pub(super) fn saw(&self, slot: Slot) -> bool {
+        let run = self.seen[slot.index()];
         run > 0 && run + 1 == self.run
     }
 }

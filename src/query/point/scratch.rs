@@ -1,9 +1,11 @@
 //! The memory of the point method.
 
+use casca_slots::Slot;
 use glam::{DVec3, IVec3};
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
+use crate::mesh::surface::PatchIndex;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::Magnifier;
@@ -22,10 +24,11 @@ pub(super) struct DrawnPatch {
     /// The batch of that query.
     pub(super) batch: u32,
     /// The number in its surface of the patch that it was drawn in: itself or a group.
-    pub(super) whole: u32,
+    pub(super) whole: PatchIndex,
 }
 
-/// An object that may be visible, with all that a test of its box takes: objects themselves are far apart in memory.
+/// An object that may be visible, with all that a test of its box takes: objects themselves are far
+/// apart in memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) id: ObjectId,
@@ -40,7 +43,7 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Waiting {
     /// Object and patch.
-    pub(super) listed: Vec<(u32, u32)>,
+    pub(super) listed: Vec<(Slot, PatchIndex)>,
     /// The number of patches in those listed.
     pub(super) count: u64,
 }
@@ -60,7 +63,7 @@ pub(crate) struct PointScratch {
     /// Bricks of a shell with temporal bounding volumes that are not hidden.
     pub(super) volumes: Vec<IVec3>,
     /// Undecided objects of a brick.
-    pub(super) open: Vec<u32>,
+    pub(super) open: Vec<Slot>,
     /// Objects of a shell.
     pub(super) objects: Vec<Candidate>,
     /// Numbers that sort them by distance, with the place of each.
@@ -73,7 +76,7 @@ pub(crate) struct PointScratch {
     pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
     /// The patches drawn, in the order of first drawing: object and patch.
-    pub(super) patches: Vec<(u32, u32)>,
+    pub(super) patches: Vec<(Slot, PatchIndex)>,
     /// The objects of which an occluder hid more than before.
     pub(super) useful: Marks,
     pub(super) magnifier: Magnifier,
@@ -83,8 +86,9 @@ pub(crate) struct PointScratch {
 }
 
 impl PointScratch {
-    /// Forgets the last query. `slots` and `patches` are the numbers of those of the scene, and `epoch` the number of the
-    /// query, which starts at 1 again when it has reached its greatest value.
+    /// Forgets the last query. `slots` and `patches` are the numbers of those of the scene, and
+    /// `epoch` the number of the query, which starts at 1 again when it has reached its greatest
+    /// value.
     pub(super) fn begin(&mut self, slots: usize, patches: usize, epoch: u32) {
         self.useful.begin(slots);
         self.candidates.clear();
@@ -110,7 +114,8 @@ impl PointScratch {
             && (b.max - b.min).length_squared() * 0.25 < radius * radius * distance
     }
 
-    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are tested as one convex shape.
+    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are
+    /// tested as one convex shape.
     pub(crate) fn hides_bounds(&self, bounds: &Bounds) -> bool {
         let buffers = &self.buffers;
         let block = bounds.block();

@@ -1,8 +1,10 @@
 //! Drawing surfaces of triangles, patch by patch.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
+use crate::mesh::surface::PatchIndex;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
@@ -10,16 +12,17 @@ use crate::query::point::drawables::Source;
 use crate::query::point::recall::Role;
 use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
 
-/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing: the pixels that
-/// their outlines touch do not count.
+/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
+/// the pixels that their outlines touch do not count.
 const SMALLEST_PATCH: f64 = 4.0;
 
-/// A group is drawn as one if its slab is at most this share as thick as the eye is away from it, or all of it that
-/// share as large as its distance.
+/// A group is drawn as one if its slab is at most this share as thick as the eye is away from it,
+/// or all of it that share as large as its distance.
 const THIN: f64 = 0.35;
 
-/// If the eye may go some way, a batch has at least one patch for so many that were drawn before, those at the end of the
-/// walk excepted: so the number of batches grows like the logarithm of the number of patches.
+/// If the eye may go some way, a batch has at least one patch for so many that were drawn before,
+/// those at the end of the walk excepted: so the number of batches grows like the logarithm of the
+/// number of patches.
 const BATCH_SHARE: u64 = 3;
 
 /// How the walk goes on with a patch.
@@ -32,17 +35,22 @@ enum Next {
 
 impl<'a> Walk<'a> {
     /// Lists an object's surface for drawing, by the shell that it begins in.
-    pub(super) fn list_surface(&mut self, slot: u32) {
+    pub(super) fn list_surface(&mut self, slot: Slot) {
         if let Some(source) = self.source(slot)
             && !source.surface.patches.is_empty()
         {
-            self.wait(self.shell_of(&source.block(0)), slot, 0, source.surface.patches[0].next);
+            self.wait(
+                self.shell_of(&source.block(PatchIndex::FIRST)),
+                slot,
+                PatchIndex::FIRST,
+                source.surface.patches[0].next.get(),
+            );
         }
     }
 
-    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count` is the number of patches in
-    /// it, with itself.
-    fn wait(&mut self, shell: usize, slot: u32, patch: u32, count: u32) {
+    /// Lists a patch for drawing, or for drawing in parts, once shell `shell` is reached. `count`
+    /// is the number of patches in it, with itself.
+    fn wait(&mut self, shell: usize, slot: Slot, patch: PatchIndex, count: u32) {
         let waiting = &mut self.scratch.waiting;
         if waiting.len() <= shell {
             waiting.resize_with(shell + 1, Waiting::default);
@@ -61,14 +69,16 @@ impl<'a> Walk<'a> {
         self.scratch.is_small(b, pixels)
     }
 
-    /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are too few for a batch.
+    /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
+    /// too few for a batch.
     pub(super) fn draw_patches(&mut self, m: i32) {
         if !self.defers_patches(m) {
             self.draw_all_patches(m);
         }
     }
 
-    /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a batch was not worth.
+    /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a
+    /// batch was not worth.
     pub(super) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
         let count = self.scratch.waiting[..last].iter().map(|shell| shell.listed.len()).sum();
@@ -82,8 +92,8 @@ impl<'a> Walk<'a> {
         self.scratch.waiting.len().min(m.max(0) as usize + 1)
     }
 
-    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the eye may go some way, a batch
-    /// draws the neighbours of its patches again, as wholes.
+    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the
+    /// eye may go some way, a batch draws the neighbours of its patches again, as wholes.
     fn defers_patches(&self, m: i32) -> bool {
         let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
         let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
@@ -124,16 +134,17 @@ impl<'a> Walk<'a> {
         let PointScratch { buffers, patches, useful, .. } = &mut *self.scratch;
         for &index in buffers.useful_patches() {
             let drawable = &batch.drawables[index as usize];
-            let slot = match drawable.again {
+            let owner = match drawable.again {
                 true => self.scene.seams().owner(drawable.number),
-                false => patches[drawable.id as usize].0,
+                false => Some(patches[drawable.id as usize].0),
             };
+            let Some(slot) = owner else { continue };
             self.stats.occluders_useful += u32::from(useful.decide(slot));
         }
     }
 
     /// Appends one patch to a batch, as one, unless it is small or hidden.
-    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: u32, batch: &mut Batch<'a>) {
+    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: PatchIndex, batch: &mut Batch<'a>) {
         let first = batch.drawables.len();
         self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
         let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: patch };
@@ -142,40 +153,41 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that begin beyond shell
-    /// `m` wait.
-    fn collect(&mut self, slot: u32, whole: u32, m: usize, batch: &mut Batch<'a>) {
+    /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that
+    /// begin beyond shell `m` wait.
+    fn collect(&mut self, slot: Slot, whole: PatchIndex, m: usize, batch: &mut Batch<'a>) {
         let Some(source) = self.source(slot) else { return };
-        let patches = &source.surface.patches;
+        let surface = source.surface;
         let first = batch.drawables.len();
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
-        while number < patches[whole as usize].next {
-            let role = self.role(slot, number, source.place.base + number);
+        while number < surface.patch(whole).next {
+            let role = self.role(slot, number, source.place.base.of(number));
             if matches!(role, Role::Drawn | Role::Waits) {
-                number = patches[number as usize].next;
+                number = surface.patch(number).next;
                 continue;
             }
             let world = source.block(number);
             let shell = if number == whole { 0 } else { self.shell_of(&world) };
             let next = if shell > m {
-                self.wait(shell, slot, number, patches[number as usize].next - number);
+                self.wait(shell, slot, number, number.up_to(surface.patch(number).next));
                 waits = true;
                 Next::Done
             } else {
                 self.collect_patch(&source, number, &world, role, batch)
             };
             number = match next {
-                Next::Done => patches[number as usize].next,
+                Next::Done => surface.patch(number).next,
                 Next::Parts => {
-                    self.went_into(source.place.base + number);
-                    number + 1
+                    self.went_into(source.place.base.of(number));
+                    number.after()
                 }
             };
         }
         // Only patches drawn in other batches look for their neighbours there.
-        let alone = !self.coherent && whole == 0 && !waits && source.place.links.is_empty();
-        let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: 0 };
+        let alone = !self.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
+        let drawn =
+            DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: PatchIndex::FIRST };
         for drawable in &mut batch.drawables[first..] {
             drawable.alone = alone;
             if !alone {
@@ -188,13 +200,13 @@ impl<'a> Walk<'a> {
     fn collect_patch(
         &mut self,
         source: &Source<'a>,
-        number: u32,
+        number: PatchIndex,
         world: &Block,
         role: Role,
         batch: &mut Batch<'a>,
     ) -> Next {
-        let patch = &source.surface.patches[number as usize];
-        let has_parts = patch.next > number + 1;
+        let patch = source.surface.patch(number);
+        let has_parts = patch.next > number.after();
         let block = self.scratch.buffers.relative(world);
         if self.is_small(&block, SMALLEST_PATCH) {
             return Next::Done;
@@ -220,8 +232,8 @@ impl<'a> Walk<'a> {
         if has_parts { Next::Parts } else { Next::Done }
     }
 
-    /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin compared to its
-    /// distance.
+    /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin
+    /// compared to its distance.
     fn is_thin(&self, d: &Drawable) -> bool {
         let (lo, hi) = d.slab;
         let (thickness, height) = (hi - lo, lo.max(-hi));
@@ -233,7 +245,8 @@ impl<'a> Walk<'a> {
         thickness <= THIN * height || across <= THIN * distance
     }
 
-    /// Appends the neighbours of a batch that were drawn before, so that no seam stays between batches.
+    /// Appends the neighbours of a batch that were drawn before, so that no seam stays between
+    /// batches.
     fn collect_neighbours(&mut self, batch: &mut Batch<'a>) {
         let (epoch, number) = (self.marks.epoch(), self.scratch.batches);
         for i in 0..batch.drawables.len() {
@@ -245,10 +258,10 @@ impl<'a> Walk<'a> {
                 if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
-                let slot = self.scene.seams().owner(twin);
+                let owner = self.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
-                let Some(again) = self.drawable(slot, drawn.whole) else {
-                    self.scratch.drawn.fill(twin..twin + 1, whole);
+                let Some(again) = owner.and_then(|slot| self.drawable(slot, drawn.whole)) else {
+                    self.scratch.drawn.fill(twin..twin.after(), whole);
                     continue;
                 };
                 self.scratch.drawn.fill(again.numbers(), whole);

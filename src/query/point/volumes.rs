@@ -1,5 +1,6 @@
 //! Temporal bounding volumes: tested like objects, and opened when they are in sight.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
@@ -7,7 +8,8 @@ use crate::grid::cell_box::CellBox;
 use crate::query::point::Walk;
 
 impl Walk<'_> {
-    /// Reveals the volumes around the eye: their surface is not between the eye and the objects in them.
+    /// Reveals the volumes around the eye: their surface is not between the eye and the objects in
+    /// them.
     pub(super) fn reveal_around(&mut self, eye: DVec3) {
         let scene = self.scene;
         let cell = scene.grid().cell_of(eye);
@@ -20,7 +22,8 @@ impl Walk<'_> {
         around.into_iter().for_each(|slot| self.reveal(slot));
     }
 
-    /// Tests the volumes of the bricks walked since the last call, after all objects as near are drawn.
+    /// Tests the volumes of the bricks walked since the last call, after all objects as near are
+    /// drawn.
     pub(super) fn test_volumes(&mut self) {
         let mut bricks = std::mem::take(&mut self.scratch.volumes);
         let scene = self.scene;
@@ -50,8 +53,8 @@ impl Walk<'_> {
         self.settle();
     }
 
-    /// Finds the objects that reach beyond the grid and were not found in their bricks: a brick out of sight, or a
-    /// hidden one, tells nothing about the parts of its objects beyond the grid.
+    /// Finds the objects that reach beyond the grid and were not found in their bricks: a brick out
+    /// of sight, or a hidden one, tells nothing about the parts of its objects beyond the grid.
     pub(super) fn find_overhanging(&mut self) {
         let scene = self.scene;
         let mut slots = std::mem::take(&mut self.scratch.open);
@@ -71,7 +74,7 @@ impl Walk<'_> {
     }
 
     /// Reveals a volume that is in sight.
-    pub(super) fn test_volume(&mut self, slot: u32) {
+    pub(super) fn test_volume(&mut self, slot: Slot) {
         if self.fixed_only || self.marks.is_revealed(slot) {
             return;
         }
@@ -82,7 +85,7 @@ impl Walk<'_> {
     }
 
     /// Marks the volume of an object as revealed, and finds the object.
-    fn reveal(&mut self, slot: u32) {
+    fn reveal(&mut self, slot: Slot) {
         if !self.marks.reveal(slot) || !self.scene.object(slot).is_shown(self.view) {
             return;
         }

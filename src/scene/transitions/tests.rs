@@ -81,7 +81,8 @@ impl World {
         self.end(&View::omnidirectional(Vec3::new(x, 16.5, 16.5)).unwrap())
     }
 
-    /// Ends a frame with a view of the half-space beyond `x` only, which has no occluders before the ball.
+    /// Ends a frame with a view of the half-space beyond `x` only, which has no occluders before
+    /// the ball.
     fn seen_beyond(self, x: f32) -> Self {
         let plane = Plane { normal: Vec3::X, offset: -x };
         self.end(&View::from_planes(Vec3::new(28.5, 16.5, 16.5), &[plane]).unwrap())
@@ -143,7 +144,8 @@ fn revealed() -> World {
     hidden().begin(0.01).seen_from(28.5)
 }
 
-/// A world whose ball was reported nearer to the middle of its volume than before: its expiry is put off.
+/// A world whose ball was reported nearer to the middle of its volume than before: its expiry is
+/// put off.
 fn put_off() -> World {
     let world = hidden();
     let first = world.hiding().expires;
@@ -214,8 +216,8 @@ fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let World { scene, .. } = prepare().remove();
         assert_eq!((scene.cell_ids().ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
-        assert!(scene.listed.as_slice().is_empty() && scene.always().is_empty());
-        assert_eq!((scene.listed_on_expiry, scene.opacity.overdue()), (0, 0));
+        assert!(scene.members.movers().is_empty() && scene.always().is_empty());
+        assert_eq!((scene.members.any_on_expiry(), scene.opacity.overdue()), (false, 0));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The cells of convex solids.
 //!
-//! A cell is inside if no corner of it lies beyond a face, and touched if it is not wholly beyond one face.
-//! Faces are moved by [`DISTANCE`] of the coordinates, outwards or inwards.
+//! A cell is inside if no corner of it lies beyond a face, and touched if it is not wholly beyond
+//! one face. Faces are moved by [`DISTANCE`] of the coordinates, outwards or inwards.
 
 use glam::{DVec3, IVec3};
 

@@ -1,7 +1,8 @@
 //! Hulls of points. Which corners share a face is decided exactly.
 //!
-//! Points join one after another, farthest first. Exact predicates (Shewchuk 1997) decide which triangles a
-//! point sees, so the surface always closes. Points next to the hull are left out: that makes it smaller only.
+//! Points join one after another, farthest first. Exact predicates (Shewchuk 1997) decide which
+//! triangles a point sees, so the surface always closes. Points next to the hull are left out: that
+//! makes it smaller only.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,16 +12,17 @@ use robust::{Coord3D, orient3d};
 use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::DISTANCE;
 
-/// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above that corner.
-pub(crate) fn lowered(least: f64, reach: f64) -> f64 {
-    least - DISTANCE * reach
+/// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above
+/// that corner.
+pub(crate) fn lowered(least: f64, largest: f64) -> f64 {
+    least - DISTANCE * largest
 }
 
 /// A closed convex surface.
 pub(crate) struct Closed {
     pub(crate) vertices: Vec<DVec3>,
-    /// No corner of a face lies strictly inside of its half-space, so that points inside all of them are
-    /// inside the hull.
+    /// No corner of a face lies strictly inside of its half-space, so that points inside all of
+    /// them are inside the hull.
     pub(crate) faces: Vec<HalfSpace>,
     /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
@@ -60,8 +62,8 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }
 
-/// The triangles of the hull, seen counterclockwise from outside. Points no farther than `keep` from the hull
-/// of the others are left out; `None` if all lie that close to one plane.
+/// The triangles of the hull, seen counterclockwise from outside. Points no farther than `keep`
+/// from the hull of the others are left out; `None` if all lie that close to one plane.
 pub(crate) fn triangles(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
     let corner = |i: usize| points[i];
     let mut hull = first(points, keep)?;
@@ -184,8 +186,8 @@ fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Vec<Facet> {
     facets
 }
 
-/// The hull of points, without those no farther than `keep` from the hull of the others, with triangles joined
-/// that lie in one plane to within `flat`; `None` if the points are flat.
+/// The hull of points, without those no farther than `keep` from the hull of the others, with
+/// triangles joined that lie in one plane to within `flat`; `None` if the points are flat.
 pub(crate) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
     let triangles = triangles(points, keep)?;
     let single = |t: usize| Facet { triangles: vec![t], ring: triangles[t].to_vec() };
@@ -195,8 +197,9 @@ pub(crate) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
     })
 }
 
-/// Numbers corners and edges, and lowers each face to the lowest corner of its triangles. A point outside of
-/// the hull lies beyond one of its triangles, as seen from the middle, so it lies beyond that triangle's face.
+/// Numbers corners and edges, and lowers each face to the lowest corner of its triangles. A point
+/// outside of the hull lies beyond one of its triangles, as seen from the middle, so it lies beyond
+/// that triangle's face.
 fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Option<Closed> {
     let mut number = vec![u16::MAX; points.len()];
     let mut vertices: Vec<DVec3> = Vec::new();
@@ -222,14 +225,14 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Op
             }
         }
     }
-    let reach = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let largest = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let middle = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
     let mut faces = Vec::with_capacity(facets.len());
     for facet in facets {
         let own = || facet.triangles.iter().map(|&t| triangles[t].map(|i| points[i]));
         let n = own().map(|[a, b, c]| (b - a).cross(c - a)).sum::<DVec3>().normalize_or_zero();
         let least = own().flatten().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
-        let h = lowered(least, reach);
+        let h = lowered(least, largest);
         let inwards = h - n.dot(middle);
         if inwards.is_nan() || inwards <= 0.0 {
             return None;

@@ -45,19 +45,21 @@ pub struct Convex {
     pub(crate) faces: Vec<HalfSpace>,
     /// Two vertices, and the two faces on both sides.
     pub(crate) edges: Vec<[u16; 4]>,
-    /// The solid asked for reaches beyond faces and bounding box by this much at most, in world units.
+    /// The solid asked for reaches beyond faces and bounding box by this much at most, in world
+    /// units.
     pub(crate) lost: f64,
 }
 
 impl Convex {
     /// The hull of points. Costs about n^2 for n points.
     ///
-    /// The solid lies inside the hull. It may leave out points that are nearer than a millionth of the hull's size to
-    /// the hull of the others: corners may come several times, each a few roundings elsewhere.
+    /// The solid lies inside the hull. It may leave out points that are nearer than a millionth of
+    /// the hull's size to the hull of the others: corners may come several times, each a few
+    /// roundings elsewhere.
     ///
     /// # Errors
-    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points that lie
-    /// in one plane to within a millionth of their size.
+    /// Refuses points that are not finite, fewer than 4 or more than [`MAX_CONVEX`], and points
+    /// that lie in one plane to within a millionth of their size.
     pub fn from_points(points: &[Vec3]) -> Result<Self, Error> {
         for &p in points {
             finite3("a point of a convex solid", p)?;
@@ -71,14 +73,14 @@ impl Convex {
 
     /// The intersection of half-spaces. Costs about n^4 for n of them.
     ///
-    /// The solid lies inside the intersection: each of its corners satisfies every half-space exactly, and
-    /// so do all points behind its faces. Corners nearer than a millionth of the solid's size to the hull of
-    /// the others may be cut off.
+    /// The solid lies inside the intersection: each of its corners satisfies every half-space
+    /// exactly, and so do all points behind its faces. Corners nearer than a millionth of the
+    /// solid's size to the hull of the others may be cut off.
     ///
     /// # Errors
-    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], half-spaces whose
-    /// intersection is empty, flat or unbounded, and solids so thin and so far from the origin that double
-    /// precision does not resolve them.
+    /// Refuses planes without direction, fewer than 4 or more than [`MAX_CONVEX`], half-spaces
+    /// whose intersection is empty, flat or unbounded, and solids so thin and so far from the
+    /// origin that double precision does not resolve them.
     pub fn from_planes(planes: &[Plane]) -> Result<Self, Error> {
         if !(4..=MAX_CONVEX).contains(&planes.len()) {
             return Err(Error::Convex("it needs 4 to 64 half-spaces"));
@@ -90,12 +92,12 @@ impl Convex {
             }
         }
         let corners = planes::corners(planes)?;
-        let reach = corners.inside.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if reach > f64::from(f32::MAX) {
+        let largest = corners.inside.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        if largest > f64::from(f32::MAX) {
             return Err(Error::Convex("its corners lie beyond the range of single precision"));
         }
-        let mut solid = Self::hull(&corners.inside, CORNER * reach).ok_or(planes::NO_SOLID)?;
-        solid.lost = solid.beyond(&corners.found) + FLAT * size_of_hull(&corners.found) + CORNER * reach;
+        let mut solid = Self::hull(&corners.inside, CORNER * largest).ok_or(planes::NO_SOLID)?;
+        solid.lost = solid.beyond(&corners.found) + FLAT * size_of_hull(&corners.found) + CORNER * largest;
         Ok(solid)
     }
 
@@ -118,11 +120,13 @@ impl Convex {
         points.iter().map(over).fold(0.0, f64::max)
     }
 
-    /// The same solid, moved. Where sums round, it is smaller than the solid moved exactly, inside which it lies:
-    /// by a few units in the last place of its coordinates, more for corners far from its middle.
+    /// The same solid, moved. Where sums round, it is smaller than the solid moved exactly, inside
+    /// which it lies: by a few units in the last place of its coordinates, more for corners far
+    /// from its middle.
     ///
     /// # Errors
-    /// Refuses an offset that is not finite, and one that takes the solid where double precision hardly resolves it.
+    /// Refuses an offset that is not finite, and one that takes the solid where double precision
+    /// hardly resolves it.
     pub fn translated(&self, offset: Vec3) -> Result<Self, Error> {
         const TOO_FAR: Error = Error::Convex("it is too thin to be moved so far from the origin");
         finite3("the offset", offset)?;
@@ -137,14 +141,14 @@ impl Convex {
         for v in &mut moved.vertices {
             *v += by;
         }
-        let reach = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        let largest = moved.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
         let mut pull = 0.0;
         if !self.vertices.iter().all(exact) {
-            // A ball of the pull times the depth around each corner as pulled exactly lies in the solid: it
-            // leaves room for the roundings that follow.
+            // A ball of the pull times the depth around each corner as pulled exactly lies in the
+            // solid: it leaves room for the roundings that follow.
             let middle = self.middle();
             let depth = self.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
-            let room = 2.0 * CORNER * (reach + self.reach());
+            let room = 2.0 * CORNER * (largest + self.largest());
             pull = room / depth;
             if !(0.0..MAX_PULL).contains(&pull) {
                 return Err(TOO_FAR);
@@ -154,43 +158,44 @@ impl Convex {
                 *v = center + (*v - center) * (1.0 - pull);
             }
         }
-        moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (reach + self.reach());
-        moved.fit_faces(reach);
+        moved.lost += pull * size_of_hull(&self.vertices) + CORNER * (largest + self.largest());
+        moved.fit_faces(largest);
         Ok(moved)
     }
 
     /// Moves faces, whose directions stay, to their corners.
-    fn fit_faces(&mut self, reach: f64) {
+    fn fit_faces(&mut self, largest: f64) {
         for (f, face) in self.faces.iter_mut().enumerate() {
             let own = self.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
             let ends =
                 own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(self.vertices[usize::from(v)]));
-            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), reach);
+            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), largest);
         }
     }
 
-    /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if hardly anything of
-    /// it is left.
+    /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if
+    /// hardly anything of it is left.
     pub(crate) fn inside_hull(points: &[DVec3], room: f64) -> Option<Self> {
-        let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let mut solid = Self::hull(points, CORNER * reach)?;
+        let largest = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let mut solid = Self::hull(points, CORNER * largest)?;
         let middle = solid.middle();
         let depth = solid.faces.iter().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
-        // A ball of the pull times the depth around each corner as pulled lies in the hull, and a ball of the room.
-        let pull = (room + 2.0 * CORNER * reach) / depth;
+        // A ball of the pull times the depth around each corner as pulled lies in the hull, and a
+        // ball of the room.
+        let pull = (room + 2.0 * CORNER * largest) / depth;
         if !(0.0..MOST_PULL).contains(&pull) {
             return None;
         }
         for v in &mut solid.vertices {
             *v = middle + (*v - middle) * (1.0 - pull);
         }
-        solid.fit_faces(reach);
-        solid.lost = solid.beyond(points) + room + CORNER * reach;
+        solid.fit_faces(largest);
+        solid.lost = solid.beyond(points) + room + CORNER * largest;
         Some(solid)
     }
 
-    /// The intersection of half-spaces that are given relative to a point inside all of them, smaller by `room` at least
-    /// on all sides; `None` if hardly anything of it is left.
+    /// The intersection of half-spaces that are given relative to a point inside all of them,
+    /// smaller by `room` at least on all sides; `None` if hardly anything of it is left.
     pub(crate) fn inside_planes(center: DVec3, planes: &[HalfSpace], room: f64) -> Option<Self> {
         let corners = planes::corners_around(planes)?;
         // How far rounding put corners beyond planes: no point of their hull lies farther beyond.
@@ -215,7 +220,8 @@ impl Convex {
         self.faces.iter().zip(0..).map(face).sum()
     }
 
-    /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it is left.
+    /// The solid under a transform, smaller by the error of that; `None` if hardly anything of it
+    /// is left.
     pub(crate) fn placed(&self, placement: &Placement) -> Option<Self> {
         let points: Vec<DVec3> =
             self.vertices.iter().map(|&v| placement.affine.transform_point3(v)).collect();
@@ -260,7 +266,7 @@ impl Convex {
     }
 
     /// The greatest coordinate.
-    fn reach(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 

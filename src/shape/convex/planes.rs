@@ -1,8 +1,9 @@
 //! Corners of an intersection of half-spaces, none of them outside.
 //!
-//! Everything is computed relative to a point inside, where numbers are as small as the solid is. Planes are
-//! points of the dual space: the triangles of their hull are the corners of the solid. In the end corners are pulled
-//! towards the point inside until each is proven to lie in every half-space.
+//! Everything is computed relative to a point inside, where numbers are as small as the solid is.
+//! Planes are points of the dual space: the triangles of their hull are the corners of the solid.
+//! In the end corners are pulled towards the point inside until each is proven to lie in every
+//! half-space.
 
 use glam::{DMat3, DVec3};
 
@@ -12,8 +13,8 @@ use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::{ASKEW, CORNER, FLAT, MAX_PULL, TWICE};
 use crate::shape::convex::hull;
 
-/// How often the middle is looked for, from ever nearer. Twice suffices for planes that all bound the
-/// solid, once more helps where far planes mislead the first guess.
+/// How often the middle is looked for, from ever nearer. Twice suffices for planes that all bound
+/// the solid, once more helps where far planes mislead the first guess.
 const PASSES: usize = 3;
 
 pub(crate) const NO_SOLID: Error = Error::Convex("its half-spaces bound no solid");
@@ -29,8 +30,8 @@ pub(crate) struct Corners {
     pub(crate) found: Vec<DVec3>,
 }
 
-/// `normal . x + offset` as if computed in twice the precision, and a bound of its error: zero if nothing
-/// was rounded.
+/// `normal . x + offset` as if computed in twice the precision, and a bound of its error: zero if
+/// nothing was rounded.
 fn value(plane: &Plane, x: DVec3) -> (f64, f64) {
     let n = plane.normal.as_dvec3();
     let (mut sum, mut rest, mut all) = (f64::from(plane.offset), 0.0, f64::from(plane.offset).abs());
@@ -72,20 +73,22 @@ fn meet(planes: [HalfSpace; 3], askew: f64) -> Option<DVec3> {
     let solve = |p: f64, q: f64, r: f64| (u * p + v * q + w * r) / volume;
     let [p, q, r] = planes.map(|plane| plane.offset);
     let x = solve(p, q, r);
-    // Once more for the distances that remain: then x is on all three planes but for rounding, however askew they are.
+    // Once more for the distances that remain: then x is on all three planes but for rounding,
+    // however askew they are.
     let [p, q, r] = planes.map(|plane| plane.distance(x));
     Some(x + solve(p, q, r)).filter(|x| x.is_finite())
 }
 
-/// The middle of the corners, counted as often as three planes meet there; `None` if there are none.
+/// The middle of the corners, counted as often as three planes meet there; `None` if there are
+/// none.
 fn middle(near: &[HalfSpace]) -> Option<DVec3> {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for k in 2..near.len() {
         for j in 1..k {
             for i in 0..j {
                 let Some(x) = meet([near[i], near[j], near[k]], ASKEW) else { continue };
-                let reach = x.abs().max_element();
-                if near.iter().all(|plane| plane.beyond(x) <= FLAT * (reach + plane.offset.abs())) {
+                let largest = x.abs().max_element();
+                if near.iter().all(|plane| plane.beyond(x) <= FLAT * (largest + plane.offset.abs())) {
                     (sum, count) = (sum + x, count + 1.0);
                 }
             }
@@ -94,8 +97,8 @@ fn middle(near: &[HalfSpace]) -> Option<DVec3> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// The point with the least sum of squares of distances from all planes: near the solid, unless some planes
-/// are far from it.
+/// The point with the least sum of squares of distances from all planes: near the solid, unless
+/// some planes are far from it.
 fn first_guess(planes: &[Plane]) -> DVec3 {
     let (mut m, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for HalfSpace { normal: n, offset } in around(planes, DVec3::ZERO) {
@@ -109,7 +112,8 @@ fn first_guess(planes: &[Plane]) -> DVec3 {
 /// The corners of the intersection of half-spaces that the origin lies inside of, but for rounding.
 pub(crate) fn corners_around(near: &[HalfSpace]) -> Option<Vec<DVec3>> {
     let depth = near.iter().map(|p| p.offset).fold(f64::INFINITY, f64::min);
-    // The hull of the dual points has no tolerance: a plane that is left out would let corners stick out.
+    // The hull of the dual points has no tolerance: a plane that is left out would let corners
+    // stick out.
     let dual: Vec<DVec3> = near.iter().map(|p| -p.normal * (depth / p.offset)).collect();
     let triangles = hull::triangles(&dual, 0.0)?;
     hull::surrounds(&dual, &triangles, DVec3::ZERO)
@@ -138,14 +142,14 @@ pub(crate) fn corners(planes: &[Plane]) -> Result<Corners, Error> {
         x * shares.fold(1.0, f64::min)
     };
     let drawn_in: Vec<DVec3> = found.iter().map(entered).collect();
-    let reach = drawn_in.iter().map(|x| (center.abs() + x.abs()).max_element()).fold(0.0, f64::max);
+    let largest = drawn_in.iter().map(|x| (center.abs() + x.abs()).max_element()).fold(0.0, f64::max);
     let mut pull = 0.0;
     loop {
         let inside: Vec<DVec3> = drawn_in.iter().map(|&x| center + x * (1.0 - pull)).collect();
         if inside.iter().all(|&x| planes.iter().all(|p| surely_holds(p, x))) {
             return Ok(Corners { inside, found: found.iter().map(|&x| center + x).collect() });
         }
-        pull = f64::max(2.0 * pull, CORNER * reach / depth);
+        pull = f64::max(2.0 * pull, CORNER * largest / depth);
         if pull.is_nan() || pull > MAX_PULL {
             return Err(TOO_THIN);
         }

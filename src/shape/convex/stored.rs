@@ -1,4 +1,5 @@
-//! Convex solids with serde: by their corners. Faces and edges are found anew, so that no file can contradict itself.
+//! Convex solids with serde: by their corners. Faces and edges are found anew, so that no file can
+//! contradict itself.
 
 use std::sync::Arc;
 
@@ -32,12 +33,12 @@ impl Fields {
         if let Some(&value) = self.vertices.iter().find(|v| !v.is_finite()) {
             return Err(Error::NotFinite { what: WHAT, value });
         }
-        let reach = self.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
-        if reach > f64::from(f32::MAX) {
+        let largest = self.vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+        if largest > f64::from(f32::MAX) {
             return Err(Error::Convex("its corners lie beyond the range of single precision"));
         }
         not_negative("how much the convex solid lost", self.lost)?;
-        let solid = Convex::hull(&self.vertices, CORNER * reach);
+        let solid = Convex::hull(&self.vertices, CORNER * largest);
         let mut solid = solid.ok_or(Error::Convex("its corners lie in one plane, or too close together"))?;
         solid.lost += self.lost;
         Ok(solid)

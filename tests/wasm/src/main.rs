@@ -15,8 +15,8 @@ const REFUSED: u8 = 100;
 /// The eye, on one side of a wall across the level.
 const EYE: Vec3 = Vec3::new(32.5, 4.5, 58.5);
 
-/// A level cut in two by a wall, with something before it, something beyond it, something behind the
-/// eye, and a bird that starts beyond the wall.
+/// A level cut in two by a wall, with something before it, something beyond it, something behind
+/// the eye, and a bird that starts beyond the wall.
 struct Level {
     scene: Scene,
     wall: ObjectId,
@@ -52,7 +52,8 @@ impl Level {
         })
     }
 
-    /// Two frames: the bird is beyond the wall, then before it. Whether each shows the right objects.
+    /// Two frames: the bird is beyond the wall, then before it. Whether each shows the right
+    /// objects.
     fn shows(&mut self, method: Method) -> Result<bool, Error> {
         let mut query = Query::with_method(method)?;
         let matrix = perspective(0.8, 16.0 / 9.0, 0.1, 500.0) * look_at_mat4(EYE, EYE - Vec3::Z, Vec3::Y);

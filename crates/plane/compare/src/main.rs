@@ -1,11 +1,14 @@
-//! Fields of view on tiles side by side: casca-plane and the crates that tile games use, in one process, on the same maps and eyes.
+//! Fields of view on tiles side by side: casca-plane and the crates that tile games use, in one
+//! process, on the same maps and eyes.
 //!
-//! `cargo run --release -- [--csv FILE] [--eyes N] [--largest SIZE]` prints a table: the median time of a view, and how many tiles a
-//! method misses or shows wrongly in a view, against exact visibility. Exact visibility comes from rays between all corners, which
-//! share no code with the library, where a view has a range or the map is small; on large maps without a range from casca-plane.
+//! `cargo run --release -- [--csv FILE] [--eyes N] [--largest SIZE]` prints a table: the median
+//! time of a view, and how many tiles a method misses or shows wrongly in a view, against exact
+//! visibility. Exact visibility comes from rays between all corners, which share no code with the
+//! library, where a view has a range or the map is small; on large maps without a range from
+//! casca-plane.
 //!
-//! The times hold all that a view needs in a program that asks for one view after the other; doryen-fov has to clear a byte for each tile
-//! of the map first.
+//! The times hold all that a view needs in a program that asks for one view after the other;
+//! doryen-fov has to clear a byte for each tile of the map first.
 
 mod methods;
 mod table;
@@ -93,7 +96,8 @@ fn eyes(opaque: &OpaqueTiles, count: usize) -> Vec<(u32, u32)> {
     places.filter(|&(x, y)| !opaque.get(x, y)).take(count).collect()
 }
 
-/// All methods on one map: the view of each eye by one method after the other, so that disturbances hit all of them.
+/// All methods on one map: the view of each eye by one method after the other, so that disturbances
+/// hit all of them.
 fn measure(kind: MapKind, map: &Map, eyes: &[(u32, u32)], range: u32) -> Vec<Line> {
     let mut methods: Vec<_> =
         Method::ALL.into_iter().map(|method| (method, method.runner(map, range))).collect();

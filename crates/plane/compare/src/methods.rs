@@ -45,7 +45,8 @@ impl Algorithm2D for Bytes {
         Point::new(self.width, self.height)
     }
 
-    /// Also for places outside, which the crate asks for at borders; the one given in the crate panics there.
+    /// Also for places outside, which the crate asks for at borders; the one given in the crate
+    /// panics there.
     fn point2d_to_index(&self, at: Point) -> usize {
         (i64::from(at.y) * i64::from(self.width) + i64::from(at.x)).max(0) as usize
     }
@@ -83,7 +84,8 @@ impl Method {
         }
     }
 
-    /// The method at work on a map, with a range or, if that is 0, none. `None` if the method cannot do it.
+    /// The method at work on a map, with a range or, if that is 0, none. `None` if the method
+    /// cannot do it.
     pub fn runner(self, map: &Map, range: u32) -> Option<Box<dyn Runner + '_>> {
         Some(match self {
             Self::Casca => {
@@ -119,7 +121,8 @@ impl Method {
 
 /// A method at work on a map.
 pub trait Runner {
-    /// Finds the tiles that are seen from the centre of a tile, with all that has to be cleared first.
+    /// Finds the tiles that are seen from the centre of a tile, with all that has to be cleared
+    /// first.
     fn run(&mut self, eye: (u32, u32));
 
     /// The tiles that the last run found.

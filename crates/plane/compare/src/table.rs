@@ -19,7 +19,8 @@ pub struct Line {
     /// Microseconds of a view.
     median: f64,
     mean: f64,
-    /// Tiles of a view: those that can be seen, those of them that are not shown, by kind, and those that are shown but cannot be seen.
+    /// Tiles of a view: those that can be seen, those of them that are not shown, by kind, and
+    /// those that are shown but cannot be seen.
     seen: f64,
     missed_free: f64,
     missed_opaque: f64,

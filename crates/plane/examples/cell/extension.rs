@@ -1,4 +1,5 @@
-//! Which cells and objects are hidden by straight and L-shaped occluders, and by all chains of cells.
+//! Which cells and objects are hidden by straight and L-shaped occluders, and by all chains of
+//! cells.
 
 use casca_plane::maps::MapKind;
 use casca_plane::{BitGrid, CellOptions, FieldOfView, FovOptions, Fusion, Method, OpaqueTiles, Query, View};
@@ -83,8 +84,8 @@ pub fn print() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The share of the tiles that fields of view from whole tiles hide, and the time of one in microseconds. They find parts of tiles, but
-/// fuse no hidden tiles.
+/// The share of the tiles that fields of view from whole tiles hide, and the time of one in
+/// microseconds. They find parts of tiles, but fuse no hidden tiles.
 fn from_tiles(level: &Level, eyes: &[glam::Vec2]) -> Result<(f64, f64), Failure> {
     let (opaque, mut fov) = (OpaqueTiles::new(level.map.clone()), FieldOfView::new());
     let (mut hidden, mut time) = (0.0, 0.0);

@@ -1,5 +1,5 @@
-//! The thesis' claims about the plane, measured again: what extended occluders add, how volumes behave over time, and which cells suit a
-//! scene. Prints tables in Markdown.
+//! The thesis' claims about the plane, measured again: what extended occluders add, how volumes
+//! behave over time, and which cells suit a scene. Prints tables in Markdown.
 //!
 //! ```sh
 //! cargo run --release -p casca-plane --features maps --example cell

@@ -58,7 +58,8 @@ pub fn count(scene: &Scene, pvs: &Pvs) -> f64 {
     pvs.iter().filter(|&id| scene.user_data(id) == Ok(1)).count() as f64
 }
 
-/// The objects that some of 49 eyes in the cell of an eye see exactly: nearly all that can be seen from the cell.
+/// The objects that some of 49 eyes in the cell of an eye see exactly: nearly all that can be seen
+/// from the cell.
 pub fn seen_from_cell(scene: &Scene, eye: Vec2) -> Result<f64, Error> {
     let (lo, hi) = scene.grid().cell_bounds(scene.grid().cell_of(eye.as_dvec2()));
     let (lo, hi) = (lo.as_vec2(), hi.as_vec2());

@@ -1,4 +1,5 @@
-//! Temporal bounding volumes over time: how many hidden objects are drawn into cells in a frame, and how their validity adapts.
+//! Temporal bounding volumes over time: how many hidden objects are drawn into cells in a frame,
+//! and how their validity adapts.
 
 use casca_plane::maps::MapKind;
 use casca_plane::{Disc, Method, ObjectDesc, ObjectId, Query, View};

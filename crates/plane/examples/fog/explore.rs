@@ -4,7 +4,8 @@ use std::collections::{HashMap, VecDeque};
 
 use crate::game::{Game, Kind, STEPS, Tile};
 
-/// The first step on the way to unknown tiles, around guards; none if all that can be reached is known.
+/// The first step on the way to unknown tiles, around guards; none if all that can be reached is
+/// known.
 pub fn next_step(game: &Game) -> Option<(i32, i32)> {
     let guarded = |at: Tile| {
         let (x, y) = at;

@@ -52,7 +52,8 @@ pub struct Game {
 }
 
 impl Game {
-    /// A map with all doors closed. Guards and walker stand on free tiles by chance if the map does not place them.
+    /// A map with all doors closed. Guards and walker stand on free tiles by chance if the map does
+    /// not place them.
     pub fn new(map: Drawing, seed: u64) -> Result<Self, Box<dyn Error>> {
         let (width, height) = (map.walls.width(), map.walls.height());
         let mut random = Pcg64Mcg::seed_from_u64(seed);

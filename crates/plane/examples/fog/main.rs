@@ -1,4 +1,5 @@
-//! A walk on a map, in the terminal: the fog lifts where the walker looks, doors open and close, guards walk and are hidden or seen.
+//! A walk on a map, in the terminal: the fog lifts where the walker looks, doors open and close,
+//! guards walk and are hidden or seen.
 //!
 //! ```sh
 //! cargo run --release -p casca-plane --features maps --example fog
@@ -6,8 +7,9 @@
 //! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
 //! ```
 //!
-//! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors around; `x` explores by itself; `q` ends.
-//! With `--png FILE` or `--gif FILE` the walker explores by itself for `--frames` steps, without a terminal.
+//! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
+//! around; `x` explores by itself; `q` ends. With `--png FILE` or `--gif FILE` the walker explores
+//! by itself for `--frames` steps, without a terminal.
 
 mod explore;
 mod game;

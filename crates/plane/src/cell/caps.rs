@@ -1,9 +1,10 @@
-//! The thesis' own way to hide cells, as a reference: an opaque cell grows to an extended occluder (section 3.3.4), and the cells
-//! behind its cap are hidden one by one (section 3.3.5).
+//! The thesis' own way to hide cells, as a reference: an opaque cell grows to an extended occluder
+//! (section 3.3.4), and the cells behind its cap are hidden one by one (section 3.3.5).
 //!
-//! An extended occluder is a row or a column of cells that are opaque or hidden, or an L of both. Its *cap* is the line through the
-//! centres of those cells. The thesis fills the endless polygon behind the cap, between the rays through its ends, with
-//! vertices and samples at the centres of cells: those are the cells whose centre lies behind the cap, seen from the centre of the
+//! An extended occluder is a row or a column of cells that are opaque or hidden, or an L of both.
+//! Its *cap* is the line through the centres of those cells. The thesis fills the endless polygon
+//! behind the cap, between the rays through its ends, with vertices and samples at the centres of
+//! cells: those are the cells whose centre lies behind the cap, seen from the centre of the
 //! viewer's cell. By the chain rule of [`crate::cell`] they are hidden.
 
 use glam::IVec2;
@@ -17,7 +18,8 @@ pub(super) struct Caps {
     hidden: BitGrid,
 }
 
-/// The ends of an extended occluder and its corner, relative to the viewer's cell. The corner of a straight one is an end.
+/// The ends of an extended occluder and its corner, relative to the viewer's cell. The corner of a
+/// straight one is an end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cap {
     pub(super) first: IVec2,
@@ -26,15 +28,17 @@ pub(super) struct Cap {
 }
 
 impl Cap {
-    /// An estimate of the angle under which the viewer sees the occluder, in radians: its length over its distance (Coorg & Teller
-    /// 1997, with one dimension less; the occluder always faces the viewer).
+    /// An estimate of the angle under which the viewer sees the occluder, in radians: its length
+    /// over its distance (Coorg & Teller 1997, with one dimension less; the occluder always faces
+    /// the viewer).
     fn angle(&self) -> f64 {
         let length = |a: IVec2, b: IVec2| f64::from((a - b).abs().max_element());
         let cells = length(self.first, self.corner) + length(self.corner, self.last) + 1.0;
         cells / (self.first + self.last).as_dvec2().length().max(1.0) * 2.0
     }
 
-    /// Linear functions `(a, b, c)` such that a cell `(x, y)` relative to V is behind the cap if no `a x + b y + c` is negative.
+    /// Linear functions `(a, b, c)` such that a cell `(x, y)` relative to V is behind the cap if no
+    /// `a x + b y + c` is negative.
     fn half_planes(&self) -> impl Iterator<Item = (i64, i64, i64)> {
         let wide = |v: IVec2| (i64::from(v.x), i64::from(v.y));
         let ((fx, fy), (kx, ky), (lx, ly)) = (wide(self.first), wide(self.corner), wide(self.last));
@@ -66,7 +70,8 @@ impl Caps {
         self.hidden.get(cell.x as u32, cell.y as u32)
     }
 
-    /// Extends the occluder that an opaque cell begins, and hides the cells behind it. False if its angle is too small.
+    /// Extends the occluder that an opaque cell begins, and hides the cells behind it. False if its
+    /// angle is too small.
     pub(super) fn hide_behind(
         &mut self,
         map: &CellMap,
@@ -83,8 +88,9 @@ impl Caps {
         true
     }
 
-    /// Grows an opaque cell through opaque or hidden cells: towards the viewer, round the corner there, and away (table of Figure
-    /// 3.8). The corner is the point nearest to the viewer, so the cap with the rays behind it bounds a convex polygon.
+    /// Grows an opaque cell through opaque or hidden cells: towards the viewer, round the corner
+    /// there, and away (table of Figure 3.8). The corner is the point nearest to the viewer, so the
+    /// cap with the rays behind it bounds a convex polygon.
     fn extend(&self, map: &CellMap, v: IVec2, cell: IVec2, l_shaped: bool) -> Cap {
         let from = cell - v;
         let reach = |from: IVec2, step: IVec2| {
@@ -114,7 +120,8 @@ impl Caps {
         Self::turned(away, near, one, l_shaped, reach)
     }
 
-    /// The cap from `far` to `near`, and from there on along `step`, if the corner is in the same quadrant.
+    /// The cap from `far` to `near`, and from there on along `step`, if the corner is in the same
+    /// quadrant.
     fn turned(
         far: IVec2,
         near: IVec2,

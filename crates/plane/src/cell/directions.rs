@@ -1,7 +1,8 @@
 //! The direction mask of one side: which directions from the viewer's cell are blocked.
 //!
-//! In space a mask has pixels (the 3D twin has one). In the plane the directions of a side are numbers, `lateral / depth` from
-//! -1 to 1, and the mask is exact: closed intervals between fractions of whole numbers.
+//! In space a mask has pixels (the 3D twin has one). In the plane the directions of a side are
+//! numbers, `lateral / depth` from -1 to 1, and the mask is exact: closed intervals between
+//! fractions of whole numbers.
 
 use std::cmp::Ordering;
 
@@ -66,8 +67,8 @@ impl DirectionMask {
         self.spans.clear();
     }
 
-    /// Calls `hidden` with the first and last lattice line of each run of shell `m` whose centres lie in
-    /// blocked directions. Intervals narrower than `narrowest` count for nothing.
+    /// Calls `hidden` with the first and last lattice line of each run of shell `m` whose centres
+    /// lie in blocked directions. Intervals narrower than `narrowest` count for nothing.
     pub(super) fn hidden(&self, m: i32, narrowest: f64, mut hidden: impl FnMut(i32, i32)) {
         for span in self.spans.iter().filter(|span| narrowest <= 0.0 || span.width() >= narrowest) {
             let (first, last) = (span.lo.ceil_at(m), span.hi.floor_at(m));
@@ -77,7 +78,8 @@ impl DirectionMask {
         }
     }
 
-    /// Adds the directions that shell `m` blocks, and sorts `new` for that. Costs the intervals of both.
+    /// Adds the directions that shell `m` blocks, and sorts `new` for that. Costs the intervals of
+    /// both.
     pub(super) fn add(&mut self, new: &mut [Span], m: i32) {
         if new.is_empty() {
             return;
@@ -103,8 +105,9 @@ impl DirectionMask {
         self.limit(m);
     }
 
-    /// Drops the narrowest intervals where there are more than a shell of so many cells is worth: a walk must not cost more
-    /// than the cells of the grid. All directions are 2 wide, so at most 4m disjoint intervals are as wide as 1/2m.
+    /// Drops the narrowest intervals where there are more than a shell of so many cells is worth: a
+    /// walk must not cost more than the cells of the grid. All directions are 2 wide, so at most 4m
+    /// disjoint intervals are as wide as 1/2m.
     fn limit(&mut self, m: i32) {
         if self.spans.len() > FEW + 4 * m as usize {
             self.spans.retain(|span| span.width() >= 0.5 / f64::from(m));

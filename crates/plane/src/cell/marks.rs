@@ -1,6 +1,9 @@
 //! Marks of objects that a query has decided.
 
-/// For each slot of the scene, whether the running query has seen its volume, or decided the object itself.
+use casca_slots::Slot;
+
+/// For each slot of the scene, whether the running query has seen its volume, or decided the object
+/// itself.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Marks {
     /// Twice the query's number if the volume was seen, one more if the object was decided.
@@ -17,13 +20,13 @@ impl Marks {
     }
 
     /// Marks an object as decided. Returns whether it was not.
-    pub(super) fn decide(&mut self, slot: u32) -> bool {
-        std::mem::replace(&mut self.marks[slot as usize], 2 * self.query + 1) != 2 * self.query + 1
+    pub(super) fn decide(&mut self, slot: Slot) -> bool {
+        std::mem::replace(&mut self.marks[slot.index()], 2 * self.query + 1) != 2 * self.query + 1
     }
 
     /// Marks an object's volume as seen. Returns whether neither that nor the object was marked.
-    pub(super) fn reveal(&mut self, slot: u32) -> bool {
-        let mark = &mut self.marks[slot as usize];
+    pub(super) fn reveal(&mut self, slot: Slot) -> bool {
+        let mark = &mut self.marks[slot.index()];
         let new = *mark < 2 * self.query;
         *mark = (*mark).max(2 * self.query);
         new
@@ -39,9 +42,10 @@ mod tests {
         let mut marks = Marks::default();
         for _ in 0..3 {
             marks.begin(3);
-            assert!(marks.reveal(1) && !marks.reveal(1));
-            assert!(marks.decide(1) && !marks.decide(1) && marks.decide(2));
-            assert!(!marks.reveal(2) && marks.reveal(0));
+            let [zero, one, two] = [0, 1, 2].map(Slot::new);
+            assert!(marks.reveal(one) && !marks.reveal(one));
+            assert!(marks.decide(one) && !marks.decide(one) && marks.decide(two));
+            assert!(!marks.reveal(two) && marks.reveal(zero));
         }
     }
 }

@@ -7,11 +7,13 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Fusion {
-    /// All rows and columns of cells that block, with exact masks of directions: hides most, and costs least.
+    /// All rows and columns of cells that block, with exact masks of directions: hides most, and
+    /// costs least.
     #[default]
     Masks,
-    /// As in the thesis, section 3.3.4: each opaque cell in sight grows to a row or a column, and hides the cells behind it one by
-    /// one. For comparisons: it costs all rows of the grid for each opaque cell in sight.
+    /// As in the thesis, section 3.3.4: each opaque cell in sight grows to a row or a column, and
+    /// hides the cells behind it one by one. For comparisons: it costs all rows of the grid for
+    /// each opaque cell in sight.
     Straight,
     /// As [`Fusion::Straight`], with a second arm round the corner that is nearest to the viewer.
     LShaped,
@@ -53,8 +55,9 @@ pub enum Fusion {
 pub struct CellOptions {
     /// How cells hide others.
     pub fusion: Fusion,
-    /// Occluders that seem smaller than this hide nothing: an estimate of their angle in radians, from 0 to π (Coorg & Teller 1997). 0
-    /// leaves out none. It saves time with [`Fusion::Straight`] and [`Fusion::LShaped`], which set each hidden cell. With
+    /// Occluders that seem smaller than this hide nothing: an estimate of their angle in radians,
+    /// from 0 to π (Coorg & Teller 1997). 0 leaves out none. It saves time with
+    /// [`Fusion::Straight`] and [`Fusion::LShaped`], which set each hidden cell. With
     /// [`Fusion::Masks`] it saves little; occluders that fuse there count as one.
     pub min_angle: f32,
 }

@@ -1,4 +1,5 @@
-//! The cells that a view may see, asked for one row of a shell's side at a time (thesis, section 3.3.3).
+//! The cells that a view may see, asked for one row of a shell's side at a time (thesis, section
+//! 3.3.3).
 
 use glam::DVec2;
 use smallvec::SmallVec;
@@ -12,10 +13,11 @@ struct CellPlane {
     offset: f64,
 }
 
-/// A convex region around the viewer's cell V that holds all of a view, in cells relative to the centre of V.
+/// A convex region around the viewer's cell V that holds all of a view, in cells relative to the
+/// centre of V.
 ///
-/// It holds V itself, so it holds the way from any point of V to any point in it, and no way to a cell in it passes through a
-/// cell outside of it.
+/// It holds V itself, so it holds the way from any point of V to any point in it, and no way to a
+/// cell in it passes through a cell outside of it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Region {
     planes: SmallVec<[CellPlane; 2]>,
@@ -24,10 +26,12 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// The region of the directions between two half-planes through an eye in V, of which it takes the normals of length 1; all
-    /// directions without them. The eye is relative to the centre of V.
+    /// The region of the directions between two half-planes through an eye in V, of which it takes
+    /// the normals of length 1; all directions without them. The eye is relative to the centre of
+    /// V.
     pub(crate) fn new(eye: DVec2, normals: &[DVec2], range: Option<f64>) -> Self {
-        // Moved out by half of this, a half-plane through the eye holds V; the other half is for cells that reach into it.
+        // Moved out by half of this, a half-plane through the eye holds V; the other half is for
+        // cells that reach into it.
         let offset = |normal: DVec2| normal.abs().element_sum() + REGION;
         let plane = |&normal: &DVec2| CellPlane { normal, offset: offset(normal) };
         let half_diagonal = std::f64::consts::FRAC_1_SQRT_2;
@@ -35,8 +39,8 @@ impl Region {
         Self { planes: normals.iter().map(plane).collect(), radius: range.map(radius) }
     }
 
-    /// The lattice lines from `lo` to `hi` of a side whose cells may reach into the region. The side is at `depth` along
-    /// an axis (0 for x), its lines are places along the other one.
+    /// The lattice lines from `lo` to `hi` of a side whose cells may reach into the region. The
+    /// side is at `depth` along an axis (0 for x), its lines are places along the other one.
     pub(crate) fn row(&self, axis: usize, depth: i32, (lo, hi): (i32, i32)) -> Option<(i32, i32)> {
         let (mut a, mut b) = (f64::from(lo), f64::from(hi));
         for plane in &self.planes {

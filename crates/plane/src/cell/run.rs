@@ -1,5 +1,6 @@
 //! One run of the cell method on a scene: which objects the cells in sight hold.
 
+use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
 use crate::bits::BitGrid;
@@ -25,9 +26,9 @@ pub(crate) struct CellScratch {
 struct Found {
     marks: Marks,
     /// The slots of visible objects, each with the shell where it was found.
-    visible: Vec<(i32, u32)>,
+    visible: Vec<(i32, Slot)>,
     /// The slots of objects in volumes that are in sight.
-    revealed: Vec<u32>,
+    revealed: Vec<Slot>,
     /// Whether the view bounds nothing.
     everywhere: bool,
     tested: u32,
@@ -108,7 +109,7 @@ impl Found {
     }
 
     /// Decides an object one of whose cells is in sight.
-    fn decide(&mut self, scene: &Scene, sight: &Sight, slot: u32, shell: i32) {
+    fn decide(&mut self, scene: &Scene, sight: &Sight, slot: Slot, shell: i32) {
         let Some(object) = scene.object(slot) else { return };
         if !self.marks.decide(slot) {
             return;
@@ -120,14 +121,14 @@ impl Found {
     }
 
     /// A volume came into sight.
-    fn reveal(&mut self, slot: u32) {
+    fn reveal(&mut self, slot: Slot) {
         if self.marks.reveal(slot) {
             self.revealed.push(slot);
         }
     }
 
-    /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if one of its cells is in sight; one that
-    /// goes unreported may be anywhere in the volume.
+    /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if
+    /// one of its cells is in sight; one that goes unreported may be anywhere in the volume.
     fn settle(&mut self, scene: &Scene, sight: &Sight, walk: &Walk) {
         // The order of look-ups among volumes must not show.
         self.revealed.sort_unstable();
@@ -147,7 +148,8 @@ impl Found {
     }
 }
 
-/// Whether the eye is inside a solid occluder. One sees through its inside then, so that opaque cells hide nothing.
+/// Whether the eye is inside a solid occluder. One sees through its inside then, so that opaque
+/// cells hide nothing.
 fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     let in_cell = if scene.grid().contains(v) { scene.lists().get(v) } else { &[] };
     let mut around = in_cell.iter().chain(scene.outer()).filter_map(|&slot| scene.object(slot));
@@ -156,7 +158,8 @@ fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     })
 }
 
-/// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it bounds nothing.
+/// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it
+/// bounds nothing.
 fn region_of(scene: &Scene, view: &View, v: IVec2) -> Region {
     let (lo, hi) = scene.grid().cell_bounds(v);
     let per_cell = 1.0 / scene.grid().cell_size();

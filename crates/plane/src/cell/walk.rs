@@ -1,5 +1,5 @@
-//! The walk over the cells around the viewer's cell, in chessboard shells (thesis, section 3.3.3), and occlusion by the chain
-//! rule of [`crate::cell`], a row at a time.
+//! The walk over the cells around the viewer's cell, in chessboard shells (thesis, section 3.3.3),
+//! and occlusion by the chain rule of [`crate::cell`], a row at a time.
 
 use glam::IVec2;
 
@@ -16,16 +16,19 @@ pub(super) const SIDES: [(usize, i32); 4] = [(0, 1), (0, -1), (1, 1), (1, -1)];
 /// How cells hide others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Hiding {
-    /// Rows and columns of blocked cells in direction masks; those narrower than a slope count for nothing.
+    /// Rows and columns of blocked cells in direction masks; those narrower than a slope count for
+    /// nothing.
     Rows { narrowest: f64 },
-    /// The thesis' extended occluders, with or without a second arm; smaller angles, in radians, count for nothing.
+    /// The thesis' extended occluders, with or without a second arm; smaller angles, in radians,
+    /// count for nothing.
     Caps { l_shaped: bool, least_angle: f64 },
 }
 
 /// One side of the shell that is walked.
 #[derive(Debug, Clone, Default)]
 struct SideRow {
-    /// The cells that may be seen, first and last, relative to V; none if the region has no cell of the side.
+    /// The cells that may be seen, first and last, relative to V; none if the region has no cell of
+    /// the side.
     row: Option<(i32, i32)>,
     /// Open cells, by place in the grid; later in the step, blocked ones.
     cells: Vec<u64>,
@@ -60,8 +63,9 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    /// Walks from a viewer's cell outwards, until a whole shell inside the region is hidden. Calls `visit` with each cell in
-    /// sight that `map.found` names, and its shell; with a cell on a diagonal of V twice.
+    /// Walks from a viewer's cell outwards, until a whole shell inside the region is hidden. Calls
+    /// `visit` with each cell in sight that `map.found` names, and its shell; with a cell on a
+    /// diagonal of V twice.
     pub(crate) fn run(
         &mut self,
         map: &CellMap,
@@ -162,7 +166,8 @@ impl Walk {
         }
     }
 
-    /// Notes the open cells of a side and visits those that are asked for. Returns the number of open cells.
+    /// Notes the open cells of a side and visits those that are asked for. Returns the number of
+    /// open cells.
     fn look(&mut self, map: &CellMap, index: usize, m: i32, visit: &mut impl FnMut(IVec2, i32)) -> u64 {
         let (axis, sign) = SIDES[index];
         let side = &self.sides[index];
@@ -194,7 +199,8 @@ impl Walk {
         }
     }
 
-    /// Hides the cells behind the extended occluders that the opaque cells in sight of a side begin.
+    /// Hides the cells behind the extended occluders that the opaque cells in sight of a side
+    /// begin.
     fn extend(&mut self, map: &CellMap, index: usize, (l_shaped, least_angle): (bool, f64), m: i32) {
         let (axis, sign) = SIDES[index];
         for place in bits(self.sides[index].cells.iter().copied()) {
@@ -208,11 +214,11 @@ impl Walk {
         }
     }
 
-    /// Adds the runs of blocked cells of a side to its mask: those along the side, and those in line with blocked cells of the
-    /// shell before.
+    /// Adds the runs of blocked cells of a side to its mask: those along the side, and those in
+    /// line with blocked cells of the shell before.
     ///
-    /// Where the walk starts inside of the grid, cells outside of the grid or of the region count as blocked, since no way between
-    /// cells of the convex region passes through them.
+    /// Where the walk starts inside of the grid, cells outside of the grid or of the region count
+    /// as blocked, since no way between cells of the convex region passes through them.
     fn block(&mut self, map: &CellMap, index: usize, closed: bool, m: i32) {
         let (axis, sign) = SIDES[index];
         let v = self.v[1 - axis];

@@ -1,6 +1,7 @@
 //! Runs of bits in packed words.
 
-/// The first bit from `from` on, before `end`, that differs from those of `flip`; `end` if there is none.
+/// The first bit from `from` on, before `end`, that differs from those of `flip`; `end` if there is
+/// none.
 fn next(words: &[u64], from: usize, end: usize, flip: u64) -> usize {
     let mut at = from / 64;
     if from >= end || at >= words.len() {
@@ -17,7 +18,8 @@ fn next(words: &[u64], from: usize, end: usize, flip: u64) -> usize {
     (at * 64 + word.trailing_zeros() as usize).min(end)
 }
 
-/// The runs of set bits between two places, the second not included: each with its first bit and the one past its last.
+/// The runs of set bits between two places, the second not included: each with its first bit and
+/// the one past its last.
 pub(super) fn runs(words: &[u64], from: usize, end: usize) -> impl Iterator<Item = (usize, usize)> {
     let mut at = from;
     std::iter::from_fn(move || {

@@ -31,8 +31,8 @@ impl Disc {
         not_negative("the radius", self.radius)
     }
 
-    /// The corners of the polygon by which the disc hides others, counterclockwise. All lie inside the disc, by less than two millionths
-    /// of the radius or two roundings of their coordinates.
+    /// The corners of the polygon by which the disc hides others, counterclockwise. All lie inside
+    /// the disc, by less than two millionths of the radius or two roundings of their coordinates.
     pub fn polygon(&self) -> [Vec2; DISC_SIDES] {
         std::array::from_fn(|i| {
             let (sin, cos) = (TAU * i as f64 / DISC_SIDES as f64).sin_cos();

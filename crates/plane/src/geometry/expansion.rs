@@ -1,7 +1,9 @@
-//! Exact sums and products of floating-point numbers (Shewchuk 1997, "Adaptive precision floating-point arithmetic").
+//! Exact sums and products of floating-point numbers (Shewchuk 1997, "Adaptive precision
+//! floating-point arithmetic").
 //!
-//! Used where the filters of the predicates give no sign. Every coordinate is a multiple of 2^-149 and less than 2^130, so that the
-//! polynomials of degree 6 that are computed here neither overflow nor lose digits.
+//! Used where the filters of the predicates give no sign. Every coordinate is a multiple of 2^-149
+//! and less than 2^130, so that the polynomials of degree 6 that are computed here neither overflow
+//! nor lose digits.
 
 use glam::DVec2;
 use smallvec::SmallVec;
@@ -74,7 +76,8 @@ pub(crate) fn between(from: DVec2, to: DVec2) -> Exact2 {
     [Expansion::difference(to.x, from.x), Expansion::difference(to.y, from.y)]
 }
 
-/// The area of the parallelogram of two vectors: positive if the second lies counterclockwise of the first.
+/// The area of the parallelogram of two vectors: positive if the second lies counterclockwise of
+/// the first.
 pub(crate) fn cross(a: &Exact2, b: &Exact2) -> Expansion {
     a[0].times(&b[1]).minus(&a[1].times(&b[0]))
 }

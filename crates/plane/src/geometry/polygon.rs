@@ -60,7 +60,8 @@ pub(crate) fn ring(corners: &[Vec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
     corners.iter().zip(next).map(|(a, b)| (a.as_dvec2(), b.as_dvec2()))
 }
 
-/// The part of the hull that turns left around points in the order of their sorting, with both ends.
+/// The part of the hull that turns left around points in the order of their sorting, with both
+/// ends.
 fn chain(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     let mut chain: Vec<Vec2> = Vec::new();
     for p in points {

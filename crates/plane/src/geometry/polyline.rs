@@ -8,9 +8,11 @@ use crate::error::{Error, finite2};
 use crate::geometry::Segment;
 use crate::geometry::block::Block;
 
-/// A chain of line segments: walls without thickness. It closes a ring if the last point is the first; it is hollow even then.
+/// A chain of line segments: walls without thickness. It closes a ring if the last point is the
+/// first; it is hollow even then.
 ///
-/// A scene looks at all of its segments as soon as it looks at one. Cut chains that run through many rooms.
+/// A scene looks at all of its segments as soon as it looks at one. Cut chains that run through
+/// many rooms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polyline {
     points: Arc<[Vec2]>,

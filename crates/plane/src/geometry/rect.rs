@@ -5,7 +5,8 @@ use glam::{DVec2, Vec2};
 use crate::error::{Error, finite2};
 use crate::geometry::block::Block;
 
-/// A solid rectangle along the axes. It may have no width or no height: then it is a wall without thickness.
+/// A solid rectangle along the axes. It may have no width or no height: then it is a wall without
+/// thickness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
     /// Least corner in world units.

@@ -76,7 +76,8 @@ impl Shape {
         }
     }
 
-    /// Whether a point belongs to the shape, the border included. Exact but for discs: there in doubt, yes.
+    /// Whether a point belongs to the shape, the border included. Exact but for discs: there in
+    /// doubt, yes.
     pub(crate) fn contains(&self, p: DVec2) -> bool {
         match self {
             Self::Disc(disc) => disc.contains(p),
@@ -87,7 +88,8 @@ impl Shape {
         }
     }
 
-    /// Whether a point lies inside a solid, and not on its border; in doubt, yes. Walls without thickness have no inside.
+    /// Whether a point lies inside a solid, and not on its border; in doubt, yes. Walls without
+    /// thickness have no inside.
     pub(crate) fn surrounds(&self, p: DVec2) -> bool {
         match self {
             Self::Disc(disc) => disc.contains(p),
@@ -97,8 +99,9 @@ impl Shape {
         }
     }
 
-    /// The sides that turn to an eye outside, all of a wall's. The sides of a disc are those of its [polygon](Disc::polygon). No
-    /// ray from the eye reaches a point of the shape (of the polygon) before one of these sides.
+    /// The sides that turn to an eye outside, all of a wall's. The sides of a disc are those of its
+    /// [polygon](Disc::polygon). No ray from the eye reaches a point of the shape (of the polygon)
+    /// before one of these sides.
     pub(crate) fn front_sides(&self, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
         match self {
             Self::Disc(disc) => turned_to(ring(&disc.polygon()), eye, side),

@@ -2,7 +2,8 @@
 
 use crate::bits::BitGrid;
 
-/// The drawing of a harbour, 72 by 36 tiles, with a customs house, a tower, warehouses and containers.
+/// The drawing of a harbour, 72 by 36 tiles, with a customs house, a tower, warehouses and
+/// containers.
 pub const HARBOUR: &str = include_str!("../../maps/harbour.txt");
 
 /// A map read from a drawing: a letter for each tile, row 0 first.

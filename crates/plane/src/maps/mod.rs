@@ -1,4 +1,5 @@
-//! Maps for tests, benches and examples: floor plans, caves and open fields from a seed, and a small map that comes with the crate.
+//! Maps for tests, benches and examples: floor plans, caves and open fields from a seed, and a
+//! small map that comes with the crate.
 //!
 //! One seed always gives the same map.
 

@@ -4,7 +4,8 @@ use glam::UVec2;
 
 use crate::bits::BitGrid;
 
-/// A bit for each cell, stored twice: the sides of a shell are rows and columns, and each is read as packed words.
+/// A bit for each cell, stored twice: the sides of a shell are rows and columns, and each is read
+/// as packed words.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct CrossBits {
     /// `lines[0]` has the columns of the grid: the cells of equal x. `lines[1]` has its rows.

@@ -1,4 +1,5 @@
-//! Arcs: intervals of directions around an eye, cut at the axes so that each lies in a quarter of the circle.
+//! Arcs: intervals of directions around an eye, cut at the axes so that each lies in a quarter of
+//! the circle.
 //!
 //! Inside a quarter, one exact cross product says which of two directions comes first.
 
@@ -9,7 +10,8 @@ use smallvec::SmallVec;
 
 use crate::geometry::{orient, point_along};
 
-/// A closed interval of directions in one quarter of the circle: from that to one point to that to another, counterclockwise.
+/// A closed interval of directions in one quarter of the circle: from that to one point to that to
+/// another, counterclockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arc {
     /// The quarter, counterclockwise from that between +x and +y.
@@ -39,7 +41,8 @@ impl Circle {
     }
 }
 
-/// The quarter of the direction to a point; that of an axis belongs to the quarter that begins there.
+/// The quarter of the direction to a point; that of an axis belongs to the quarter that begins
+/// there.
 pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
     match (p.x > eye.x, p.x < eye.x, p.y > eye.y, p.y < eye.y) {
         (true, _, _, false) => 0,
@@ -50,13 +53,15 @@ pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
     }
 }
 
-/// The arcs from the direction to one point to that to another, counterclockwise, less than a whole turn; nothing if they are the same.
+/// The arcs from the direction to one point to that to another, counterclockwise, less than a whole
+/// turn; nothing if they are the same.
 pub(crate) fn between(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
     let eye = circle.eye;
     cut(circle, from, to).filter(move |arc| order(eye, arc.from, arc.to).is_lt())
 }
 
-/// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common with these.
+/// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common
+/// with these.
 pub(crate) fn touching(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
     let eye = circle.eye;
     let before = Arc { quarter: (quarter(eye, from) + 3) % 4, from, to: from };
@@ -93,8 +98,8 @@ pub(crate) fn order(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
     0f64.total_cmp(&(orient(eye, p, q) + 0.0))
 }
 
-/// Takes some arcs out of others. Both are sorted by quarter and direction, and disjoint; so are those that remain, which have more
-/// than one direction.
+/// Takes some arcs out of others. Both are sorted by quarter and direction, and disjoint; so are
+/// those that remain, which have more than one direction.
 pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<Arc>) {
     rest.clear();
     let mut next = 0;

@@ -5,7 +5,8 @@ use glam::DVec2;
 use crate::geometry::{Shape, orient};
 use crate::point::arcs::{Arcs, Circle, between};
 
-/// The directions from an eye on the border of a solid into it; nothing for discs, which hide nothing from eyes that may be inside.
+/// The directions from an eye on the border of a solid into it; nothing for discs, which hide
+/// nothing from eyes that may be inside.
 pub(crate) fn into(shape: &Shape, circle: &Circle) -> Arcs {
     match shape {
         Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => {

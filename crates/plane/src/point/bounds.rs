@@ -1,4 +1,5 @@
-//! Blocks around many pieces of the visible region, so that a target behind all of them is found hidden in one comparison.
+//! Blocks around many pieces of the visible region, so that a target behind all of them is found
+//! hidden in one comparison.
 
 use crate::geometry::block::Block;
 use crate::geometry::orient;
@@ -8,7 +9,8 @@ use crate::point::wall::{Around, Wall};
 /// A block of the next level for so many of one level.
 const FAN: usize = 8;
 
-/// Blocks around 8, 64, 512 ... pieces that follow each other. Those with an open piece are not finite.
+/// Blocks around 8, 64, 512 ... pieces that follow each other. Those with an open piece are not
+/// finite.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bounds {
     levels: Vec<Vec<Block>>,
@@ -48,7 +50,8 @@ impl Bounds {
     }
 }
 
-/// A block around the part of a wall in a piece: nothing if the piece is blocked, and all of the plane if it is open.
+/// A block around the part of a wall in a piece: nothing if the piece is blocked, and all of the
+/// plane if it is open.
 fn around_piece(around: &Around, piece: &Piece) -> Block {
     match piece.wall {
         BLOCKED => Block::EMPTY,

@@ -1,7 +1,7 @@
 //! The directions in which the eye can see beyond the shells walked so far.
 //!
-//! A wall closes the directions in which it lies inside the square of these shells. Where directions close late, the walk looks at more
-//! cells; the result is the same.
+//! A wall closes the directions in which it lies inside the square of these shells. Where
+//! directions close late, the walk looks at more cells; the result is the same.
 
 use glam::DVec2;
 
@@ -90,10 +90,12 @@ impl Covers {
     }
 }
 
-/// Arcs wait to be closed until there is one for so many open ones. Any number gives the same result.
+/// Arcs wait to be closed until there is one for so many open ones. Any number gives the same
+/// result.
 const FEW: usize = 8;
 
-/// A wall is looked at again when the number of the shell has grown by one part in so many. Any number gives the same result.
+/// A wall is looked at again when the number of the shell has grown by one part in so many. Any
+/// number gives the same result.
 const LATER: i32 = 4;
 
 /// Whether an arc has more than one direction in common with some that are sorted and disjoint.
@@ -106,7 +108,8 @@ fn meets(eye: DVec2, open: &[Arc], arc: &Arc) -> bool {
     first.is_some_and(|o| o.quarter == arc.quarter && arcs::order(eye, o.from, arc.to).is_lt())
 }
 
-/// The directions in which a wall lies inside the square of a shell, rounded inwards; `None` if that is not known.
+/// The directions in which a wall lies inside the square of a shell, rounded inwards; `None` if
+/// that is not known.
 fn inside(eye: DVec2, wall: &Wall, shells: &Shells, shell: i32) -> Option<[DVec2; 2]> {
     let [a, b] = [wall.a, wall.b];
     let inset = CLIPPED * shells.cell_size();

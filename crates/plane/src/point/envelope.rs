@@ -1,8 +1,10 @@
 //! The nearest wall in each direction: the lower envelope of the walls around the eye.
 //!
-//! Envelopes of half of the walls each are merged, again and again (Hershberger 1989, "Finding the upper envelope of n line segments
-//! in O(n log n) time"; sorted by the directions where walls begin, halves hardly overlap). An envelope of n walls has O(n α(n)) steps, also if
-//! walls cross, so that all merges together cost O(n α(n) log n) comparisons, however many crossings there are behind it.
+//! Envelopes of half of the walls each are merged, again and again (Hershberger 1989, "Finding the
+//! upper envelope of n line segments in O(n log n) time"; sorted by the directions where walls
+//! begin, halves hardly overlap). An envelope of n walls has O(n α(n)) steps, also if walls cross,
+//! so that all merges together cost O(n α(n) log n) comparisons, however many crossings there are
+//! behind it.
 
 use std::ops::Range;
 
@@ -96,7 +98,8 @@ impl Envelope {
         })
     }
 
-    /// Finds the nearest walls in the arcs of a view, of which each is in one quarter. In the arcs of `blocked` nothing is seen.
+    /// Finds the nearest walls in the arcs of a view, of which each is in one quarter. In the arcs
+    /// of `blocked` nothing is seen.
     pub(crate) fn build(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         self.collect(around, view, blocked);
         self.domains.clear();
@@ -113,7 +116,8 @@ impl Envelope {
         }
     }
 
-    /// Clips the walls to the arcs of the view, and sorts the parts by arc and by the direction where they begin.
+    /// Clips the walls to the arcs of the view, and sorts the parts by arc and by the direction
+    /// where they begin.
     fn collect(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         let eye = around.eye;
         self.items.clear();

@@ -1,16 +1,19 @@
 //! Exact visibility from a point: [`Method::Point`](crate::Method::Point).
 //!
-//! 1. [`walk`]: the cells around the eye are walked in chessboard shells, front to back (thesis, section 3.3.3). The objects in them
-//!    are found, and the sides of their occluders. Walls close directions ([`covers`]); only cells in open directions ([`shells`])
-//!    are visited, so that the cost follows the visible part of the scene.
+//! 1. [`walk`]: the cells around the eye are walked in chessboard shells, front to back (thesis,
+//!    section 3.3.3). The objects in them are found, and the sides of their occluders. Walls close
+//!    directions ([`covers`]); only cells in open directions ([`shells`]) are visited, so that the
+//!    cost follows the visible part of the scene.
 //! 2. [`envelope`]: the nearest wall in each direction, by exact comparisons ([`wall`]).
 //! 3. [`region`]: each object found is compared with the visible region.
 //!
 //! # What is visible
 //!
-//! Occluders are closed sets. A point is visible if it lies in the closure of the set of points that a set of directions of positive
-//! angle reaches. So rays that only graze do not count, two walls that touch in a point let nothing through, and a wall that the eye lies on,
-//! which covers no angle, hides nothing. From the border of a solid one cannot see into it. A solid that surrounds the eye hides nothing.
+//! Occluders are closed sets. A point is visible if it lies in the closure of the set of points
+//! that a set of directions of positive angle reaches. So rays that only graze do not count, two
+//! walls that touch in a point let nothing through, and a wall that the eye lies on, which covers
+//! no angle, hides nothing. From the border of a solid one cannot see into it. A solid that
+//! surrounds the eye hides nothing.
 
 mod arcs;
 mod blocked;
@@ -24,6 +27,7 @@ mod target;
 mod walk;
 mod wall;
 
+use casca_slots::Slot;
 use glam::{DVec2, Vec2};
 
 use crate::geometry::Shape;
@@ -131,7 +135,7 @@ impl Sight {
 fn push_visible<'a>(
     region: Region,
     scene: &Scene,
-    objects: impl Iterator<Item = (u32, &'a Object)>,
+    objects: impl Iterator<Item = (Slot, &'a Object)>,
     pvs: &mut Pvs,
 ) {
     for (slot, object) in objects {

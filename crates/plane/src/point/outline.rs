@@ -20,8 +20,8 @@ struct Outline {
     before: Option<u32>,
 }
 
-/// The corners of the visible region, counterclockwise; `whole` if the view looks all round. Where nothing stops the eye, the region
-/// ends at the range or else at `extent`, a block around the eye.
+/// The corners of the visible region, counterclockwise; `whole` if the view looks all round. Where
+/// nothing stops the eye, the region ends at the range or else at `extent`, a block around the eye.
 pub(crate) fn polygon(region: &Region, whole: bool, range: Option<f64>, extent: &Block) -> Vec<Vec2> {
     if region.is_empty() {
         return Vec::new();
@@ -85,7 +85,8 @@ impl Outline {
         }
     }
 
-    /// Adds the beginning of a piece, unless it is a joint: the end of the last piece on the same wall.
+    /// Adds the beginning of a piece, unless it is a joint: the end of the last piece on the same
+    /// wall.
     fn start(&mut self, offset: DVec2, before: Option<u32>, wall: u32) {
         if before == Some(wall) {
             self.corners.pop();
@@ -138,7 +139,8 @@ impl Outline {
         direction * far(0).min(far(1))
     }
 
-    /// Adds the corner of a block around the eye that lies between two directions of one quarter of the circle, if there is one.
+    /// Adds the corner of a block around the eye that lies between two directions of one quarter of
+    /// the circle, if there is one.
     fn add_corner(&mut self, [from, to]: [DVec2; 2], extent: &Block) {
         let corner =
             DVec2::select((from + to).cmpge(DVec2::ZERO), extent.max - self.eye, extent.min - self.eye);

@@ -1,7 +1,8 @@
 //! The visible region: which points and shapes meet it.
 //!
-//! It is the closure of the set of points before the nearest walls, so that its borders belong to it. Comparisons are exact, but for
-//! distances: those to the end of the range and those of discs are rounded outwards.
+//! It is the closure of the set of points before the nearest walls, so that its borders belong to
+//! it. Comparisons are exact, but for distances: those to the end of the range and those of discs
+//! are rounded outwards.
 
 use glam::DVec2;
 
@@ -48,8 +49,8 @@ impl<'a> Region<'a> {
         (0..steps.len()).map(move |i| domain.piece(steps, i))
     }
 
-    /// The pieces that have a direction in common with those from one to another, which are in the quarter of the domain; without some that
-    /// a target does not meet, if there is one.
+    /// The pieces that have a direction in common with those from one to another, which are in the
+    /// quarter of the domain; without some that a target does not meet, if there is one.
     fn pieces_between(
         &self,
         domain: &'a Domain,
@@ -72,8 +73,8 @@ impl<'a> Region<'a> {
         })
     }
 
-    /// The directions between those to two points that are in the region's view, with the pieces there; without some that a
-    /// target does not meet, if there is one.
+    /// The directions between those to two points that are in the region's view, with the pieces
+    /// there; without some that a target does not meet, if there is one.
     fn meeting(&self, from: DVec2, to: DVec2, target: Option<Wall>) -> impl Iterator<Item = Piece> {
         let eye = self.around.eye;
         touching(self.around.circle, from, to).flat_map(move |part| {
@@ -120,7 +121,8 @@ impl<'a> Region<'a> {
         }
     }
 
-    /// Whether a segment that is collinear with the eye meets the region: whether its nearest point does.
+    /// Whether a segment that is collinear with the eye meets the region: whether its nearest point
+    /// does.
     fn meets_radial(&self, a: DVec2, b: DVec2) -> bool {
         let eye = self.around.eye;
         let (low, high) = (a.min(b), a.max(b));
@@ -148,7 +150,8 @@ impl<'a> Region<'a> {
         })
     }
 
-    /// Whether the part of a target in a piece, and before the wall of the piece, comes as near as the range; in doubt, yes.
+    /// Whether the part of a target in a piece, and before the wall of the piece, comes as near as
+    /// the range; in doubt, yes.
     fn is_near(&self, target: &Wall, wall: Option<&Wall>, piece: &Piece) -> bool {
         let eye = self.around.eye;
         let mut ends = [&piece.from, &piece.to].map(|along| self.around.hit(target, along));

@@ -61,9 +61,10 @@ impl<'a> Shells<'a> {
         if off > 0 && contains(off - 1) { off - 1 } else { off }
     }
 
-    /// Calls `run` with the cells of a shell of the grid that have points in some arcs, rounded outwards. The arcs are sorted by quarter
-    /// and direction, and disjoint. Each cell comes once, but those on the axes may come twice. Costs the logarithm of the number
-    /// of arcs for each of the runs.
+    /// Calls `run` with the cells of a shell of the grid that have points in some arcs, rounded
+    /// outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell comes once,
+    /// but those on the axes may come twice. Costs the logarithm of the number of arcs for each of
+    /// the runs.
     pub(crate) fn runs(&self, shell: i32, arcs: &[Arc], run: &mut impl FnMut(Run)) {
         let mut rest = arcs;
         for quarter in 0..4u8 {
@@ -74,7 +75,8 @@ impl<'a> Shells<'a> {
     }
 }
 
-/// The cells of a shell in a quarter of the circle, counted from the axis of x to that of y: up the column, then along the row.
+/// The cells of a shell in a quarter of the circle, counted from the axis of x to that of y: up the
+/// column, then along the row.
 struct Quarter<'a> {
     shells: &'a Shells<'a>,
     shell: i32,
@@ -124,7 +126,8 @@ impl<'a> Quarter<'a> {
         }
     }
 
-    /// The vector from the eye to a point along the axes, and where the column and the row of the shell begin.
+    /// The vector from the eye to a point along the axes, and where the column and the row of the
+    /// shell begin.
     fn place(&self, p: DVec2) -> (DVec2, DVec2) {
         ((p - self.shells.eye).abs(), (f64::from(self.shell) - self.place).max(DVec2::ZERO))
     }
@@ -173,8 +176,8 @@ impl<'a> Quarter<'a> {
         }
     }
 
-    /// Calls `run` with the part inside the grid of the cells that are a shell away along an axis, and between two distances along the
-    /// other.
+    /// Calls `run` with the part inside the grid of the cells that are a shell away along an axis,
+    /// and between two distances along the other.
     fn clip(&self, axis: usize, (low, high): (i32, i32), run: &mut impl FnMut(Run)) {
         let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
         let at = eye[axis] + self.signs[axis] * self.shell;

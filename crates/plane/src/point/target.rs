@@ -1,16 +1,18 @@
-//! Discs as targets: compared with the pieces of the visible region by distances, which are rounded outwards.
+//! Discs as targets: compared with the pieces of the visible region by distances, which are rounded
+//! outwards.
 
 use glam::DVec2;
 
 use crate::geometry::{Disc, orient, point_along};
-use crate::numeric::{DIRECTION, DISTANCE};
+use crate::numeric::{DISTANCE, TILT};
 use crate::point::envelope::{BLOCKED, OPEN, Piece};
 use crate::point::wall::Around;
 
-/// Points whose directions enclose those to a disc, for an eye outside of it: the first and the last counterclockwise.
+/// Points whose directions enclose those to a disc, for an eye outside of it: the first and the
+/// last counterclockwise.
 pub(crate) fn sides(eye: DVec2, disc: &Disc) -> [DVec2; 2] {
     let to = disc.center.as_dvec2() - eye;
-    let half = (f64::from(disc.radius) / to.length()).min(1.0).asin() + 4.0 * DIRECTION;
+    let half = (f64::from(disc.radius) / to.length()).min(1.0).asin() + TILT;
     let direction = to.normalize_or(DVec2::X);
     [-half, half].map(|angle| point_along(eye, DVec2::from_angle(angle).rotate(direction)))
 }

@@ -1,5 +1,7 @@
-//! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their occluders.
+//! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their
+//! occluders.
 
+use casca_slots::Slot;
 use glam::IVec2;
 
 use crate::geometry::Shape;
@@ -17,7 +19,7 @@ use crate::view::View;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Walk {
     /// The slots of the objects in cells in sight, those of near shells first.
-    pub(crate) found: Vec<u32>,
+    pub(crate) found: Vec<Slot>,
     /// The sides of their occluders.
     pub(crate) walls: Vec<Wall>,
     /// The directions into solids whose border the eye is on.
@@ -79,7 +81,8 @@ impl Walk {
         }
     }
 
-    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide them.
+    /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide
+    /// them.
     fn keep_shown(&mut self, circle: &Circle, shells: &Shells, first: usize) {
         let mut kept = first;
         for i in first..self.walls.len() {
@@ -125,8 +128,8 @@ impl Walk {
     }
 
     /// Takes notice of an object, once, and of its occluder.
-    fn find(&mut self, slot: u32, scene: &Scene, circle: &Circle, stats: &mut Stats) {
-        let mark = &mut self.marks[slot as usize];
+    fn find(&mut self, slot: Slot, scene: &Scene, circle: &Circle, stats: &mut Stats) {
+        let mark = &mut self.marks[slot.index()];
         if std::mem::replace(mark, self.number) == self.number {
             return;
         }

@@ -1,15 +1,16 @@
 //! Walls and directions as an eye sees them, and exact comparisons of them.
 //!
-//! A wall from `a` to `b` runs counterclockwise around the eye `e`. Along a direction `d` it lies at the distance
-//! `c / cross(d, u)` with `u = b - a` and `c = cross(a - e, b - e) > 0`. So of two walls the first is nearer if
-//! `cross(d, w) > 0` with `w = c' u - c u'`, and the two cross in the direction of `w` or `-w`. All comparisons are signs of
-//! polynomials of degree 6 at most. A filter computes them in double precision; where it is not sure they are computed exactly.
+//! A wall from `a` to `b` runs counterclockwise around the eye `e`. Along a direction `d` it lies
+//! at the distance `c / cross(d, u)` with `u = b - a` and `c = cross(a - e, b - e) > 0`. So of two
+//! walls the first is nearer if `cross(d, w) > 0` with `w = c' u - c u'`, and the two cross in the
+//! direction of `w` or `-w`. All comparisons are signs of polynomials of degree 6 at most. A filter
+//! computes them in double precision; where it is not sure they are computed exactly.
 
 use glam::DVec2;
 
 use crate::geometry::expansion::{Exact2, between, combined, cross};
 use crate::geometry::orient;
-use crate::numeric::ROUNDINGS;
+use crate::numeric::{HIT_ROOM, HIT_SHARE, ROUNDINGS};
 use crate::point::arcs::Circle;
 
 /// A vector, and how far each of its components may be off.
@@ -71,8 +72,8 @@ impl Lead {
         Vague { v: if flipped { -v } else { v }, error }
     }
 
-    /// The direction in which two walls cross, whose numbers are given, if the first is the nearer one clockwise of it; if
-    /// `flipped`, counterclockwise.
+    /// The direction in which two walls cross, whose numbers are given, if the first is the nearer
+    /// one clockwise of it; if `flipped`, counterclockwise.
     pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool) -> Direction {
         Direction::Crossing { walls, flipped, v: self.direction(flipped) }
     }
@@ -94,7 +95,8 @@ pub(crate) enum Direction {
     },
 }
 
-/// An eye among walls: compares directions and walls. The walls that directions name are in `walls`.
+/// An eye among walls: compares directions and walls. The walls that directions name are in
+/// `walls`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<'a> {
     pub(crate) circle: &'a Circle,
@@ -119,8 +121,8 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// Positive if the second direction lies counterclockwise of the first, by less than half a turn; 0 if they are the same (or
-    /// opposite).
+    /// Positive if the second direction lies counterclockwise of the first, by less than half a
+    /// turn; 0 if they are the same (or opposite).
     pub(crate) fn turn(&self, from: &Direction, to: &Direction) -> f64 {
         use Direction::{Crossing, Point};
         match (from, to) {
@@ -156,8 +158,8 @@ impl<'a> Around<'a> {
         Lead { w: Vague { v: p - q, error } }
     }
 
-    /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they meet there. `lead` is that
-    /// of `a` and `b`.
+    /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they
+    /// meet there. `lead` is that of `a` and `b`.
     pub(crate) fn nearer(&self, a: &Wall, b: &Wall, lead: &Lead, along: &Direction) -> f64 {
         if a.is(b) {
             return 0.0;
@@ -191,10 +193,14 @@ impl<'a> Around<'a> {
         let offset = along.v * (wall.c.0 / turn);
         let share =
             wall.c.1 / wall.c.0 + error / turn + along.error / along.v.abs().max_element() + ROUNDINGS;
-        let doubt = 4.0 * share * offset.length() + ROUNDINGS * self.eye.length();
+        let doubt = HIT_ROOM * share * offset.length() + ROUNDINGS * self.eye.length();
         let all = (wall.b - wall.a).length() * (1.0 + ROUNDINGS);
         // Comparisons with NaN are false: then the point may be anywhere on the wall.
-        if (0.0..0.1).contains(&share) && doubt < all { (self.eye + offset, doubt) } else { (wall.a, all) }
+        if (0.0..HIT_SHARE).contains(&share) && doubt < all {
+            (self.eye + offset, doubt)
+        } else {
+            (wall.a, all)
+        }
     }
 
     fn exact_lead(&self, a: &Wall, b: &Wall) -> Exact2 {

@@ -14,8 +14,8 @@ use crate::view::View;
 
 /// Finds the objects that a view can see.
 ///
-/// A query keeps its memory and its last result: use one for each view and run it again every frame. Any number of queries can run on
-/// one scene at the same time, each in its own thread.
+/// A query keeps its memory and its last result: use one for each view and run it again every
+/// frame. Any number of queries can run on one scene at the same time, each in its own thread.
 #[derive(Debug, Clone, Default)]
 pub struct Query {
     method: Method,
@@ -76,23 +76,26 @@ impl Query {
         Ok(())
     }
 
-    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell of which a point of the eye's cell sees a
-    /// point inside the view, and a few more. `None` if the last run was by another method, or on another scene. Costs all cells of the
-    /// grid.
+    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell of
+    /// which a point of the eye's cell sees a point inside the view, and a few more. `None` if the
+    /// last run was by another method, or on another scene. Costs all cells of the grid.
     pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
         let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
         ran.then(|| self.cell.seen_cells(scene))
     }
 
-    /// Whether a point can be seen by the view of the last run: whether it belongs to the visible region, as [`Method::Point`]
-    /// defines it. After a run of another method that is the whole view. Exact, but for the end of a range. `false` before the first
-    /// run, and for points that are not finite. Costs the logarithm of the number of sides in sight.
+    /// Whether a point can be seen by the view of the last run: whether it belongs to the visible
+    /// region, as [`Method::Point`] defines it. After a run of another method that is the whole
+    /// view. Exact, but for the end of a range. `false` before the first run, and for points that
+    /// are not finite. Costs the logarithm of the number of sides in sight.
     pub fn sees_point(&self, point: Vec2) -> bool {
         self.sight.sees_point(point.as_dvec2())
     }
 
-    /// Whether any point of a shape can be seen by the view of the last run, as [`Query::sees_point`] says. Exact, but for discs and for the end of a range: these
-    /// are larger by their rounding. `false` before the first run. Costs the sides in sight in the directions of the shape.
+    /// Whether any point of a shape can be seen by the view of the last run, as
+    /// [`Query::sees_point`] says. Exact, but for discs and for the end of a range: these are
+    /// larger by their rounding. `false` before the first run. Costs the sides in sight in the
+    /// directions of the shape.
     ///
     /// # Errors
     /// Refuses shapes that are not finite or inverted, or have a negative radius.
@@ -102,12 +105,13 @@ impl Query {
         Ok(self.sight.sees(&shape))
     }
 
-    /// The visible region of the last run as a polygon: its corners, counterclockwise, rounded to single precision. Empty if
-    /// nothing is seen. Costs the sides in sight.
+    /// The visible region of the last run as a polygon: its corners, counterclockwise, rounded to
+    /// single precision. Empty if nothing is seen. Costs the sides in sight.
     ///
-    /// The polygon is star-shaped around the eye. The eye is a corner of it unless one sees in all directions. Where nothing
-    /// stops the eye, the polygon ends at the range of the view: at chords around the circle, which leave it by 0.13% of the range at most.
-    /// Without a range it ends a cell beyond the rectangle around the grid, all objects and the eye.
+    /// The polygon is star-shaped around the eye. The eye is a corner of it unless one sees in all
+    /// directions. Where nothing stops the eye, the polygon ends at the range of the view: at
+    /// chords around the circle, which leave it by 0.13% of the range at most. Without a range it
+    /// ends a cell beyond the rectangle around the grid, all objects and the eye.
     ///
     /// ```
     /// use casca_plane::{GridSpec, ObjectDesc, Query, Scene, Segment, View};

@@ -1,5 +1,7 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
+use casca_slots::Slot;
+
 use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
@@ -14,8 +16,8 @@ pub struct FrameReport {
     pub hidden: usize,
     /// Volumes that a view saw.
     pub revealed: usize,
-    /// Volumes that were drawn since the last frame ended: also those of objects that left their volume, and of objects that were
-    /// reported when their volume had expired.
+    /// Volumes that were drawn since the last frame ended: also those of objects that left their
+    /// volume, and of objects that were reported when their volume had expired.
     pub drawn: usize,
 }
 
@@ -23,19 +25,21 @@ pub struct FrameReport {
 struct Seen(Vec<u64>);
 
 impl Seen {
-    fn contains(&self, slot: u32) -> bool {
-        self.0[slot as usize / 64] >> (slot % 64) & 1 != 0
+    fn contains(&self, slot: Slot) -> bool {
+        self.0[slot.index() / 64] >> (slot.index() % 64) & 1 != 0
     }
 }
 
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
-    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no longer contain them, and the ones in no
-    /// volume, unless the last frame ended with them in sight: those are reported unasked. Until each is
-    /// [updated](Scene::update), every query counts it as visible, and it hides nothing.
+    /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no
+    /// longer contain them, and the ones in no volume, unless the last frame ended with them in
+    /// sight: those are reported unasked. Until each is [updated](Scene::update), every query
+    /// counts it as visible, and it hides nothing.
     ///
-    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if any object that is reported on expiry
-    /// is in no volume, a look at each dynamic one that is in none.
+    /// A clock that goes backwards makes all in volumes due. Costs the objects that are due and, if
+    /// any object that is reported on expiry is in no volume, a look at each dynamic one that is in
+    /// none.
     ///
     /// # Errors
     /// Refuses a time that is not finite; then nothing changes.
@@ -50,17 +54,18 @@ impl Scene {
         let entries: Vec<_> = std::iter::from_fn(|| self.expiries.pop_until(until)).collect();
         for entry in entries {
             if self.expire(entry, backwards) {
-                due.push(self.slots.id(entry.slot));
+                due.push(self.id(entry.slot));
             }
         }
         self.miss_unreported(&mut due);
-        due.sort_unstable_by_key(|id| id.slot);
+        due.sort_unstable_by_key(|id| id.slot());
         due.dedup();
         self.revision += u64::from(!due.is_empty());
         Ok(due)
     }
 
-    /// Listed objects that are reported on expiry were surely there only when they were last reported.
+    /// Listed objects that are reported on expiry were surely there only when they were last
+    /// reported.
     fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
         let frame = self.frame;
         self.frame += 1;
@@ -73,7 +78,7 @@ impl Scene {
             };
             // An object that the last frame showed is reported unasked.
             if mover.seen_in != frame {
-                due.push(self.slots.id(slot));
+                due.push(self.id(slot));
             }
             if matches!(mover.state, State::Listed) {
                 self.revision += 1;
@@ -82,9 +87,10 @@ impl Scene {
         }
     }
 
-    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal bounding volumes, those whose volume
-    /// a view saw come out. Without results nothing changes; those of queries that never ran are passed over. A frame that ends without
-    /// a call costs reports and time, but loses nobody.
+    /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal
+    /// bounding volumes, those whose volume a view saw come out. Without results nothing changes;
+    /// those of queries that never ran are passed over. A frame that ends without a call costs
+    /// reports and time, but loses nobody.
     ///
     /// Costs the dynamic objects that are visible or whose volume was seen.
     ///
@@ -104,9 +110,9 @@ impl Scene {
         self.viewers.extend(eyes.map(|view| self.grid.cell_of(view.eye())));
         let seen = self.seen_by(&views);
         for &id in views.iter().flat_map(|pvs| pvs.revealed.iter().chain(&pvs.visible)) {
-            if self.slots.find(id).is_ok_and(|object| object.hidden().is_some()) {
+            if self.find(id).is_ok_and(|object| object.hidden().is_some()) {
                 report.revealed += 1;
-                self.reveal(id.slot, seen.contains(id.slot));
+                self.reveal(id.slot(), seen.contains(id.slot()));
             }
         }
         report.hidden = self.hide_unseen(&seen);
@@ -123,8 +129,8 @@ impl Scene {
         seen.clear();
         seen.resize(self.slots.count().div_ceil(64), 0);
         for id in views.iter().flat_map(|pvs| &pvs.visible) {
-            if self.slots.find(*id).is_ok() {
-                seen[id.slot as usize / 64] |= 1 << (id.slot % 64);
+            if self.find(*id).is_ok() {
+                seen[id.index() / 64] |= 1 << (id.index() % 64);
             }
         }
         Seen(seen)

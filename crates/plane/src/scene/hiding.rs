@@ -1,5 +1,6 @@
 //! The changes of state of dynamic objects: see the tables of [`crate::scene::state`].
 
+use casca_slots::{AT_ONCE, Expiry, Slot};
 use glam::{DVec2, IVec2};
 
 use crate::error::Error;
@@ -8,30 +9,31 @@ use crate::id::ObjectId;
 use crate::numeric::earliest_arrival;
 use crate::scene::Scene;
 use crate::scene::state::{Hidden, State};
-use crate::volume::{AT_ONCE, Expiry, Tbv, Validity};
+use crate::volume::{Tbv, Validity};
 
 impl Scene {
-    /// The cells of the outline of the temporal bounding volume that stands for an object, those beyond the grid included; none if it
-    /// is not in a volume.
+    /// The cells of the outline of the temporal bounding volume that stands for an object, those
+    /// beyond the grid included; none if it is not in a volume.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn volume_outline(&self, id: ObjectId) -> Result<Vec<IVec2>, Error> {
-        let hidden = self.slots.find(id)?.hidden();
+        let hidden = self.find(id)?.hidden();
         Ok(hidden.map_or(Vec::new(), |hidden| hidden.tbv.outline().collect()))
     }
 
-    /// For how many seconds the next temporal bounding volume of an object is made to last: longer after volumes that no view saw,
-    /// shorter after ones that a view saw. `None` for fixed objects.
+    /// For how many seconds the next temporal bounding volume of an object is made to last: longer
+    /// after volumes that no view saw, shorter after ones that a view saw. `None` for fixed
+    /// objects.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn validity(&self, id: ObjectId) -> Result<Option<f64>, Error> {
-        Ok(self.slots.find(id)?.mover.as_ref().map(|mover| mover.validity.seconds()))
+        Ok(self.find(id)?.mover.as_ref().map(|mover| mover.validity.seconds()))
     }
 
     /// Enters the place of an object that a call reported.
-    pub(super) fn report(&mut self, slot: u32, bounds: Shape, occluder: Option<Shape>) {
+    pub(super) fn report(&mut self, slot: Slot, bounds: Shape, occluder: Option<Shape>) {
         let now = self.now;
         let Some(object) = self.slots.get_mut(slot) else { return };
         let state = object.mover.as_mut().map(|mover| {
@@ -57,16 +59,17 @@ impl Scene {
     }
 
     /// Gives an object that is in no matrix other shapes.
-    fn exchange(&mut self, slot: u32, bounds: Shape, occluder: Option<Shape>) {
+    fn exchange(&mut self, slot: Slot, bounds: Shape, occluder: Option<Shape>) {
         if let Some(object) = self.slots.get_mut(slot) {
             (object.bounds, object.occluder) = (bounds, occluder);
         }
     }
 
     /// A hidden object was reported elsewhere: inside its volume it stays.
-    fn hidden_moved(&mut self, slot: u32, hidden: Hidden) {
+    fn hidden_moved(&mut self, slot: Slot, hidden: Hidden) {
         let Some(object) = self.slots.get(slot) else { return };
-        // Outlines have no cells beyond the border of the grid: an object that leaves the grid leaves its volume.
+        // Outlines have no cells beyond the border of the grid: an object that leaves the grid
+        // leaves its volume.
         let (inside, in_grid) =
             (hidden.tbv.room(&self.grid, &object.bounds), self.room_in_grid(&object.bounds));
         let room = inside.min(in_grid);
@@ -88,22 +91,20 @@ impl Scene {
         (block.min - self.grid.min()).min(self.grid.max() - block.max).min_element()
     }
 
-    /// The place of a listed object is no longer known: until it is reported it counts as visible and hides nothing.
-    pub(super) fn miss(&mut self, slot: u32) {
+    /// The place of a listed object is no longer known: until it is reported it counts as visible
+    /// and hides nothing.
+    pub(super) fn miss(&mut self, slot: Slot) {
         self.unfill(slot);
         self.set_state(slot, State::Overdue);
         self.lost.insert(slot);
     }
 
-    /// An entry of the queue of expiries came up; whether a report of its object is due. After the clock went backwards, no
-    /// volume is certain.
+    /// An entry of the queue of expiries came up; whether a report of its object is due. After the
+    /// clock went backwards, no volume is certain.
     pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
         let Expiry { slot, generation, at } = entry;
-        if self.slots.get(slot).is_none() || self.slots.id(slot).generation != generation {
-            return false;
-        }
-        let state =
-            self.slots.get(slot).and_then(|object| object.mover.as_ref()).map(|mover| mover.state.clone());
+        let object = self.slots.of_generation(slot, generation);
+        let state = object.and_then(|object| object.mover.as_ref()).map(|mover| mover.state.clone());
         match state {
             // Queued again since: that entry counts.
             Some(State::Hidden(hidden)) if hidden.queued != at => false,
@@ -123,12 +124,12 @@ impl Scene {
     }
 
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
-    pub(super) fn reveal(&mut self, slot: u32, seen: bool) {
+    pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
         let Some(hidden) = self.slots.get(slot).and_then(|object| object.hidden().cloned()) else { return };
         self.adapt(slot, Validity::revealed);
         if self.slots.get(slot).is_some_and(|object| object.on_expiry()) {
             self.lose(slot, &hidden.tbv);
-            let generation = self.slots.id(slot).generation;
+            let generation = self.slots.id(slot).generation();
             self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
             return;
         }
@@ -141,7 +142,7 @@ impl Scene {
     }
 
     /// No view saw a listed dynamic object: puts it into a volume, if one fits.
-    pub(super) fn try_hide(&mut self, slot: u32) -> bool {
+    pub(super) fn try_hide(&mut self, slot: Slot) -> bool {
         let listed = self.slots.get(slot).and_then(|object| object.mover.as_ref());
         if !listed.is_some_and(|mover| matches!(mover.state, State::Listed)) {
             return false;
@@ -153,18 +154,18 @@ impl Scene {
     }
 
     /// Takes an object of any state out of all matrices.
-    pub(super) fn take_out(&mut self, slot: u32) {
+    pub(super) fn take_out(&mut self, slot: Slot) {
         let state =
             self.slots.get(slot).and_then(|object| object.mover.as_ref()).map(|mover| mover.state.clone());
         match state {
             None | Some(State::Listed | State::Overdue) => self.unlist(slot),
             Some(State::Hidden(hidden)) => self.volumes.remove(slot, &hidden.tbv),
-            Some(State::Lost) => self.lost.remove(slot),
+            Some(State::Lost) => _ = self.lost.remove(slot),
         }
     }
 
     /// A volume around the place of an object, if one fits. It is in no matrix yet.
-    fn make_volume(&self, slot: u32) -> Option<Hidden> {
+    fn make_volume(&self, slot: Slot) -> Option<Hidden> {
         let object = self.slots.get(slot)?;
         if self.is_outer(&object.bounds) {
             return None;
@@ -184,7 +185,7 @@ impl Scene {
     }
 
     /// Puts an object that is in no matrix into a volume, or into I and O.
-    fn enclose_or_list(&mut self, slot: u32) {
+    fn enclose_or_list(&mut self, slot: Slot) {
         match self.make_volume(slot) {
             Some(hidden) => self.enclose(slot, hidden),
             None => self.list(slot),
@@ -192,15 +193,15 @@ impl Scene {
     }
 
     /// Puts an object that is in no matrix into a new volume.
-    fn enclose(&mut self, slot: u32, hidden: Hidden) {
+    fn enclose(&mut self, slot: Slot, hidden: Hidden) {
         self.volumes.insert(slot, &hidden.tbv);
         self.drawn += 1;
         self.hide(slot, hidden);
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
-    fn hide(&mut self, slot: u32, mut hidden: Hidden) {
-        let generation = self.slots.id(slot).generation;
+    fn hide(&mut self, slot: Slot, mut hidden: Hidden) {
+        let generation = self.slots.id(slot).generation();
         if hidden.region.is_some() && hidden.expires < hidden.queued {
             hidden.queued = hidden.expires;
             self.expiries.push(Expiry { at: hidden.expires, slot, generation });
@@ -209,19 +210,19 @@ impl Scene {
     }
 
     /// The volume of an object that goes unreported does not hold it for certain any more.
-    fn lose(&mut self, slot: u32, tbv: &Tbv) {
+    fn lose(&mut self, slot: Slot, tbv: &Tbv) {
         self.volumes.remove(slot, tbv);
         self.set_state(slot, State::Lost);
         self.lost.insert(slot);
     }
 
-    fn adapt(&mut self, slot: u32, change: impl FnOnce(&mut Validity)) {
+    fn adapt(&mut self, slot: Slot, change: impl FnOnce(&mut Validity)) {
         if let Some(mover) = self.slots.get_mut(slot).and_then(|object| object.mover.as_mut()) {
             change(&mut mover.validity);
         }
     }
 
-    pub(super) fn set_state(&mut self, slot: u32, state: State) {
+    pub(super) fn set_state(&mut self, slot: Slot, state: State) {
         if let Some(mover) = self.slots.get_mut(slot).and_then(|object| object.mover.as_mut()) {
             mover.state = state;
         }
@@ -234,8 +235,7 @@ impl Scene {
         }
         let slots = &self.slots;
         self.expiries.retain(|entry| {
-            let object =
-                slots.get(entry.slot).filter(|_| slots.id(entry.slot).generation == entry.generation);
+            let object = slots.of_generation(entry.slot, entry.generation);
             match object.and_then(|object| object.mover.as_ref()).map(|mover| &mover.state) {
                 Some(State::Hidden(hidden)) => hidden.queued == entry.at,
                 Some(State::Lost) => entry.at == AT_ONCE,

@@ -1,5 +1,6 @@
 //! I: the objects that touch each cell (thesis, section 3.3).
 
+use casca_slots::Slot;
 use glam::IVec2;
 use smallvec::SmallVec;
 
@@ -17,7 +18,7 @@ const CELLS: usize = (BLOCK * BLOCK) as usize;
 const NO_BLOCK: u32 = u32::MAX;
 
 /// The slots of the objects in a cell.
-type Cell = SmallVec<[u32; 4]>;
+type Cell = SmallVec<[Slot; 4]>;
 
 /// Lists of objects by cell, in blocks of 8x8 cells that exist where there are objects.
 #[derive(Debug, Clone)]
@@ -48,7 +49,7 @@ impl CellLists {
     }
 
     /// The objects that touch a cell of the grid.
-    pub(crate) fn get(&self, cell: IVec2) -> &[u32] {
+    pub(crate) fn get(&self, cell: IVec2) -> &[Slot] {
         let (block, inner) = self.place(cell);
         match self.numbers[block] {
             NO_BLOCK => &[],
@@ -68,11 +69,11 @@ impl CellLists {
     }
 
     /// Adds an object to the lists of the cells that its shape touches.
-    pub(crate) fn insert(&mut self, slot: u32, shape: &Shape, grid: &Grid) {
+    pub(crate) fn insert(&mut self, slot: Slot, shape: &Shape, grid: &Grid) {
         touched(shape, grid, &mut |y, xs| xs.for_each(|x| self.add(IVec2::new(x, y), slot)));
     }
 
-    fn add(&mut self, cell: IVec2, slot: u32) {
+    fn add(&mut self, cell: IVec2, slot: Slot) {
         let (block, inner) = self.place(cell);
         if self.numbers[block] == NO_BLOCK {
             self.numbers[block] = self.blocks.len() as u32;
@@ -90,7 +91,7 @@ impl CellLists {
     }
 
     /// Takes an object out of the lists of the cells that its shape touches.
-    pub(crate) fn remove(&mut self, slot: u32, shape: &Shape, grid: &Grid) {
+    pub(crate) fn remove(&mut self, slot: Slot, shape: &Shape, grid: &Grid) {
         touched(shape, grid, &mut |y, xs| {
             for x in xs {
                 let (block, inner) = self.place(IVec2::new(x, y));

@@ -1,26 +1,27 @@
 //! The scene: objects, lists of them by cell, and the frame loop.
 //!
-//! Every object is stored in a slot ([`slots`]). Objects inside the grid are in the lists of the cells that they touch
-//! ([`lists`]). Those that leave the grid, or touch more cells than a query would skip by them, are in the list `outer`, which every
-//! query looks at.
+//! Every object is stored in a [`Slot`]. Objects inside the grid are in the lists of the cells that
+//! they touch ([`lists`]). Those that leave the grid, or touch more cells than a query would skip
+//! by them, are in the list `outer`, which every query looks at.
 //!
-//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those and the cells inside dynamic ones
-//! ([`crate::matrix`]); I is the lists; T has the outlines of the volumes that stand for hidden dynamic objects ([`crate::volume`],
-//! [`state`]). H belongs to a query ([`crate::cell`]).
+//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those
+//! and the cells inside dynamic ones ([`crate::matrix`]); I is the lists; T has the outlines of the
+//! volumes that stand for hidden dynamic objects ([`crate::volume`], [`state`]). H belongs to a
+//! query ([`crate::cell`]).
 //!
-//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the application moves objects; queries
-//! read the scene; [`Scene::end_frame`] takes their results, and puts dynamic objects that no view saw into volumes.
+//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the
+//! application moves objects; queries read the scene; [`Scene::end_frame`] takes their results, and
+//! puts dynamic objects that no view saw into volumes.
 
 mod edit;
 mod frame;
 mod hiding;
 pub(crate) mod lists;
 mod object;
-mod slot_set;
-mod slots;
 mod state;
 mod tiles;
 
+use casca_slots::{ExpiryQueue, Slot, SlotSet, Slots};
 use glam::IVec2;
 
 use crate::error::Error;
@@ -30,20 +31,19 @@ use crate::id::ObjectId;
 use crate::matrix::{CrossBits, Opacity};
 use crate::object::Motion;
 use crate::scene::lists::CellLists;
-use crate::scene::slot_set::SlotSet;
-use crate::scene::slots::Slots;
-use crate::volume::{ExpiryQueue, Volumes};
+use crate::volume::Volumes;
 
 pub use frame::FrameReport;
 pub(crate) use object::Object;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
-/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that moved, queries, and [`Scene::end_frame`] with
-/// their results.
+/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that moved,
+/// queries, and [`Scene::end_frame`] with their results.
 ///
-/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids that the original gives out
-/// later, nor the other way round. Each refuses a [`crate::Pvs`] that was found on the other.
+/// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
+/// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
+/// was found on the other.
 ///
 /// ```
 /// use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
@@ -64,10 +64,10 @@ pub(crate) use object::Object;
 #[derive(Debug, Clone)]
 pub struct Scene {
     grid: Grid,
-    slots: Slots,
+    slots: Slots<Object>,
     lists: CellLists,
     /// The slots of objects that are in no cells, as they are too large or leave the grid.
-    outer: Vec<u32>,
+    outer: Vec<Slot>,
     /// Os: the cells that static occluders fill.
     fixed: Opacity,
     /// The cells that listed dynamic occluders add to make O.
@@ -140,12 +140,12 @@ impl Scene {
 
     /// Whether an id names an object of this scene.
     pub fn contains(&self, id: ObjectId) -> bool {
-        self.slots.find(id).is_ok()
+        self.find(id).is_ok()
     }
 
     /// The ids of all objects, in the order of their indices. Costs all slots.
     pub fn ids(&self) -> impl Iterator<Item = ObjectId> {
-        self.slots.living().map(|(slot, _)| self.slots.id(slot))
+        self.living().map(|(slot, _)| self.id(slot))
     }
 
     /// The bounds of an object.
@@ -153,7 +153,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn bounds(&self, id: ObjectId) -> Result<&Shape, Error> {
-        Ok(&self.slots.find(id)?.bounds)
+        Ok(&self.find(id)?.bounds)
     }
 
     /// The occluder of an object, if it has one.
@@ -161,7 +161,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn occluder(&self, id: ObjectId) -> Result<Option<&Shape>, Error> {
-        Ok(self.slots.find(id)?.occluder.as_ref())
+        Ok(self.find(id)?.occluder.as_ref())
     }
 
     /// Whether an object moves, and how fast.
@@ -169,7 +169,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn motion(&self, id: ObjectId) -> Result<Motion, Error> {
-        Ok(self.slots.find(id)?.motion)
+        Ok(self.find(id)?.motion)
     }
 
     /// The number that the application gave to an object.
@@ -177,7 +177,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
-        Ok(self.slots.find(id)?.user_data)
+        Ok(self.find(id)?.user_data)
     }
 
     /// The time of the last [`Scene::begin_frame`], in seconds; 0 before the first.
@@ -185,7 +185,8 @@ impl Scene {
         self.now
     }
 
-    /// Changes whenever an object came, went or changed. Results that were found at another revision may not hold any more.
+    /// Changes whenever an object came, went or changed. Results that were found at another
+    /// revision may not hold any more.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -205,9 +206,10 @@ impl Scene {
         &self.volumes
     }
 
-    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline does not stand for them. For a cell
-    /// outside of the grid these are all, as outlines end at the border.
-    pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(u32)) {
+    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline
+    /// does not stand for them. For a cell outside of the grid these are all, as outlines end at
+    /// the border.
+    pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(Slot)) {
         if self.grid.contains(cell) {
             self.volumes.holding(cell, found);
         } else {
@@ -216,12 +218,13 @@ impl Scene {
     }
 
     /// The objects whose place is unknown.
-    pub(crate) fn lost(&self) -> &[u32] {
+    pub(crate) fn lost(&self) -> &[Slot] {
         self.lost.as_slice()
     }
 
-    /// The objects that are in no cells, as they are too large or leave the grid: every query looks at them.
-    pub(crate) fn outer(&self) -> &[u32] {
+    /// The objects that are in no cells, as they are too large or leave the grid: every query looks
+    /// at them.
+    pub(crate) fn outer(&self) -> &[Slot] {
         &self.outer
     }
 
@@ -231,18 +234,23 @@ impl Scene {
     }
 
     /// All objects with their slots, in the order of these.
-    pub(crate) fn living(&self) -> impl Iterator<Item = (u32, &Object)> {
-        self.slots.living()
+    pub(crate) fn living(&self) -> impl Iterator<Item = (Slot, &Object)> {
+        self.slots.iter()
     }
 
     /// The object of a slot, if there is one.
-    pub(crate) fn object(&self, slot: u32) -> Option<&Object> {
+    pub(crate) fn object(&self, slot: Slot) -> Option<&Object> {
         self.slots.get(slot)
     }
 
     /// The id of the object in a slot.
-    pub(crate) fn id(&self, slot: u32) -> ObjectId {
-        self.slots.id(slot)
+    pub(crate) fn id(&self, slot: Slot) -> ObjectId {
+        ObjectId(self.slots.id(slot))
+    }
+
+    /// The object that an id names.
+    pub(crate) fn find(&self, id: ObjectId) -> Result<&Object, Error> {
+        self.slots.find(id.0).ok_or(Error::UnknownObject(id))
     }
 
     /// Tells scenes apart.

@@ -25,7 +25,8 @@ impl Object {
         Self { bounds, occluder, motion, user_data, outer: 0, fills: false, mover }
     }
 
-    /// A shape that surely contains the object now: its bounds, or the volume of an object that goes unreported.
+    /// A shape that surely contains the object now: its bounds, or the volume of an object that
+    /// goes unreported.
     pub(crate) fn place(&self) -> &Shape {
         self.hidden().and_then(|hidden| hidden.region.as_ref()).unwrap_or(&self.bounds)
     }

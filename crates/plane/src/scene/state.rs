@@ -37,9 +37,11 @@ pub(super) struct Hidden {
     pub(super) tbv: Tbv,
     /// How long it was made to last, in seconds.
     pub(super) lasts: f64,
-    /// Until then, in seconds, the object cannot leave the volume. Only objects that are reported on expiry use it.
+    /// Until then, in seconds, the object cannot leave the volume. Only objects that are reported
+    /// on expiry use it.
     pub(super) expires: f64,
-    /// The time of the object's entry in the queue of expiries, never later than `expires`; infinity without entry.
+    /// The time of the object's entry in the queue of expiries, never later than `expires`;
+    /// infinity without entry.
     pub(super) queued: f64,
     /// The disc in which an object is that goes unreported.
     pub(super) region: Option<Shape>,

@@ -18,12 +18,14 @@ struct Block {
 }
 
 impl Scene {
-    /// Adds the tiles of a layer that block sight, as fixed objects with occluders: one for each rectangle of such tiles. Gives their
-    /// ids. Corners of tiles are rounded to single precision, all tiles at a corner alike, so that no gaps open.
+    /// Adds the tiles of a layer that block sight, as fixed objects with occluders: one for each
+    /// rectangle of such tiles. Gives their ids. Corners of tiles are rounded to single precision,
+    /// all tiles at a corner alike, so that no gaps open.
     ///
-    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside one of the rectangles are opaque; these are the
-    /// cells of all tiles where tiles have the size of cells and lie on them. Tiles that open and close, as doors do, are better left
-    /// out of the layer and added as objects. Costs the cells that the tiles touch.
+    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside one of the
+    /// rectangles are opaque; these are the cells of all tiles where tiles have the size of cells
+    /// and lie on them. Tiles that open and close, as doors do, are better left out of the layer
+    /// and added as objects. Costs the cells that the tiles touch.
     ///
     /// # Errors
     /// As [`Scene::insert`]; then none is added.
@@ -46,7 +48,8 @@ impl Scene {
     }
 }
 
-/// Rectangles that contain the set bits, each once: runs of a row, with those of the next rows that begin and end alike.
+/// Rectangles that contain the set bits, each once: runs of a row, with those of the next rows that
+/// begin and end alike.
 fn blocks(bits: &BitGrid) -> Vec<Block> {
     let (mut done, mut open): (Vec<Block>, Vec<Block>) = (Vec::new(), Vec::new());
     if bits.width() == 0 {

@@ -54,8 +54,9 @@ impl TileFace {
 
 /// Finds the sides of opaque tiles that an eye sees, merged into the longest faces.
 ///
-/// A side is seen if rays in some range of directions end at it; then all of it belongs to a face. These faces block all rays from
-/// the eye that the map blocks. Of an opaque tile on whose border the eye lies, all four sides are found.
+/// A side is seen if rays in some range of directions end at it; then all of it belongs to a face.
+/// These faces block all rays from the eye that the map blocks. Of an opaque tile on whose border
+/// the eye lies, all four sides are found.
 ///
 /// Keeps its memory from run to run.
 ///
@@ -80,7 +81,8 @@ impl VisibleFaces {
         Self::default()
     }
 
-    /// The faces that are seen from `eye`, by side, line and place; none overlap or touch end to end on one side of a line.
+    /// The faces that are seen from `eye`, by side, line and place; none overlap or touch end to
+    /// end on one side of a line.
     ///
     /// Costs as much as [`crate::FieldOfView::run`], and sorts the sides that are seen.
     pub fn run(&mut self, opaque: &OpaqueTiles, eye: TilePoint, options: &FovOptions) -> &[TileFace] {
@@ -126,7 +128,8 @@ struct FaceSink<'a> {
 const SIDES: [[Side; 2]; 2] = [[Side::West, Side::East], [Side::South, Side::North]];
 
 impl FaceSink<'_> {
-    /// Adds the sides of tiles that face an axis of the octant, against it: at `line` on that axis, and `from..to` on the other one.
+    /// Adds the sides of tiles that face an axis of the octant, against it: at `line` on that axis,
+    /// and `from..to` on the other one.
     fn add(&mut self, axis: usize, line: usize, from: usize, to: usize) {
         let flips = [self.octant.flip_x, self.octant.flip_y];
         let place = |axis: usize, at: usize| match flips[axis] {

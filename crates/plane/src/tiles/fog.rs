@@ -60,13 +60,15 @@ impl Fog {
         Self { seen, fresh, ever }
     }
 
-    /// Ends the sight of the last frame: the tiles that were seen are remembered. Costs the tiles that were seen, by words.
+    /// Ends the sight of the last frame: the tiles that were seen are remembered. Costs the tiles
+    /// that were seen, by words.
     pub fn begin_frame(&mut self) {
         self.seen.clear(&self.ever);
         self.fresh.clear(&self.ever);
     }
 
-    /// Adds the tiles that the last run of a field of view found; call it once after each run. Costs its bounds, by words.
+    /// Adds the tiles that the last run of a field of view found; call it once after each run.
+    /// Costs its bounds, by words.
     ///
     /// # Errors
     /// A field of view on a map of other dimensions, or one that has not run yet.

@@ -16,13 +16,16 @@ use crate::tiles::transpose::add_transposed;
 
 /// Finds the tiles that an eye sees, exactly.
 ///
-/// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part of its inside if it is free,
-/// a part of its border if it is opaque. So walls are seen, rays that only graze do not count, and two opaque tiles that touch at a
-/// corner let nothing through. Tiles beyond the range or outside of the sector of [`FovOptions`] are not seen.
+/// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part
+/// of its inside if it is free, a part of its border if it is opaque. So walls are seen, rays that
+/// only graze do not count, and two opaque tiles that touch at a corner let nothing through. Tiles
+/// beyond the range or outside of the sector of [`FovOptions`] are not seen.
 ///
-/// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile does not see through it.
+/// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile
+/// does not see through it.
 ///
-/// Keeps its memory from run to run: have one for each thread. Takes two bits for each tile of the map.
+/// Keeps its memory from run to run: have one for each thread. Takes two bits for each tile of the
+/// map.
 ///
 /// ```
 /// use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
@@ -48,22 +51,25 @@ impl FieldOfView {
 
     /// The tiles that are seen from `eye`.
     ///
-    /// Costs the rows in sight, the words of 64 tiles that are seen in them, and the free intervals of directions in each row: 1 to 4
-    /// microseconds in rooms and caves that the cache holds, less than 200 on a field of 1024 by 1024 tiles with rocks. A map of
-    /// other dimensions than that of the last run costs new memory.
+    /// Costs the rows in sight, the words of 64 tiles that are seen in them, and the free intervals
+    /// of directions in each row: 1 to 4 microseconds in rooms and caves that the cache holds, less
+    /// than 200 on a field of 1024 by 1024 tiles with rocks. A map of other dimensions than that of
+    /// the last run costs new memory.
     pub fn run(&mut self, opaque: &OpaqueTiles, eye: TilePoint, options: &FovOptions) -> &BitGrid {
         self.sweep_all(opaque, Eyes::At(eye.units()), options)
     }
 
-    /// The tiles that are seen from anywhere in a tile of the map, its border included, and some more: a result for all viewers in
-    /// the tile, or for one that moves in it. Nothing that [`Self::run`] finds for one of these eyes is missing.
+    /// The tiles that are seen from anywhere in a tile of the map, its border included, and some
+    /// more: a result for all viewers in the tile, or for one that moves in it. Nothing that
+    /// [`Self::run`] finds for one of these eyes is missing.
     ///
-    /// Opaque tiles hide together what lies behind them, as for one eye, but count as half a tile thinner on every side: a row of
-    /// tiles as the line through their centres, a single tile as nothing. The range of the options is counted from the nearest eye.
-    /// Their sector is not regarded: its apex could be anywhere in the tile.
+    /// Opaque tiles hide together what lies behind them, as for one eye, but count as half a tile
+    /// thinner on every side: a row of tiles as the line through their centres, a single tile as
+    /// nothing. The range of the options is counted from the nearest eye. Their sector is not
+    /// regarded: its apex could be anywhere in the tile.
     ///
-    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms. Among single rocks, which hide nothing, it costs the whole
-    /// map.
+    /// Costs the tiles in sight, like [`Self::run`]: twice its time in rooms. Among single rocks,
+    /// which hide nothing, it costs the whole map.
     ///
     /// # Errors
     /// A tile that the map does not have.

@@ -10,7 +10,8 @@ use crate::tiles::point::TilePoint;
 
 /// Square tiles in a scene, some of which block sight.
 ///
-/// Tile `(x, y)` covers the square from `origin + (x, y) * tile_size` to `origin + (x + 1, y + 1) * tile_size`.
+/// Tile `(x, y)` covers the square from `origin + (x, y) * tile_size` to `origin + (x + 1, y + 1) *
+/// tile_size`.
 ///
 /// ```
 /// use casca_plane::{BitGrid, TileLayer};
@@ -34,8 +35,8 @@ impl TileLayer {
     /// A layer whose tile `(0, 0)` has its least corner at `origin`.
     ///
     /// # Errors
-    /// An origin or a size that is not finite, a size that is not greater than zero, a layer that reaches beyond the numbers of single
-    /// precision.
+    /// An origin or a size that is not finite, a size that is not greater than zero, a layer that
+    /// reaches beyond the numbers of single precision.
     pub fn new(origin: Vec2, tile_size: f32, opaque: BitGrid) -> Result<Self, TileError> {
         for part in origin.to_array() {
             finite("the origin of a tile layer", part.into())?;
@@ -78,8 +79,8 @@ impl TileLayer {
 
     /// A position of the scene, in tiles of the layer.
     ///
-    /// Exact up to 2^-28 of a tile where origin and position have few digits and the size is a power of two; else rounded to about the
-    /// 16th digit.
+    /// Exact up to 2^-28 of a tile where origin and position have few digits and the size is a
+    /// power of two; else rounded to about the 16th digit.
     ///
     /// # Errors
     /// A position that is not finite, or farther than 2^32 tiles away.

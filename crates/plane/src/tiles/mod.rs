@@ -1,8 +1,8 @@
 //! Visibility on maps of square tiles.
 //!
-//! In the order of imports: [`TilePoint`] and [`FovOptions`] say who looks, and how far; [`OpaqueTiles`] what blocks;
-//! [`FieldOfView`] finds the tiles that are seen, and [`VisibleFaces`] the sides of walls; [`Fog`] remembers them;
-//! [`TileLayer`] places tiles in a scene.
+//! In the order of imports: [`TilePoint`] and [`FovOptions`] say who looks, and how far;
+//! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen, and [`VisibleFaces`]
+//! the sides of walls; [`Fog`] remembers them; [`TileLayer`] places tiles in a scene.
 
 mod error;
 mod faces;

@@ -1,11 +1,13 @@
-//! The eight octants about the eye, each turned and mirrored so that its rays go up and to the right, up faster.
+//! The eight octants about the eye, each turned and mirrored so that its rays go up and to the
+//! right, up faster.
 
 use smallvec::SmallVec;
 
 use crate::numeric::tiles::TILE;
 use crate::tiles::options::Sector;
 
-/// An eighth of all directions. In its own coordinates, rays go from the eye with slopes x / y between 0 and 1.
+/// An eighth of all directions. In its own coordinates, rays go from the eye with slopes x / y
+/// between 0 and 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Octant {
     /// Whether x and y are exchanged: columns of the map are rows of the octant.
@@ -26,7 +28,8 @@ impl Octant {
         })
     }
 
-    /// The eye in the octant's coordinates, which begin at the map's corner. `size` is that of the map as the octant sees it.
+    /// The eye in the octant's coordinates, which begin at the map's corner. `size` is that of the
+    /// map as the octant sees it.
     pub fn eye(self, eye: [i64; 2], size: [u32; 2]) -> [i64; 2] {
         let [x, y] = if self.turned { [eye[1], eye[0]] } else { eye };
         let flipped = |flip, at, size: u32| if flip { i64::from(size) * TILE - at } else { at };

@@ -3,9 +3,11 @@
 use crate::bits::BitGrid;
 use crate::tiles::transpose::add_transposed;
 
-/// The tiles of a map that block sight, by rows and by columns, since a sweep to the east or west reads columns.
+/// The tiles of a map that block sight, by rows and by columns, since a sweep to the east or west
+/// reads columns.
 ///
-/// Tile `(x, y)` is the closed square from `(x, y)` to `(x + 1, y + 1)`. Nothing outside of the map blocks.
+/// Tile `(x, y)` is the closed square from `(x, y)` to `(x + 1, y + 1)`. Nothing outside of the map
+/// blocks.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct OpaqueTiles {
     rows: BitGrid,

@@ -24,7 +24,8 @@ pub struct FovOptions {
 }
 
 impl FovOptions {
-    /// Only tiles of which some point lies nearer to the eye than `radius` tiles. An infinite radius is no limit.
+    /// Only tiles of which some point lies nearer to the eye than `radius` tiles. An infinite
+    /// radius is no limit.
     ///
     /// # Errors
     /// A radius that is NaN, zero or negative.
@@ -32,8 +33,8 @@ impl FovOptions {
         Ok(Self { range: Range::new(Norm::Euclidean, radius)?, ..self })
     }
 
-    /// Only tiles of which some point is nearer to the eye than `distance` tiles, in x as in y: a square about the eye. An infinite
-    /// distance is no limit.
+    /// Only tiles of which some point is nearer to the eye than `distance` tiles, in x as in y: a
+    /// square about the eye. An infinite distance is no limit.
     ///
     /// # Errors
     /// A distance that is NaN, zero or negative.
@@ -41,8 +42,9 @@ impl FovOptions {
         Ok(Self { range: Range::new(Norm::Chessboard, distance)?, ..self })
     }
 
-    /// Only directions that differ from `direction` by less than `half_angle`, in radians. An angle of pi or more is no limit.
-    /// The sector is wider by 2e-9 radians at each side, to make up for rounding.
+    /// Only directions that differ from `direction` by less than `half_angle`, in radians. An angle
+    /// of pi or more is no limit. The sector is wider by 2e-9 radians at each side, to make up for
+    /// rounding.
     ///
     /// # Errors
     /// A direction that is zero or not finite; an angle that is NaN, zero or negative.
@@ -72,8 +74,9 @@ impl Range {
         Ok((units <= (1u64 << 61) as f64).then_some(Self { norm, radius: units as i64 }))
     }
 
-    /// The column after the last one of a row in which some point inside a tile is in range, right of an eye at `eye` units.
-    /// `None` if the whole row is out of range. The row begins at the distance `ahead`, which is not negative.
+    /// The column after the last one of a row in which some point inside a tile is in range, right
+    /// of an eye at `eye` units. `None` if the whole row is out of range. The row begins at the
+    /// distance `ahead`, which is not negative.
     #[inline]
     pub fn end(self, eye: i64, ahead: i64) -> Option<i64> {
         if ahead >= self.radius {

@@ -5,8 +5,8 @@ use crate::tiles::error::{TileError, finite, within};
 
 /// A position on a map, in tiles: tile `(x, y)` is the square from `(x, y)` to `(x + 1, y + 1)`.
 ///
-/// A whole multiple of `2^-28` of a tile: numbers of single precision from 1/16 on are held exactly, others are rounded to the nearest
-/// multiple. All that follows from a position is exact.
+/// A whole multiple of `2^-28` of a tile: numbers of single precision from 1/16 on are held
+/// exactly, others are rounded to the nearest multiple. All that follows from a position is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TilePoint {
     /// In units of 1 / [`TILE`], at most 2^60.
@@ -14,7 +14,8 @@ pub struct TilePoint {
 }
 
 impl TilePoint {
-    /// A position. May lie outside of the map, on borders and corners of tiles, and in opaque tiles.
+    /// A position. May lie outside of the map, on borders and corners of tiles, and in opaque
+    /// tiles.
     ///
     /// # Errors
     /// A coordinate that is not finite, or whose magnitude exceeds `2^32` tiles.
@@ -40,7 +41,8 @@ impl TilePoint {
         self.units[1] as f64 / TILE as f64
     }
 
-    /// The tile that holds the position: of the tiles that share a border, the one of greater coordinates. They may be negative.
+    /// The tile that holds the position: of the tiles that share a border, the one of greater
+    /// coordinates. They may be negative.
     pub fn tile(self) -> (i64, i64) {
         (self.units[0].div_euclid(TILE), self.units[1].div_euclid(TILE))
     }

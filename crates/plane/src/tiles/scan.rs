@@ -12,20 +12,22 @@ pub(super) struct Row<'a, const MIRROR: bool> {
 }
 
 impl<const MIRROR: bool> Row<'_, MIRROR> {
-    /// The first column in `from..end` whose bit is set; `end` if there is none. `from < end <= width`.
+    /// The first column in `from..end` whose bit is set; `end` if there is none. `from < end <=
+    /// width`.
     #[inline(always)]
     pub fn next_set(self, from: usize, end: usize) -> usize {
         self.next(from, end, |at| self.words[at])
     }
 
-    /// The first column in `from..end` whose bit is clear; `end` if there is none. `from < end <= width`.
+    /// The first column in `from..end` whose bit is clear; `end` if there is none. `from < end <=
+    /// width`.
     #[inline(always)]
     pub fn next_clear(self, from: usize, end: usize) -> usize {
         self.next(from, end, |at| !self.words[at])
     }
 
-    /// The first column in `from..end` whose bit is set here and in another row of the same width; `end` if there is none.
-    /// `from < end <= width`.
+    /// The first column in `from..end` whose bit is set here and in another row of the same width;
+    /// `end` if there is none. `from < end <= width`.
     #[inline]
     pub fn next_in_both(self, other: Self, from: usize, end: usize) -> usize {
         self.next(from, end, |at| self.words[at] & other.words[at])

@@ -1,9 +1,10 @@
 //! The sweep of an octant: which tiles the rays from the eye reach, row by row outwards.
 //!
-//! The rays that are still free are open intervals of slopes. In each row, the runs of opaque tiles cut them at the exact slopes of their
-//! corners, as in recursive shadowcasting (Bergström 2001), but with all intervals of a row at once and without rounding: the bounds
-//! advance like Bresenham's lines, by a whole number of columns and a remainder.
-//! Intervals without width are dropped, so that tiles that touch at a corner let nothing through.
+//! The rays that are still free are open intervals of slopes. In each row, the runs of opaque tiles
+//! cut them at the exact slopes of their corners, as in recursive shadowcasting (Bergström 2001),
+//! but with all intervals of a row at once and without rounding: the bounds advance like
+//! Bresenham's lines, by a whole number of columns and a remainder. Intervals without width are
+//! dropped, so that tiles that touch at a corner let nothing through.
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
@@ -36,7 +37,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         Row { words: self.tiles.row(y), width: self.tiles.width() as usize }
     }
 
-    /// The column after the last one of a row that may be seen. `None` if the row and all that follow are out of range.
+    /// The column after the last one of a row that may be seen. `None` if the row and all that
+    /// follow are out of range.
     fn end(&self, ahead: i64) -> Option<i64> {
         let width = i64::from(self.tiles.width());
         match self.range {
@@ -53,7 +55,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
 }
 
 impl Sweep {
-    /// Tells a sink what the eye sees in an octant. `tiles` are those of the map, turned if the octant is; `MIRROR` is its `flip_x`.
+    /// Tells a sink what the eye sees in an octant. `tiles` are those of the map, turned if the
+    /// octant is; `MIRROR` is its `flip_x`.
     pub fn run<const MIRROR: bool>(
         &mut self,
         tiles: &BitGrid,
@@ -96,8 +99,8 @@ impl Sweep {
 }
 
 impl<const MIRROR: bool> Frame<'_, MIRROR> {
-    /// The rays that leave the eye's own row, of those between two. These are given where they cross its upper border, which lies `border`
-    /// units ahead of the eye.
+    /// The rays that leave the eye's own row, of those between two. These are given where they
+    /// cross its upper border, which lies `border` units ahead of the eye.
     fn first_row(
         &self,
         row: usize,
@@ -138,8 +141,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         (low.column < blocked as i64).then(|| (low, Ray::through(blocked, self.aside(blocked), border)))
     }
 
-    /// Finds the tiles that beams reach in a row, and the beams that leave it. The row begins `ahead` units before the eye, and its
-    /// columns from `end` on are out of range.
+    /// Finds the tiles that beams reach in a row, and the beams that leave it. The row begins
+    /// `ahead` units before the eye, and its columns from `end` on are out of range.
     #[inline]
     fn row_of_beams(
         &self,

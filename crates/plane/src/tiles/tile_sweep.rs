@@ -1,12 +1,15 @@
 //! The sweep of an octant for all eyes in a tile: which tiles any of them may see.
 //!
-//! What hides a point from the centre of the tile, after the opaque tiles have shrunk by half a tile on every side, hides it from all
-//! of the tile: for a point of the shrunk solid on the ray from the centre, the point at the same share of any other ray lies in the
-//! solid (Wonka, Wimmer and Schmalstieg 2000). Opaque tiles shrink to the segments between the centres of neighbours that are both
-//! opaque. The area between four of them need not be known: rays end at the segments around it.
+//! What hides a point from the centre of the tile, after the opaque tiles have shrunk by half a
+//! tile on every side, hides it from all of the tile: for a point of the shrunk solid on the ray
+//! from the centre, the point at the same share of any other ray lies in the solid (Wonka, Wimmer
+//! and Schmalstieg 2000). Opaque tiles shrink to the segments between the centres of neighbours
+//! that are both opaque. The area between four of them need not be known: rays end at the segments
+//! around it.
 //!
-//! Lengths are in halves of a tile from the centre of the eyes' tile. Rows are half as high as tiles, so that rays cross the segments
-//! along a row at even rows, and the borders of tiles at odd ones.
+//! Lengths are in halves of a tile from the centre of the eyes' tile. Rows are half as high as
+//! tiles, so that rays cross the segments along a row at even rows, and the borders of tiles at odd
+//! ones.
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
@@ -27,8 +30,8 @@ struct Frame<'a, const MIRROR: bool> {
 }
 
 impl Sweep {
-    /// Tells a sink what eyes in a tile of the map may see in an octant. `tiles` are those of the map, turned if the octant is;
-    /// `MIRROR` is its `flip_x`. The map has the tile.
+    /// Tells a sink what eyes in a tile of the map may see in an octant. `tiles` are those of the
+    /// map, turned if the octant is; `MIRROR` is its `flip_x`. The map has the tile.
     pub fn run_from_tile<const MIRROR: bool>(
         &mut self,
         tiles: &BitGrid,
@@ -68,7 +71,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         Row { words: self.tiles.row(y), width: self.tiles.width() as usize }
     }
 
-    /// The column after the last one of a row that may be seen. `None` if the row and all that follow are out of range or outside.
+    /// The column after the last one of a row that may be seen. `None` if the row and all that
+    /// follow are out of range or outside.
     fn end(&self, row: i64) -> Option<i64> {
         let (width, height) = (i64::from(self.tiles.width()), i64::from(self.tiles.height()));
         if row >= height {
@@ -79,7 +83,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         self.range.map_or(Some(width), |range| range.end(aside, ahead).map(|end| end.min(width)))
     }
 
-    /// The column of the tile that holds the half tile right of a line, and begins at it or half a tile before.
+    /// The column of the tile that holds the half tile right of a line, and begins at it or half a
+    /// tile before.
     fn tile_at(&self, line: i64) -> i64 {
         self.column + (line + 1).div_euclid(2)
     }
@@ -124,7 +129,8 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
         }
     }
 
-    /// Finds the tiles that beams reach in half of a row, and cuts the beams by the segments along columns.
+    /// Finds the tiles that beams reach in half of a row, and cuts the beams by the segments along
+    /// columns.
     fn cross_row(&self, half: i64, end: i64, open: &[Beam], next: &mut Vec<Beam>, sink: &mut impl Sink) {
         let row = self.row + half / 2;
         let above = (row + 1 < i64::from(self.tiles.height())).then(|| self.bits(row + 1));

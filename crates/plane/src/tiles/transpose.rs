@@ -1,5 +1,5 @@
-//! Grids of bits with rows and columns exchanged: blocks of 64 by 64 bits, each by exchanging ever smaller quarters
-//! (Warren, Hacker's Delight, section 7-3).
+//! Grids of bits with rows and columns exchanged: blocks of 64 by 64 bits, each by exchanging ever
+//! smaller quarters (Warren, Hacker's Delight, section 7-3).
 
 use std::ops::Range;
 
@@ -25,8 +25,8 @@ fn transpose_block(block: &mut [u64; BLOCK]) {
     }
 }
 
-/// Sets the bits `(y, x)` of `to` for the bits `(x, y)` of `from` in some columns and rows. Also takes other bits of the blocks that these
-/// lie in. Costs the words of these blocks.
+/// Sets the bits `(y, x)` of `to` for the bits `(x, y)` of `from` in some columns and rows. Also
+/// takes other bits of the blocks that these lie in. Costs the words of these blocks.
 pub(super) fn add_transposed(from: &BitGrid, to: &mut BitGrid, columns: Range<u32>, rows: Range<u32>) {
     let blocks = |range: Range<u32>| range.start as usize / BLOCK..(range.end as usize).div_ceil(BLOCK);
     if columns.is_empty() || rows.is_empty() {

@@ -1,18 +1,21 @@
 //! Hollow circles of cells whose neighbours share sides (thesis, section 3.3.2; Bresenham 1977).
 //!
-//! In each column x from 0 to where x passes y, the circle of radius r has the cell at y = round(sqrt(r² - x²)); the other seven
-//! eighths are its mirror images. Where two cells that follow each other share a corner only, the cell below the first one joins
-//! them. So the circle is 4-connected: no way from cell to neighbour, corners included, gets inside without a cell of the circle.
+//! In each column x from 0 to where x passes y, the circle of radius r has the cell at y =
+//! round(sqrt(r² - x²)); the other seven eighths are its mirror images. Where two cells that follow
+//! each other share a corner only, the cell below the first one joins them. So the circle is
+//! 4-connected: no way from cell to neighbour, corners included, gets inside without a cell of the
+//! circle.
 //!
 //! Let the *disc* be the cells of the circle and those inside of it.
 //!
-//! - It has each cell whose centre is at most r from the middle: in its column, |y| <= floor(sqrt(r² - x²)), which is not beyond
-//!   the circle.
-//! - It has no cell whose centre is more than r + 1/2 from the middle: y <= s + 1/2 with s = sqrt(r² - x²), so
-//!   x² + y² <= r² + s + 1/4 <= (r + 1/2)².
+//! - It has each cell whose centre is at most r from the middle: in its column, |y| <=
+//!   floor(sqrt(r² - x²)), which is not beyond the circle.
+//! - It has no cell whose centre is more than r + 1/2 from the middle: y <= s + 1/2 with s =
+//!   sqrt(r² - x²), so x² + y² <= r² + s + 1/4 <= (r + 1/2)².
 //!
-//! If the disc holds all cells that an object touches, and an eye outside of the disc sees a point of the object, then the way there
-//! enters the disc through a cell of the circle, and that cell is in sight.
+//! If the disc holds all cells that an object touches, and an eye outside of the disc sees a point
+//! of the object, then the way there enters the disc through a cell of the circle, and that cell is
+//! in sight.
 
 use glam::{IVec2, Vec2Swizzles as _};
 

@@ -1,14 +1,14 @@
-//! Temporal bounding volumes (TBVs): circles of cells that hold hidden moving objects for a while, so that motion inside changes no matrix
-//! (Sudarsky & Gotsman 1996; thesis, section 3.3.2).
+//! Temporal bounding volumes (TBVs): circles of cells that hold hidden moving objects for a while,
+//! so that motion inside changes no matrix (Sudarsky & Gotsman 1996; thesis, section 3.3.2).
 
 mod circle;
 mod containing;
-mod expiry;
 mod tbv;
 mod validity;
 
 use std::collections::HashMap;
 
+use casca_slots::Slot;
 use glam::IVec2;
 use smallvec::SmallVec;
 
@@ -16,7 +16,6 @@ use crate::grid::Grid;
 use crate::matrix::CrossBits;
 use crate::volume::containing::Containing;
 
-pub(crate) use expiry::{AT_ONCE, Expiry, ExpiryQueue};
 pub(crate) use tbv::Tbv;
 pub(crate) use validity::Validity;
 
@@ -27,7 +26,7 @@ pub(crate) struct Volumes {
     /// The cells with outlines.
     bits: CrossBits,
     /// By cell: the slots of the volumes. Never iterated.
-    lists: HashMap<IVec2, SmallVec<[u32; 4]>>,
+    lists: HashMap<IVec2, SmallVec<[Slot; 4]>>,
     containing: Containing,
 }
 
@@ -44,7 +43,7 @@ impl Volumes {
     }
 
     /// The slots of the volumes whose outlines pass a cell.
-    pub(crate) fn at(&self, cell: IVec2) -> &[u32] {
+    pub(crate) fn at(&self, cell: IVec2) -> &[Slot] {
         if !self.bits.get(cell.x as u32, cell.y as u32) {
             return &[];
         }
@@ -60,12 +59,12 @@ impl Volumes {
     }
 
     /// Calls `found` with the volumes that contain a cell, on their outlines or inside.
-    pub(crate) fn holding(&self, cell: IVec2, found: impl FnMut(u32)) {
+    pub(crate) fn holding(&self, cell: IVec2, found: impl FnMut(Slot)) {
         self.containing.find(cell, found);
     }
 
     /// Draws the outline of a volume. Costs its cells.
-    pub(crate) fn insert(&mut self, slot: u32, tbv: &Tbv) {
+    pub(crate) fn insert(&mut self, slot: Slot, tbv: &Tbv) {
         for cell in self.outline(tbv) {
             let list = self.lists.entry(cell).or_default();
             list.push(slot);
@@ -75,7 +74,7 @@ impl Volumes {
     }
 
     /// Takes the outline of a volume away. Costs its cells and the volumes there.
-    pub(crate) fn remove(&mut self, slot: u32, tbv: &Tbv) {
+    pub(crate) fn remove(&mut self, slot: Slot, tbv: &Tbv) {
         for cell in self.outline(tbv) {
             let Some(list) = self.lists.get_mut(&cell) else { continue };
             if let Some(at) = list.iter().rposition(|other| *other == slot) {
@@ -108,9 +107,10 @@ mod tests {
         let grid = Grid::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::new(40, 30) }).unwrap();
         let mut volumes = Volumes::new(&grid);
         let places = [(5, 5, 3), (5, 5, 3), (8, 6, 9), (39, 29, 4), (20, 2, 1)];
+        let slots = || Slot::below(places.len());
         let tbvs = places.map(|(x, y, radius)| Tbv::new(IVec2::new(x, y), radius));
-        (0..).zip(&tbvs).for_each(|(slot, tbv)| volumes.insert(slot, tbv));
-        for (slot, tbv) in (0u32..).zip(&tbvs) {
+        slots().zip(&tbvs).for_each(|(slot, tbv)| volumes.insert(slot, tbv));
+        for (slot, tbv) in slots().zip(&tbvs) {
             for cell in tbv.outline().filter(|&c| grid.contains(c)) {
                 assert!(volumes.at(cell).contains(&slot) && volumes.bits().get(cell.x as u32, cell.y as u32));
                 assert!(!volumes.is_block_empty(cell));
@@ -122,11 +122,11 @@ mod tests {
             found.sort_unstable();
             found
         };
-        assert_eq!(holding(&volumes, IVec2::new(5, 5)), [0, 1, 2]);
-        assert_eq!(holding(&volumes, IVec2::new(39, 28)), [3]);
-        volumes.remove(0, &tbvs[0]);
-        assert_eq!(holding(&volumes, IVec2::new(5, 5)), [1, 2]);
-        (1..5).for_each(|slot| volumes.remove(slot, &tbvs[slot as usize]));
+        assert_eq!(holding(&volumes, IVec2::new(5, 5)), [0, 1, 2].map(Slot::new));
+        assert_eq!(holding(&volumes, IVec2::new(39, 28)), [Slot::new(3)]);
+        volumes.remove(Slot::new(0), &tbvs[0]);
+        assert_eq!(holding(&volumes, IVec2::new(5, 5)), [1, 2].map(Slot::new));
+        slots().skip(1).for_each(|slot| volumes.remove(slot, &tbvs[slot.index()]));
         assert!((0..40).all(|x| (0..30).all(|y| volumes.is_block_empty(IVec2::new(x, y)))));
         assert!(volumes.lists.is_empty() && volumes.bits().cells().next().is_none());
     }

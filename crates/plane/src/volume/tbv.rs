@@ -9,9 +9,13 @@ use crate::grid::Grid;
 use crate::numeric::VOLUME;
 use crate::volume::circle::circle;
 
-/// Circles are larger by at most this many cells than the object needs: the cost of drawing one and the chance that it is seen grow
-/// with it.
+/// Circles are larger by at most this many cells than the object needs: the cost of drawing one and
+/// the chance that it is seen grow with it.
 const MOST_CELLS: f64 = 16.0;
+
+/// A circle is no larger than a rectangle whose sides are those of the grid, divided by this
+/// (thesis, section 3.4.1).
+const GRID_PARTS: f64 = 5.0;
 
 /// A volume: the cells of a [circle](super::circle) and those inside of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,10 +48,12 @@ impl Tbv {
         Self { center, radius }
     }
 
-    /// A volume around a shape that may move by up to `distance` world units. It holds no cell of a viewer, and no object
-    /// that `confined` says must stay in the grid while it is inside. None if the shape is too large or too close to a viewer or a border.
+    /// A volume around a shape that may move by up to `distance` world units. It holds no cell of a
+    /// viewer, and no object that `confined` says must stay in the grid while it is inside. None if
+    /// the shape is too large or too close to a viewer or a border.
     ///
-    /// Its radius is at most that of the thesis, sqrt((w/5)² + (h/5)²), and a few cells more than the shape needs.
+    /// Its radius is at most that of the thesis, sqrt((w/5)² + (h/5)²), and a few cells more than
+    /// the shape needs.
     pub(crate) fn around(
         grid: &Grid,
         shape: &Shape,
@@ -62,7 +68,7 @@ impl Tbv {
         }
         let per_cell = 1.0 / grid.cell_size();
         let needed = Self::needed(grid, center, &around);
-        let fifth = grid.dims().as_dvec2() / 5.0;
+        let fifth = grid.dims().as_dvec2() / GRID_PARTS;
         let mut most = fifth.length().min(needed + MOST_CELLS);
         for &viewer in viewers {
             // No cell of the disc is farther than radius + 1/2 from the middle.
@@ -77,8 +83,8 @@ impl Tbv {
         (radius >= needed).then(|| Self::new(center, radius as i32))
     }
 
-    /// The least radius, in cells, whose disc around a cell holds all cells that a circle touches: the centres of those are within
-    /// half a diagonal of it.
+    /// The least radius, in cells, whose disc around a cell holds all cells that a circle touches:
+    /// the centres of those are within half a diagonal of it.
     fn needed(grid: &Grid, cell: IVec2, around: &Around) -> f64 {
         let (lo, hi) = grid.cell_bounds(cell);
         let off = around.center.distance((lo + hi) * 0.5);
@@ -161,7 +167,8 @@ mod tests {
             for turn in 0..16 {
                 let step = Vec2::from_angle(turn as f32 * 0.4) * room as f32 * 0.9999;
                 touched(&moved(step), &g, &mut |y, xs| {
-                    // From the cell to the middle, the way does not leave the disc: some outline cell is as far out.
+                    // From the cell to the middle, the way does not leave the disc: some outline
+                    // cell is as far out.
                     for x in xs {
                         let off = IVec2::new(x, y) - tbv.center;
                         let inside = off.length_squared() <= tbv.radius * tbv.radius;

@@ -1,7 +1,8 @@
-//! For how long the volume of an object is made to last (thesis, section 3.3.1; Sudarsky & Gotsman 1996).
+//! For how long the volume of an object is made to last (thesis, section 3.3.1; Sudarsky & Gotsman
+//! 1996).
 //!
-//! Longer after the object left or outlived its volume unseen, half as long after the volume was seen. A slow rise keeps most
-//! volumes from being seen at all.
+//! Longer after the object left or outlived its volume unseen, half as long after the volume was
+//! seen. A slow rise keeps most volumes from being seen at all.
 
 /// Seconds that the first volume of an object is made to last.
 const FIRST: f64 = 0.5;
@@ -27,8 +28,8 @@ impl Validity {
         self.0
     }
 
-    /// The object left its volume, or the volume expired, before any view saw it. A volume that a limit kept from lasting as long as was
-    /// asked for tells nothing about larger ones.
+    /// The object left its volume, or the volume expired, before any view saw it. A volume that a
+    /// limit kept from lasting as long as was asked for tells nothing about larger ones.
     pub(crate) fn outlived(&mut self, lasted: f64) {
         if lasted >= self.0 {
             self.0 = (self.0 * LONGER).min(MOST);

@@ -211,7 +211,8 @@ fn a_silent_guard_is_due_when_it_could_have_left_and_visible_until_found() {
         assert!(!query.run(&scene, &view).contains(guard_id), "{frame}");
         scene.end_frame([query.pvs()]).unwrap();
     }
-    // Each volume lasts longer than the one before, as far as radii allow: a dozen reports in half a minute.
+    // Each volume lasts longer than the one before, as far as radii allow: a dozen reports in half
+    // a minute.
     assert!((5..20).contains(&due_at.len()), "{due_at:?}");
     let pauses: Vec<i32> = due_at.windows(2).map(|w| w[1] - w[0]).collect();
     assert!(pauses.is_sorted() && pauses[0] >= 30, "{pauses:?}");
@@ -248,7 +249,8 @@ fn a_silent_guard_is_in_its_volume_until_it_is_due() {
         query.run(&scene, &view);
         scene.end_frame([query.pvs()]).unwrap();
         let outline = scene.volume_outline(guard).unwrap();
-        // All cells whose centres are that far from the middle are in the circle; a point is at most half a diagonal from a centre.
+        // All cells whose centres are that far from the middle are in the circle; a point is at
+        // most half a diagonal from a centre.
         let middle = (outline.iter().map(|c| c.as_dvec2()).sum::<DVec2>() / outline.len() as f64).round();
         let radius = outline.iter().map(|c| (c.as_dvec2() - middle).abs().max_element()).fold(0.0, f64::max);
         for frame in 1.. {

@@ -1,4 +1,5 @@
-//! The cell method and temporal bounding volumes, over frames, against rays that share no code with the library.
+//! The cell method and temporal bounding volumes, over frames, against rays that share no code with
+//! the library.
 
 #[path = "../common/cases.rs"]
 mod cases;

@@ -1,5 +1,5 @@
-//! Visibility by single rays, in double precision. A ray that is nearly stopped counts as stopped, so that a ray that gets through
-//! proves that its end is visible.
+//! Visibility by single rays, in double precision. A ray that is nearly stopped counts as stopped,
+//! so that a ray that gets through proves that its end is visible.
 
 use glam::DVec2;
 

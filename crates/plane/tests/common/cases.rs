@@ -1,7 +1,7 @@
 //! How many cases property tests have.
 
-/// The configuration of a property test of `n` cases: the same cases in every run, unless `CASCA_SEED` is set; `CASCA_CASES`
-/// multiplies their number.
+/// The configuration of a property test of `n` cases: the same cases in every run, unless
+/// `CASCA_SEED` is set; `CASCA_CASES` multiplies their number.
 pub fn cases(n: u32) -> proptest::test_runner::Config {
     let from_env = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<u64>().ok());
     proptest::test_runner::Config {

@@ -1,7 +1,8 @@
 //! Exact visibility in rational arithmetic, which shares no code with the library.
 //!
-//! The directions to all ends of walls and to all points where two walls cross divide the circle into sectors. Inside of such a sector one wall is
-//! the nearest throughout: that on a ray in its middle. So the visible region is a union of triangles, one a sector.
+//! The directions to all ends of walls and to all points where two walls cross divide the circle
+//! into sectors. Inside of such a sector one wall is the nearest throughout: that on a ray in its
+//! middle. So the visible region is a union of triangles, one a sector.
 
 use std::cmp::Ordering;
 
@@ -84,7 +85,8 @@ impl Form {
     }
 }
 
-/// Where one sees: all round, or between two directions (less than a whole turn apart), and how far.
+/// Where one sees: all round, or between two directions (less than a whole turn apart), and how
+/// far.
 #[derive(Debug, Clone, Default)]
 pub struct Look {
     pub between: Option<[Point; 2]>,
@@ -139,7 +141,8 @@ impl Region {
         Self { eye: eye.clone(), sectors: sectors.collect(), range: look.range.clone() }
     }
 
-    /// Whether the region, made larger by `more` where it ends at the range, and a disc's radius, meets a form.
+    /// Whether the region, made larger by `more` where it ends at the range, and a disc's radius,
+    /// meets a form.
     pub fn meets(&self, form: &Form, more: &Number) -> bool {
         match form {
             Form::Solid(_) if form.sides().iter().all(|[a, b]| !area(a, b, &self.eye).is_negative()) => {
@@ -154,7 +157,8 @@ impl Region {
         }
     }
 
-    /// The half-planes whose common part is a sector, each by a point and the direction that it lies left of.
+    /// The half-planes whose common part is a sector, each by a point and the direction that it
+    /// lies left of.
     fn half_planes(&self, sector: &Sector) -> Vec<(Point, Point)> {
         let back = Point { x: -&sector.to.x, y: -&sector.to.y };
         let mut all = vec![(self.eye.clone(), sector.from.clone()), (self.eye.clone(), back)];

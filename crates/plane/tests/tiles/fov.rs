@@ -125,7 +125,8 @@ proptest! {
     }
 }
 
-/// On large maps, each ray of many finds only tiles that are seen, and each tile that is seen is on some ray to it.
+/// On large maps, each ray of many finds only tiles that are seen, and each tile that is seen is on
+/// some ray to it.
 #[test]
 fn words_and_long_rows_agree_with_rays() {
     let mut random = 7_u64;

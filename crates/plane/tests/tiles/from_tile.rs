@@ -25,8 +25,9 @@ fn map_and_tile() -> impl Strategy<Value = (BitGrid, Tile)> {
     })
 }
 
-/// The tiles that a ray from the centre of a tile crosses before it meets a segment between the centres of opaque neighbours. It must meet
-/// no centre and no corner. Lengths are halves of a tile.
+/// The tiles that a ray from the centre of a tile crosses before it meets a segment between the
+/// centres of opaque neighbours. It must meet no centre and no corner. Lengths are halves of a
+/// tile.
 fn tiles_past_shrunk_walls(map: &BitGrid, eye: Tile, direction: Direction) -> Vec<Tile> {
     let center = [i128::from(eye.0) * 2 + 1, i128::from(eye.1) * 2 + 1];
     let size = [i128::from(map.width()) * 2, i128::from(map.height()) * 2];

@@ -30,7 +30,8 @@ pub fn map() -> impl Strategy<Value = BitGrid> {
     })
 }
 
-/// A coordinate of an eye, in units, up to two tiles outside of a map: often on borders, in the middle of tiles, or next to borders.
+/// A coordinate of an eye, in units, up to two tiles outside of a map: often on borders, in the
+/// middle of tiles, or next to borders.
 pub fn coordinate(size: u32) -> impl Strategy<Value = i128> {
     let tile = -2..i128::from(size) + 2;
     let part = prop_oneof![

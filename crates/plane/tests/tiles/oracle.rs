@@ -1,4 +1,5 @@
-//! Exact visibility on small maps, without the sweep: rays between all neighbouring directions in which a corner of a tile lies.
+//! Exact visibility on small maps, without the sweep: rays between all neighbouring directions in
+//! which a corner of a tile lies.
 //!
 //! Between two such directions, all rays cross the same tiles. All numbers are whole.
 
@@ -38,7 +39,8 @@ fn by_angle(a: &Direction, b: &Direction) -> Ordering {
 }
 
 impl Oracle<'_> {
-    /// A direction in each range of directions without a corner inside; `more` are taken for corners.
+    /// A direction in each range of directions without a corner inside; `more` are taken for
+    /// corners.
     pub fn directions(&self, more: &[Direction]) -> Vec<Direction> {
         let (width, height) = (i128::from(self.opaque.width()), i128::from(self.opaque.height()));
         // The axes keep neighbours less than a half turn apart.
@@ -54,7 +56,8 @@ impl Oracle<'_> {
         corners.iter().zip(next).map(|(a, b)| [a[0] + b[0], a[1] + b[1]]).collect()
     }
 
-    /// The tiles of the map that a ray crosses, with the opaque one that it ends at. It must meet no corner.
+    /// The tiles of the map that a ray crosses, with the opaque one that it ends at. It must meet
+    /// no corner.
     pub fn tiles_along(&self, direction: Direction) -> Vec<(u32, u32)> {
         self.path(direction).tiles
     }
@@ -84,7 +87,8 @@ impl Oracle<'_> {
                     break;
                 }
             }
-            // The distance to the next border of columns is a[0] / |direction[0]|, and of rows likewise.
+            // The distance to the next border of columns is a[0] / |direction[0]|, and of rows
+            // likewise.
             let to = [0, 1].map(|axis| {
                 let border = tile[axis] + i128::from(step[axis] > 0);
                 (border * UNIT - self.eye[axis]).abs()
@@ -105,7 +109,8 @@ impl Oracle<'_> {
         self.directions(&[]).into_iter().flat_map(|direction| self.tiles_along(direction)).collect()
     }
 
-    /// Whether some point inside a tile is nearer to the eye than a range, in units, by Euclid's distance or by that of a chessboard.
+    /// Whether some point inside a tile is nearer to the eye than a range, in units, by Euclid's
+    /// distance or by that of a chessboard.
     pub fn in_range(&self, (x, y): (u32, u32), range: i128, circle: bool) -> bool {
         let apart = [0, 1].map(|axis| {
             let low = i128::from([x, y][axis]) * UNIT;

@@ -5,11 +5,12 @@ use crate::occlusion::pixels::nearest_integer;
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 impl Raster {
-    /// Draws an edge of the outline between two points, in pixels. Going up, it makes the winding numbers to its right
-    /// grow by one, or fall.
+    /// Draws an edge of the outline between two points, in pixels. Going up, it makes the winding
+    /// numbers to its right grow by one, or fall.
     ///
-    /// `wide` is how far the outline may be from it; `unsure` is how far it may be from where its ends say for
-    /// rounding alone, both in pixels; `seam` tells whether it is shared by two patches that are drawn together.
+    /// `wide` is how far the outline may be from it; `unsure` is how far it may be from where its
+    /// ends say for rounding alone, both in pixels; `seam` tells whether it is shared by two
+    /// patches that are drawn together.
     pub(crate) fn edge(
         &mut self,
         from: (f64, f64),
@@ -34,7 +35,8 @@ impl Raster {
         let slope = (b.0 - a.0) / (b.1 - a.1);
         let first = nearest_integer(within(a.1 - wide, bottom) - 0.5).max(0);
         let last = nearest_integer(within(b.1 + wide, bottom) - 0.5).min(height - 1);
-        // Rows whose middles the edge passes. Neighbours share their ends, and so agree about the rows.
+        // Rows whose middles the edge passes. Neighbours share their ends, and so agree about the
+        // rows.
         let (from, to) =
             (nearest_integer(within(a.1, bottom)).max(0), nearest_integer(within(b.1, bottom)).min(height));
         if x1 < 0.0 {
@@ -59,8 +61,8 @@ impl Raster {
             }
             if from <= row && row < to {
                 let at = x + 0.5 * slope;
-                // Where it is not known on which side of a middle a seam passes, its two patches may both count the
-                // pixel, or neither.
+                // Where it is not known on which side of a middle a seam passes, its two patches
+                // may both count the pixel, or neither.
                 let lo = nearest_integer(within(at - unsure, right) - 0.5).max(0);
                 let hi = nearest_integer(within(at + unsure, right) - 0.5).min(width - 1);
                 let column = nearest_integer(within(at, right));
@@ -75,11 +77,11 @@ impl Raster {
         }
     }
 
-    /// Draws an edge that is nearly parallel to the rows: it touches rows `first` to `last`, and passes the
-    /// middles of `from` to before `to`.
+    /// Draws an edge that is nearly parallel to the rows: it touches rows `first` to `last`, and
+    /// passes the middles of `from` to before `to`.
     ///
-    /// Where it passes them is not known well enough: all of its pixels count as touched, and if it passes any
-    /// middle, as touched by an open edge, since two patches would not agree.
+    /// Where it passes them is not known well enough: all of its pixels count as touched, and if it
+    /// passes any middle, as touched by an open edge, since two patches would not agree.
     fn edge_flat(
         &mut self,
         (left, x1): (f64, f64),

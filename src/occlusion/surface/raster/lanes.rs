@@ -1,18 +1,16 @@
 //! Eight edges at a time, in single precision.
 
-use crate::numeric::occlusion::{FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
+use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 /// Edges that are set up together.
 pub(crate) const LANES: usize = 8;
 
-/// A half width that reaches across any area.
-const ACROSS: f32 = 1e6;
-
 /// Eight numbers.
 pub(crate) type Lanes = [f32; LANES];
 
-/// Edges of an outline, in pixels. No coordinate of those that are drawn is greater than [`FAR_PIXEL`].
+/// Edges of an outline, in pixels. No coordinate of those that are drawn is greater than
+/// [`FAR_PIXEL`].
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Edges {
     pub(crate) x0: Lanes,
@@ -46,8 +44,8 @@ struct Lines {
     y: Lanes,
     /// Columns for each row.
     slope: Lanes,
-    /// How far left of the column where it passes the middle of a row the columns begin that it touches there, and how
-    /// far right they end: half a column more and less than the same.
+    /// How far left of the column where it passes the middle of a row the columns begin that it
+    /// touches there, and how far right they end: half a column more and less than the same.
     before: Lanes,
     after: Lanes,
     /// Half a column left of the columns between which it stays.
@@ -84,11 +82,11 @@ impl Lines {
         let is_slanted: [bool; LANES] = each(|i| slope[i].abs() < FLAT);
         let half: Lanes = each(|i| {
             let steep = slope[i].abs();
-            select(is_slanted[i], 0.5 * steep + (e.wide[i] * steep + e.wide[i]), ACROSS)
+            select(is_slanted[i], 0.5 * steep + (e.wide[i] * steep + e.wide[i]), ACROSS_AREA)
         });
         let unsure: Lanes = each(|i| {
             let steep = slope[i].abs();
-            select(is_slanted[i], e.unsure[i] * steep + e.unsure[i], ACROSS)
+            select(is_slanted[i], e.unsure[i] * steep + e.unsure[i], ACROSS_AREA)
         });
         let left: Lanes = each(|i| select(x[i] < to_x[i], x[i], to_x[i]) - e.wide[i] - 0.5);
         let right: Lanes = each(|i| select(x[i] < to_x[i], to_x[i], x[i]) + e.wide[i] - 0.5);
@@ -125,8 +123,8 @@ struct Line {
     left: f32,
     right: f32,
     unsure: f32,
-    /// Where it is farther than this from the middle between two columns, it is known on which side of the middle of a
-    /// pixel it passes a row.
+    /// Where it is farther than this from the middle between two columns, it is known on which side
+    /// of the middle of a pixel it passes a row.
     sure: f32,
     /// It passes the middles of the rows of the area from one up to before the other.
     from: i32,
@@ -166,7 +164,8 @@ impl Line {
         self.x + (middle - self.y) * self.slope
     }
 
-    /// The first and last column that it touches in rows where it passes the middles between two columns.
+    /// The first and last column that it touches in rows where it passes the middles between two
+    /// columns.
     #[inline(always)]
     fn touched(&self, least: f32, most: f32) -> (i32, i32) {
         let (lo, hi) = (least - self.before, most + self.after);
@@ -183,7 +182,8 @@ impl Line {
 }
 
 impl Raster {
-    /// Draws edges of an outline. Going up, they make the winding numbers to their right grow by one, or fall.
+    /// Draws edges of an outline. Going up, they make the winding numbers to their right grow by
+    /// one, or fall.
     #[inline(never)]
     pub(crate) fn edges(&mut self, edges: &Edges, fall: bool) {
         let l = Lines::new(edges);
@@ -235,7 +235,8 @@ impl Raster {
         (low - self.corner.0, high - self.corner.0)
     }
 
-    /// Draws an edge in rows of one row of tiles, in which it stays in the tile in a column of tiles and the next one.
+    /// Draws an edge in rows of one row of tiles, in which it stays in the tile in a column of
+    /// tiles and the next one.
     #[inline(always)]
     fn line_in_tiles(&mut self, line: &Line, (first, last): (i32, i32), column: i32) {
         let left = self.corner.0 + (column << 3);
@@ -286,8 +287,8 @@ impl Raster {
         }
     }
 
-    /// Marks the pixels of a row of whose middles it is not known on which side of them a seam passes: its two patches
-    /// may both count them, or neither.
+    /// Marks the pixels of a row of whose middles it is not known on which side of them a seam
+    /// passes: its two patches may both count them, or neither.
     #[cold]
     fn doubt(&mut self, row: i32, at: f32, unsure: f32) {
         let lo = (nearest(at - unsure - 0.5) - self.corner.0).max(0);
@@ -298,8 +299,8 @@ impl Raster {
     }
 }
 
-/// The integer nearest to a number below 2^22, halves to even: as its twin in double precision. Other numbers, which
-/// lanes hold that are not drawn, give any integer.
+/// The integer nearest to a number below 2^22, halves to even: as its twin in double precision.
+/// Other numbers, which lanes hold that are not drawn, give any integer.
 #[inline(always)]
 fn nearest(v: f32) -> i32 {
     ((v + NEAREST_INTEGER_SINGLE).to_bits() as i32).wrapping_sub(NEAREST_INTEGER_SINGLE.to_bits() as i32)
@@ -311,7 +312,7 @@ fn rounded(v: f32) -> f32 {
     (v + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE
 }
 
-const _: () = assert!(FAR_PIXEL + ACROSS < 4_194_304.0, "all columns and rows fit `nearest`");
+const _: () = assert!(FAR_PIXEL + ACROSS_AREA < 4_194_304.0, "all columns and rows fit `nearest`");
 
 #[cfg(test)]
 mod tests {

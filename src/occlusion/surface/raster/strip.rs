@@ -6,8 +6,8 @@ use crate::occlusion::surface::raster::edge::within;
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 impl Raster {
-    /// Marks the pixels that come within `across` of the line through two points, given in pixels, and along each axis within
-    /// `around` of the rectangle of the two.
+    /// Marks the pixels that come within `across` of the line through two points, given in pixels,
+    /// and along each axis within `around` of the rectangle of the two.
     pub(crate) fn strip(&mut self, from: (f64, f64), to: (f64, f64), across: f64, around: f64) {
         let corner = (f64::from(self.corner.0), f64::from(self.corner.1));
         let (a, b) = ((from.0 - corner.0, from.1 - corner.1), (to.0 - corner.0, to.1 - corner.1));

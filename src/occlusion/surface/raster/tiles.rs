@@ -21,7 +21,8 @@ impl Area {
         Self { x, y, nx: (pixels.x.1 - 1 - x) / TILE + 1, ny: (pixels.y.1 - 1 - y) / TILE + 1 }
     }
 
-    /// The place of a tile, counted in rows and columns from the first one of another area that lies inside this one.
+    /// The place of a tile, counted in rows and columns from the first one of another area that
+    /// lies inside this one.
     #[inline]
     pub(crate) fn tile(&self, inside: &Self, row: i64, column: i64) -> usize {
         (((inside.y - self.y) / TILE + row) * self.nx + (inside.x - self.x) / TILE + column) as usize
@@ -44,8 +45,8 @@ impl Area {
     }
 }
 
-/// The pixels of a tile by layer: touched by open edges; touched by seams; and the two digits of the winding number
-/// around the middle, modulo four.
+/// The pixels of a tile by layer: touched by open edges; touched by seams; and the two digits of
+/// the winding number around the middle, modulo four.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Marks([u64; 4]);
 
@@ -74,8 +75,8 @@ impl Marks {
         (ones | twos) & !(open | seam)
     }
 
-    /// Of the marks of several patches: the pixels touched by seams only that the patches cover together. Their
-    /// winding numbers do not sum to zero.
+    /// Of the marks of several patches: the pixels touched by seams only that the patches cover
+    /// together. Their winding numbers do not sum to zero.
     #[inline]
     pub(crate) fn covered_seams(&self) -> u64 {
         let [open, seam, ones, twos] = self.0;
@@ -97,7 +98,8 @@ impl Marks {
         self.0[Self::ONES] ^= ones;
     }
 
-    /// Replaces the numbers in each row by their sums up to each pixel, those before the tile included.
+    /// Replaces the numbers in each row by their sums up to each pixel, those before the tile
+    /// included.
     #[inline(always)]
     fn sum_rows(&mut self, before: (u64, u64)) {
         for (shift, mask) in
@@ -163,7 +165,8 @@ impl TileMarks {
         }
     }
 
-    /// Whether all pixels of the tiles with some rows and columns are marked, ends included and inside the area.
+    /// Whether all pixels of the tiles with some rows and columns are marked, ends included and
+    /// inside the area.
     pub(super) fn are_marked(&self, rows: (i32, i32), columns: (i32, i32), layer: usize) -> bool {
         let row = |ty: i32| {
             let first = ty * self.across;
@@ -172,8 +175,8 @@ impl TileMarks {
         (rows.0 >> 3..=rows.1 >> 3).all(|ty| row(ty).iter().all(|tile| tile.0[layer] == u64::MAX))
     }
 
-    /// Marks pixels of a tile and of the next one, and lets an outline pass rows left of the middles of some of their
-    /// pixels.
+    /// Marks pixels of a tile and of the next one, and lets an outline pass rows left of the
+    /// middles of some of their pixels.
     #[inline(always)]
     pub(super) fn mark_two(
         &mut self,
@@ -204,8 +207,8 @@ impl TileMarks {
         }
     }
 
-    /// Lets an outline pass the middle of a row left of the middle of a column: the winding numbers from there on grow
-    /// by one, or fall.
+    /// Lets an outline pass the middle of a row left of the middle of a column: the winding numbers
+    /// from there on grow by one, or fall.
     #[inline(always)]
     pub(super) fn pass(&mut self, row: i32, column: i32, falls: bool) {
         let at = ((row >> 3) * self.across + (column >> 3)) as usize;

@@ -1,9 +1,12 @@
-//! Exact visibility between two cells of a grid, by whole numbers. It shares no code with the library.
+//! Exact visibility between two cells of a grid, by whole numbers. It shares no code with the
+//! library.
 //!
-//! One cell sees another if some line crosses the insides of both and no opaque cell between them. Such lines form an open set.
-//! Each of its pieces has a corner: a line through two corners of the cells (move a line until it touches one, and turn it around
-//! that until it touches another). So it is enough to look at the lines through two corners, moved a little: at each such line, the corners
-//! on it go to either side as a line does, with at most one change of side from one end to the other.
+//! One cell sees another if some line crosses the insides of both and no opaque cell between them.
+//! Such lines form an open set. Each of its pieces has a corner: a line through two corners of the
+//! cells (move a line until it touches one, and turn it around that until it touches another). So
+//! it is enough to look at the lines through two corners, moved a little: at each such line, the
+//! corners on it go to either side as a line does, with at most one change of side from one end to
+//! the other.
 
 use glam::IVec2;
 
@@ -12,10 +15,12 @@ fn corners(cell: IVec2) -> [IVec2; 4] {
     [IVec2::ZERO, IVec2::X, IVec2::Y, IVec2::ONE].map(|d| cell + d)
 }
 
-/// Whether some point of one cell sees some point of another past opaque cells. Those two block nothing themselves.
+/// Whether some point of one cell sees some point of another past opaque cells. Those two block
+/// nothing themselves.
 pub(super) fn is_visible(opaque: &[IVec2], from: IVec2, to: IVec2) -> bool {
     let (lo, hi) = (from.min(to), from.max(to));
-    // A way between the cells stays in the block around both, and passes each of its cells between them.
+    // A way between the cells stays in the block around both, and passes each of its cells between
+    // them.
     let between: Vec<IVec2> = opaque
         .iter()
         .copied()
@@ -32,7 +37,8 @@ pub(super) fn is_visible(opaque: &[IVec2], from: IVec2, to: IVec2) -> bool {
 /// Whether a line near the one through two corners is free.
 fn is_free_near(points: &[IVec2], a: IVec2, b: IVec2, between: &[IVec2], from: IVec2, to: IVec2) -> bool {
     let side = |p: IVec2| (b - a).perp_dot(p - a);
-    // Each cell on one side of the line for certain leaves no choice; those that it cuts for certain end the search.
+    // Each cell on one side of the line for certain leaves no choice; those that it cuts for
+    // certain end the search.
     let surely_cut = |&cell: &IVec2| {
         let sides = corners(cell).map(side);
         sides.iter().any(|&s| s > 0) && sides.iter().any(|&s| s < 0)
@@ -44,7 +50,8 @@ fn is_free_near(points: &[IVec2], a: IVec2, b: IVec2, between: &[IVec2], from: I
     let mut places: Vec<i32> = points.iter().filter(|&&p| side(p) == 0).map(|&p| along(p)).collect();
     places.sort_unstable();
     places.dedup();
-    // The corners on the line before the change of side go to one side, those from there on to the other.
+    // The corners on the line before the change of side go to one side, those from there on to the
+    // other.
     let changes = places.iter().copied().chain([i32::MAX]);
     changes.flat_map(|change| [(change, 1), (change, -1)]).any(|(change, sign)| {
         let moved = |p: IVec2| match side(p) {

@@ -1,4 +1,5 @@
-//! Tests of the walk on small maps, against exact visibility between cells and against the chain rule written down plainly.
+//! Tests of the walk on small maps, against exact visibility between cells and against the chain
+//! rule written down plainly.
 
 #[path = "../../../tests/common/cases.rs"]
 mod cases;

@@ -1,8 +1,10 @@
-//! The chain rule, written down plainly: for each cell all pairs of blocking neighbours, in whole numbers.
+//! The chain rule, written down plainly: for each cell all pairs of blocking neighbours, in whole
+//! numbers.
 
 use glam::IVec2;
 
-/// The cells that the rule does not hide from a viewer's cell inside the grid. Cells outside of the grid block.
+/// The cells that the rule does not hide from a viewer's cell inside the grid. Cells outside of the
+/// grid block.
 pub(super) fn chain_rule(dims: IVec2, opaque: &[IVec2], v: IVec2) -> Vec<IVec2> {
     let inside = |c: IVec2| c.cmpge(IVec2::ZERO).all() && c.cmplt(dims).all();
     let mut hidden: Vec<IVec2> = Vec::new();
@@ -34,7 +36,8 @@ pub(super) fn chain_rule(dims: IVec2, opaque: &[IVec2], v: IVec2) -> Vec<IVec2> 
 fn is_behind(blocking: &[IVec2], c: IVec2) -> bool {
     blocking.iter().any(|&a| {
         let meets = |b: IVec2| {
-            // The way meets the line from a to b: they are on different sides of it, or it passes one, in front of c.
+            // The way meets the line from a to b: they are on different sides of it, or it passes
+            // one, in front of c.
             let (s, t) = (c.perp_dot(a), c.perp_dot(b));
             let before = |p: IVec2| p.dot(c) > 0 && p != c;
             s.signum() * t.signum() <= 0 && before(a) && before(b) && (s != t || a == b)

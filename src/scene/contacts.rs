@@ -1,7 +1,8 @@
-//! Rims: opaque cells of one static solid beside opaque cells of another.
+//! Contacts: opaque cells of one static solid beside opaque cells of another.
 //!
-//! Where solids abut along a plane of the grid, no cell is filled by both together, and no box of cells would bridge
-//! their seam. The cells on both sides of such a plane are marked, so that boxes of opaque cells are drawn across it.
+//! Where solids abut along a plane of the grid, no cell is filled by both together, and no box of
+//! cells would bridge their seam. The cells on both sides of such a plane are marked, so that boxes
+//! of opaque cells are drawn across it.
 
 use std::collections::BTreeMap;
 
@@ -16,30 +17,31 @@ use crate::scene::{OpacityPart, Scene};
 use crate::shape::Shape;
 use crate::shape::pieces::{Piece, opaque};
 
-/// The cells of a solid by brick, for bricks that have opaque cells of others in them or beside them.
+/// The cells of a solid by brick, for bricks that have opaque cells of others in them or beside
+/// them.
 type Near = BTreeMap<[i32; 3], Mask>;
 
 impl Scene {
     /// Marks the cells that a solid will make opaque beside opaque cells of others.
-    pub(super) fn mark_rims(&mut self, part: OpacityPart, occluder: &Occluder) {
-        let mut rims = Vec::new();
+    pub(super) fn mark_contacts(&mut self, part: OpacityPart, occluder: &Occluder) {
+        let mut contacts = Vec::new();
         let near = self.cells_near_others(part, occluder);
         for (&place, mask) in &near {
             let brick = IVec3::from_array(place);
-            let mut rim = NONE;
+            let mut contact = NONE;
             for (next, axis, up) in self.bricks_beside(brick) {
                 let bits = self.opacity.part(part).fixed();
                 let others = beside(bits.brick(brick), bits.brick(next), axis, up);
                 // A cell of both is no seam. Bricks that are not here have no cells of others.
                 let own = beside(mask, near.get(&next.to_array()).unwrap_or(&NONE), axis, up);
-                rim = either(&rim, &both(mask, &without(&others, &own)));
+                contact = either(&contact, &both(mask, &without(&others, &own)));
             }
-            if rim != NONE {
-                rims.push((brick, rim));
+            if contact != NONE {
+                contacts.push((brick, contact));
             }
         }
-        let fused = &mut self.opacity.part_mut(part).fused;
-        rims.iter().for_each(|(brick, rim)| fused.add_rims(*brick, rim));
+        let opacity = self.opacity.part_mut(part);
+        contacts.iter().for_each(|(brick, contact)| opacity.add_contacts(*brick, contact));
     }
 
     /// The cells of a solid that is not in the matrices yet, where others are near.
@@ -73,7 +75,8 @@ impl Scene {
         near
     }
 
-    /// The bricks of the grid that share a face with a brick, with the axis across it, and whether they lie above.
+    /// The bricks of the grid that share a face with a brick, with the axis across it, and whether
+    /// they lie above.
     fn bricks_beside(&self, brick: IVec3) -> impl Iterator<Item = (IVec3, usize, bool)> + use<> {
         let last = (self.grid.dims() - 1) >> 3i32;
         IVec3::AXES.into_iter().enumerate().flat_map(move |(axis, step)| {
@@ -84,23 +87,24 @@ impl Scene {
         })
     }
 
-    /// Forgets the rims in a block of cells around a solid that is gone, where no other solids abut.
-    pub(super) fn forget_rims(&mut self, part: OpacityPart, lo: IVec3, hi: IVec3) {
+    /// Forgets the contacts in a block of cells around a solid that is gone, where no other solids
+    /// abut.
+    pub(super) fn forget_contacts(&mut self, part: OpacityPart, lo: IVec3, hi: IVec3) {
         let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(self.grid.dims() - 1));
         let mut idle: Vec<(IVec3, Mask)> = Vec::new();
-        self.opacity.part(part).fused.for_rims(lo, hi, &mut |brick, mask| {
+        self.opacity.part(part).fused().for_contacts(lo, hi, &mut |brick, mask| {
             let mask = both(mask, &block_mask(brick, lo, hi));
-            let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_rim(part, c)));
+            let gone = mask_of(cells_of(brick, &mask).filter(|&c| !self.is_contact(part, c)));
             if gone != NONE {
                 idle.push((brick, gone));
             }
         });
-        let fused = &mut self.opacity.part_mut(part).fused;
-        idle.iter().for_each(|(brick, cells)| fused.forget_rims(*brick, cells));
+        let opacity = self.opacity.part_mut(part);
+        idle.iter().for_each(|(brick, cells)| opacity.forget_contacts(*brick, cells));
     }
 
     /// Whether no single solid fills an opaque cell and all opaque cells beside it.
-    fn is_rim(&self, part: OpacityPart, cell: IVec3) -> bool {
+    fn is_contact(&self, part: OpacityPart, cell: IVec3) -> bool {
         let opaque = self.opacity.part(part).fixed();
         let mut steps = IVec3::AXES.into_iter().flat_map(|step| [cell + step, cell - step]);
         opaque.get(cell)

@@ -1,22 +1,32 @@
-//! The queue of the times at which volumes expire.
+//! The queue of the times at which something in a slot expires.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+
+use crate::slot::Slot;
 
 /// The queue is looked through for old entries when it is longer than this and twice the objects.
 const MANY: usize = 64;
 
 /// The time of an entry that is due at once, whatever the clock says.
-pub(super) const AT_ONCE: f64 = f64::NEG_INFINITY;
+pub const AT_ONCE: f64 = f64::NEG_INFINITY;
 
-/// An object whose volume expires, ordered by time, slot and generation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Expiry {
+/// A slot whose value expires. Earlier ones are greater, so that a heap gives them first; those of
+/// one time are ordered by slot and generation, the lesser first.
+#[derive(Debug, Clone, Copy)]
+pub struct Expiry {
     /// In seconds.
-    pub(super) at: f64,
-    pub(super) slot: u32,
-    /// The slot's generation: the entry is void once the slot has another object.
-    pub(super) generation: u32,
+    pub at: f64,
+    /// The slot.
+    pub slot: Slot,
+    /// The slot's generation: the entry is void once the slot has another value.
+    pub generation: u32,
+}
+
+impl PartialEq for Expiry {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
 }
 
 impl Eq for Expiry {}
@@ -35,33 +45,47 @@ impl Ord for Expiry {
     }
 }
 
-/// Expiries, the earliest first. Entries are never taken out when an object changes: whoever pops one asks
-/// whether it still counts.
+/// Expiries, the earliest first. Entries are never taken out when a value changes: whoever pops
+/// one asks whether it still counts.
+///
+/// ```
+/// use casca_slots::{Expiry, ExpiryQueue, Slot};
+///
+/// let mut queue = ExpiryQueue::default();
+/// for (at, slot) in [(2.0, 0), (1.0, 1)] {
+///     queue.push(Expiry { at, slot: Slot::new(slot), generation: 0 });
+/// }
+/// assert_eq!(queue.pop_until(1.5).map(|entry| entry.slot), Some(Slot::new(1)));
+/// assert_eq!(queue.pop_until(1.5), None);
+/// ```
 #[derive(Debug, Clone, Default)]
-pub(super) struct ExpiryQueue(BinaryHeap<Expiry>);
+pub struct ExpiryQueue(BinaryHeap<Expiry>);
 
 impl ExpiryQueue {
-    pub(super) fn push(&mut self, entry: Expiry) {
+    /// Adds an entry.
+    pub fn push(&mut self, entry: Expiry) {
         self.0.push(entry);
     }
 
     /// Takes the earliest entry, if it is not later than a time.
-    pub(super) fn pop_until(&mut self, time: f64) -> Option<Expiry> {
+    pub fn pop_until(&mut self, time: f64) -> Option<Expiry> {
         self.0.peek().filter(|next| next.at <= time)?;
         self.0.pop()
     }
 
-    /// Whether there are so many entries for this number of objects that most of them must be old.
-    pub(super) fn is_crowded(&self, objects: usize) -> bool {
-        self.0.len() > 2 * objects + MANY
+    /// Whether there are so many entries for this number of values that most of them must be old.
+    #[inline]
+    pub fn is_crowded(&self, values: usize) -> bool {
+        self.0.len() > 2 * values + MANY
     }
 
     /// Drops the entries that no longer count.
-    pub(super) fn retain(&mut self, counts: impl FnMut(&Expiry) -> bool) {
+    pub fn retain(&mut self, counts: impl FnMut(&Expiry) -> bool) {
         self.0.retain(counts);
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
         self.0.capacity() * size_of::<Expiry>()
     }
 }
@@ -70,10 +94,13 @@ impl ExpiryQueue {
 mod tests {
     use super::*;
 
+    fn entry(at: f64, slot: u32, generation: u32) -> Expiry {
+        Expiry { at, slot: Slot::new(slot), generation }
+    }
+
     #[test]
     fn entries_come_by_time_then_slot_then_generation() {
         let mut queue = ExpiryQueue::default();
-        let entry = |at, slot, generation| Expiry { at, slot, generation };
         let order = [
             entry(AT_ONCE, 9, 0),
             entry(-1.0, 7, 0),
@@ -99,12 +126,12 @@ mod tests {
         let mut queue = ExpiryQueue::default();
         let many = MANY as u32 + 10;
         for slot in (0..many).rev() {
-            queue.push(Expiry { at: f64::from(slot), slot, generation: slot % 2 });
+            queue.push(entry(f64::from(slot), slot, slot % 2));
         }
         assert!(queue.is_crowded(4) && !queue.is_crowded(5));
-        // Odd slots were given to other objects since.
+        // Odd slots were given to other values since.
         queue.retain(|e| e.generation == 0);
-        let left: Vec<u32> = std::iter::from_fn(|| queue.pop_until(1e9)).map(|e| e.slot).collect();
+        let left: Vec<u32> = std::iter::from_fn(|| queue.pop_until(1e9)).map(|e| e.slot.get()).collect();
         assert!(left.into_iter().eq((0..many).step_by(2)));
     }
 }
