@@ -14,24 +14,21 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 13] = [
+const ROOTS: [&str; 10] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
     "crates/truth/src",
     "crates/stage/src",
     "crates/points/src",
-    "crates/points-view/src",
     "crates/light/src",
-    "crates/light-view/src",
     "crates/lines/src",
     "crates/fur/src",
-    "crates/fur-view/src",
-    "crates/lines-view/src",
+    "crates/viewer/src",
 ];
 
 /// More sources whose files are checked for their length.
-const MORE: [&str; 2] = ["crates/viewer/src", "crates/slots/src"];
+const MORE: [&str; 1] = ["crates/slots/src"];
 
 /// A longer file says at its head why: a line that starts with `//! Long because`.
 const LONGEST: usize = 450;

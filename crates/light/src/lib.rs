@@ -18,7 +18,7 @@
 //! - [`renderer`]: all passes, and which of them run again after a change.
 //! - [`culling`]: a scene of the library for a lit scene.
 //!
-//! Voxels and pictures are tested in `crates/light-view/tests`.
+//! `casca-viewer light` shows it.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -14,10 +14,11 @@
 //!
 //! # Features
 //!
-//! None is on by default. These pages show the crate with both of them.
+//! None is on by default. These pages show the crate with all of them.
 //!
 //! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in chunks, and writes PLY.
 //! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
+//! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor. It needs the Rust of `casca-stage`.
 
 #[cfg(feature = "bricks")]
 pub mod bricks;
@@ -26,6 +27,8 @@ mod cloud;
 pub mod cluster;
 #[cfg(feature = "files")]
 pub mod files;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod hpr;
 pub mod hull;
 mod numeric;

@@ -57,7 +57,7 @@ pub(crate) fn origin_near(point: DVec3) -> DVec3 {
 }
 
 /// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in
-/// the streets that `casca-points generate` makes, with the thesis' bias of 0.05.
+/// the streets that `casca-viewer points generate` makes, with the thesis' bias of 0.05.
 #[cfg(feature = "bricks")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 

@@ -6,6 +6,9 @@ use crate::canvas::Target;
 use crate::gpu::Gpu;
 use crate::window::Screen;
 
+/// The colour behind panels that stand alone.
+const GROUND: wgpu::Color = wgpu::Color { r: 0.09, g: 0.10, b: 0.13, a: 1.0 };
+
 /// Draws boxes of text and images, and in windows boxes of sliders and buttons.
 pub struct Panel {
     context: egui::Context,
@@ -58,6 +61,31 @@ impl Panel {
         let mut output = self.context.clone().run_ui(input, |ui| show(ui.ctx()));
         screen.answer(std::mem::take(&mut output.platform_output));
         self.paint(&screen.gpu, target, output);
+    }
+
+    /// Fills the picture with one dark colour, for panels that stand alone.
+    pub fn clear(&self, gpu: &Gpu, target: &Target) {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(GROUND), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Shows words in the middle of a picture, and nothing else.
+    pub fn say(&mut self, gpu: &Gpu, target: &Target, scale: f32, words: &str) {
+        self.clear(gpu, target);
+        self.draw(gpu, target, scale, &|context| {
+            boxed(context, "words", Align2::CENTER_CENTER, [0.0, 0.0], &mut |ui| {
+                ui.label(egui::RichText::new(words).size(22.0));
+            });
+        });
     }
 
     fn paint(&mut self, gpu: &Gpu, target: &Target, mut output: egui::FullOutput) {

@@ -16,6 +16,14 @@ use winit::window::{Window, WindowId};
 
 use crate::canvas::Target;
 use crate::gpu::{DEPTH, Gpu};
+use crate::panel::Panel;
+
+/// What is said where there is no window to be had.
+const NO_WINDOW: &str = "no window can be opened (no display?): try --headless";
+/// What is said where the adapter has no way to the window.
+const NO_SURFACE: &str = "the graphics adapter cannot draw to a window: try --headless";
+/// Frames that show words before a program starts: the first may be lost before the window is on the screen.
+const WORDS: u32 = 2;
 
 /// Nothing, or why the program ends.
 pub type Done = Result<(), Box<dyn Error>>;
@@ -42,6 +50,33 @@ pub trait Demo {
     /// # Errors
     /// The program ends.
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done;
+
+    /// Another program to go on with in this window; asked for after each frame.
+    fn next(&mut self) -> Option<Start> {
+        None
+    }
+}
+
+/// A program that is to be started in a window.
+pub struct Start {
+    /// The title of the window.
+    pub title: String,
+    /// Starts it. Meanwhile the window shows the words "compiling shaders".
+    pub make: Make,
+}
+
+/// Starts a program.
+pub type Make = Box<dyn FnOnce(&Screen) -> Result<Box<dyn Demo>, Box<dyn Error>>>;
+
+impl Start {
+    /// A program that is started by `make`.
+    pub fn new<D: Demo + 'static>(
+        title: impl Into<String>,
+        make: impl FnOnce(&Screen) -> Result<D, Box<dyn Error>> + 'static,
+    ) -> Self {
+        let make = |screen: &Screen| make(screen).map(|demo| Box::new(demo) as Box<dyn Demo>);
+        Self { title: title.into(), make: Box::new(make) }
+    }
 }
 
 /// The window as a program sees it.
@@ -83,6 +118,11 @@ impl Screen {
         self.window.scale_factor() as f32
     }
 
+    /// Gives the window another title.
+    pub fn set_title(&self, title: &str) {
+        self.window.set_title(title);
+    }
+
     /// The context of the panels in this window.
     pub(crate) fn panels(&self) -> &egui::Context {
         &self.panels
@@ -100,26 +140,20 @@ impl Screen {
 
     fn new(options: &WindowOptions, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
         let size = PhysicalSize::new(options.size.0, options.size.1);
-        let attributes = Window::default_attributes().with_title(&options.title).with_inner_size(size);
-        let window = Arc::new(event_loop.create_window(attributes)?);
+        let attributes = Window::default_attributes().with_inner_size(size);
+        let window = Arc::new(event_loop.create_window(attributes).map_err(|_| NO_WINDOW)?);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let surface = instance.create_surface(window.clone())?;
+        let surface = instance.create_surface(window.clone()).map_err(|_| NO_SURFACE)?;
         let gpu = Gpu::on(&instance, Some(&surface), options.software)?;
         let (width, height) = gpu.clamp(window.inner_size().into());
-        let mut config = surface
-            .get_default_config(&gpu.adapter, width, height)
-            .ok_or("the adapter cannot draw to this window")?;
+        let mut config = surface.get_default_config(&gpu.adapter, width, height).ok_or(NO_SURFACE)?;
         // Colours are written as they are, without another encoding.
         let formats = surface.get_capabilities(&gpu.adapter).formats;
         config.format = formats.into_iter().find(|f| !f.is_srgb()).unwrap_or(config.format);
         surface.configure(&gpu.device, &config);
         let depth = gpu.texture((width, height), DEPTH);
         let (keys, last) = (HashSet::new(), Instant::now());
-        let panels = egui::Context::default();
-        let side = gpu.device.limits().max_texture_dimension_2d as usize;
-        let (id, scale) = (egui::ViewportId::ROOT, window.scale_factor() as f32);
-        let events =
-            egui_winit::State::new(panels.clone(), id, &window, Some(scale), None, Some(side)).into();
+        let (panels, events) = panels_of(&window, &gpu);
         let (looking, left) = (false, options.frames);
         Ok(Self { gpu, keys, window, surface, config, depth, looking, last, left, panels, events })
     }
@@ -130,10 +164,22 @@ impl Screen {
         self.depth = self.gpu.texture(self.size(), DEPTH);
     }
 
+    /// Makes way for the panels of another program: those of the last one are drawn with its own textures.
+    fn forget_panels(&mut self) {
+        (self.panels, self.events) = panels_of(&self.window, &self.gpu);
+    }
+
     /// Has `demo` draw a frame, and shows it.
-    fn redraw(&mut self, demo: &mut impl Demo) -> Done {
+    fn redraw(&mut self, demo: &mut dyn Demo) -> Done {
         let seconds = std::mem::replace(&mut self.last, Instant::now()).elapsed().as_secs_f64();
         demo.step(seconds, self);
+        self.show(&mut |screen, target| demo.draw(screen, target))?;
+        self.left = self.left.map(|left| left.saturating_sub(1));
+        Ok(())
+    }
+
+    /// Shows a frame.
+    fn show(&mut self, draw: &mut dyn FnMut(&Self, &Target) -> Done) -> Done {
         let texture = match self.surface.get_current_texture() {
             CurrentSurfaceTexture::Success(texture) | CurrentSurfaceTexture::Suboptimal(texture) => texture,
             CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Lost => {
@@ -142,10 +188,9 @@ impl Screen {
             }
             _ => return Ok(()),
         };
-        demo.draw(self, &Target::new(&texture.texture, &self.depth))?;
+        draw(self, &Target::new(&texture.texture, &self.depth))?;
         self.window.pre_present_notify();
         self.gpu.queue.present(texture);
-        self.left = self.left.map(|left| left.saturating_sub(1));
         // Where no panel asks for them, events would pile up.
         drop(self.input());
         // Nothing waits for the screen where it is not drawn to.
@@ -156,11 +201,18 @@ impl Screen {
     }
 }
 
+/// The context of panels in a window, and what gives it mouse and keys.
+fn panels_of(window: &Window, gpu: &Gpu) -> (egui::Context, RefCell<egui_winit::State>) {
+    let panels = egui::Context::default();
+    let side = gpu.device.limits().max_texture_dimension_2d as usize;
+    let (id, scale) = (egui::ViewportId::ROOT, window.scale_factor() as f32);
+    let events = egui_winit::State::new(panels.clone(), id, window, Some(scale), None, Some(side));
+    (panels, events.into())
+}
+
 /// The window to open.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct WindowOptions {
-    /// Its title.
-    pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// Whether a software adapter draws.
@@ -173,25 +225,72 @@ pub struct WindowOptions {
 ///
 /// # Errors
 /// There is no display or no adapter, and those of the program.
-pub fn open<D: Demo>(
-    options: &WindowOptions,
-    start: impl FnOnce(&Screen) -> Result<D, Box<dyn Error>>,
-) -> Done {
-    let event_loop =
-        EventLoop::new().map_err(|e| format!("no window can be opened (try --headless): {e}"))?;
+pub fn open(options: &WindowOptions, start: Start) -> Done {
+    let event_loop = EventLoop::new().map_err(|_| NO_WINDOW)?;
     let mut program = Program { options, start: Some(start), running: None, failed: None };
-    event_loop.run_app(&mut program)?;
+    event_loop.run_app(&mut program).map_err(|_| "the window system has ended the program")?;
     program.failed.map_or(Ok(()), Err)
 }
 
-struct Program<'a, D, F> {
+struct Program<'a> {
     options: &'a WindowOptions,
-    start: Option<F>,
-    running: Option<(Screen, D)>,
+    start: Option<Start>,
+    running: Option<(Screen, Shown)>,
     failed: Option<Box<dyn Error>>,
 }
 
-impl<D, F> Program<'_, D, F> {
+/// What a window shows.
+enum Shown {
+    /// Words, for so many frames; then a program is started.
+    Words(Start, Box<Panel>, u32),
+    /// A program. For a moment there is none.
+    Demo(Option<Box<dyn Demo>>),
+}
+
+impl Shown {
+    fn words(screen: &Screen, start: Start) -> Self {
+        screen.set_title(&start.title);
+        Self::Words(start, Box::new(Panel::new(&screen.gpu, screen.format())), WORDS)
+    }
+
+    fn demo(&mut self) -> Option<&mut dyn Demo> {
+        match self {
+            Self::Demo(Some(demo)) => Some(&mut **demo),
+            _ => None,
+        }
+    }
+
+    /// Draws a frame, and goes on to what comes next.
+    fn redraw(&mut self, screen: &mut Screen) -> Done {
+        match self {
+            Self::Words(_, panel, left) if *left > 0 => {
+                *left -= 1;
+                screen.show(&mut |screen, target| {
+                    panel.say(&screen.gpu, target, screen.scale(), "compiling shaders");
+                    Ok(())
+                })
+            }
+            Self::Words(..) => {
+                if let Self::Words(start, ..) = std::mem::replace(self, Self::Demo(None)) {
+                    *self = Self::Demo(Some((start.make)(screen)?));
+                }
+                screen.last = Instant::now();
+                Ok(())
+            }
+            Self::Demo(None) => Ok(()),
+            Self::Demo(Some(demo)) => {
+                screen.redraw(&mut **demo)?;
+                if let Some(start) = demo.next() {
+                    screen.forget_panels();
+                    *self = Self::words(screen, start);
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Program<'_> {
     fn end_if_failed(&mut self, event_loop: &ActiveEventLoop, result: Done) {
         if let Err(error) = result {
             self.failed = Some(error);
@@ -200,19 +299,19 @@ impl<D, F> Program<'_, D, F> {
     }
 }
 
-impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandler for Program<'_, D, F> {
+impl ApplicationHandler for Program<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         // It is called again when a suspended program goes on.
         let Some(start) = self.start.take() else { return };
-        let started = Screen::new(self.options, event_loop).and_then(|screen| {
-            self.running = Some((start(&screen).map(|demo| (screen, demo)))?);
-            Ok(())
+        let started = Screen::new(self.options, event_loop).map(|screen| {
+            let shown = Shown::words(&screen, start);
+            self.running = Some((screen, shown));
         });
         self.end_if_failed(event_loop, started);
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some((screen, demo)) = &mut self.running else { return };
+        let Some((screen, shown)) = &mut self.running else { return };
         let taken = screen.events.borrow_mut().on_window_event(&screen.window, &event).consumed;
         let result = match event {
             WindowEvent::CloseRequested => {
@@ -221,7 +320,9 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
             }
             WindowEvent::Resized(size) => {
                 screen.resize(size);
-                demo.resize(screen);
+                if let Some(demo) = shown.demo() {
+                    demo.resize(screen);
+                }
                 Ok(())
             }
             WindowEvent::Focused(false) => {
@@ -232,20 +333,22 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
                 screen.looking = state == ElementState::Pressed && !taken;
                 Ok(())
             }
-            WindowEvent::KeyboardInput { event, .. } => match event.physical_key {
-                PhysicalKey::Code(KeyCode::Escape) => {
+            WindowEvent::KeyboardInput { event, .. } => match (event.physical_key, shown.demo()) {
+                (PhysicalKey::Code(KeyCode::Escape), _) => {
                     event_loop.exit();
                     Ok(())
                 }
-                PhysicalKey::Code(key) if event.state == ElementState::Released => {
+                (PhysicalKey::Code(key), _) if event.state == ElementState::Released => {
                     screen.keys.remove(&key);
                     Ok(())
                 }
-                PhysicalKey::Code(key) if !taken && screen.keys.insert(key) => demo.press(key, screen),
+                (PhysicalKey::Code(key), Some(demo)) if !taken && screen.keys.insert(key) => {
+                    demo.press(key, screen)
+                }
                 _ => Ok(()),
             },
             WindowEvent::RedrawRequested => {
-                let drawn = screen.redraw(demo);
+                let drawn = shown.redraw(screen);
                 if screen.left == Some(0) {
                     event_loop.exit();
                 }
@@ -257,7 +360,8 @@ impl<D: Demo, F: FnOnce(&Screen) -> Result<D, Box<dyn Error>>> ApplicationHandle
     }
 
     fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
-        if let (Some((screen, demo)), DeviceEvent::MouseMotion { delta: (x, y) }) = (&mut self.running, event)
+        let Some((screen, shown)) = &mut self.running else { return };
+        if let (Some(demo), DeviceEvent::MouseMotion { delta: (x, y) }) = (shown.demo(), event)
             && screen.looking
         {
             demo.turn(x as f32, y as f32, screen);

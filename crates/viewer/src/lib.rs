@@ -1,22 +1,21 @@
-//! The viewer: draws exactly the objects that casca finds visible, in a window or into pictures, and
-//! proves pixel by pixel that none is missing.
+//! The viewer: casca and the systems around it, each in a window or in pictures.
 //!
-//! How casca is wired into a render loop is in [`frame_loop`]. The library part is there for the tests.
+//! - [`scene`]: draws exactly the objects that casca finds visible, and proves pixel by pixel that none is missing.
+//! - [`points`]: the points of a cloud that an eye can see.
+//! - [`light`]: light that bounces, by voxels.
+//! - [`lines`]: dense sets of lines, and their occlusion.
+//! - [`fur`]: fur in layers, and what visibility saves on it.
+//! - [`chooser`]: the list of them, in a window.
+//! - [`common`]: the options that all share.
+//!
+//! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for the tests.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod bench;
-pub mod birds_eye;
-pub mod camera_fit;
-pub mod draw;
-pub mod frame_loop;
-pub mod geometry;
-pub mod headless;
-pub mod legend;
-pub mod overlays;
-pub mod panel;
-pub mod playback;
-pub mod proof;
-pub mod renderer;
-pub mod side_by_side;
-pub mod window;
+pub mod chooser;
+pub mod common;
+pub mod fur;
+pub mod light;
+pub mod lines;
+pub mod points;
+pub mod scene;

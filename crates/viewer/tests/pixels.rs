@@ -10,12 +10,13 @@ use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::compare::Shot;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
-use casca_viewer::birds_eye::{Role, above_frustum, from_above};
-use casca_viewer::draw::{Painter, coloured};
-use casca_viewer::overlays::Overlays;
-use casca_viewer::playback::{Method, Playback};
-use casca_viewer::proof;
-use casca_viewer::renderer::{Marks, Renderer};
+use casca_viewer::scene::birds_eye::{above_frustum, from_above};
+use casca_viewer::scene::draw::{Painter, coloured};
+use casca_viewer::scene::overlays::Overlays;
+use casca_viewer::scene::playback::{Method, Playback};
+use casca_viewer::scene::proof;
+use casca_viewer::scene::renderer::{Marks, Renderer};
+use casca_viewer::scene::role::Role;
 
 const SIZE: (u32, u32) = (640, 360);
 

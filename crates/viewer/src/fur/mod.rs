@@ -1,0 +1,13 @@
+//! Furry animals: one, or a field of them among walls, in a window or in files.
+
+mod choices;
+mod field;
+mod fit;
+mod herd;
+mod one;
+mod run;
+mod shots;
+mod study;
+mod window;
+
+pub use choices::{Choices as Options, Map};

@@ -1,0 +1,220 @@
+//! Shells beside ray-traced strands: the error by layers, height and density.
+
+use std::error::Error;
+
+use casca_fur::gpu::look::{Look, sky_pixel};
+use casca_fur::gpu::reference::{Reference, Tint};
+use casca_fur::gpu::renderer::Renderer;
+use casca_fur::shading::Material;
+use casca_fur::strands::Fur;
+use casca_scenes::world::Camera;
+use casca_stage::command_line::{PathError, say};
+use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::image::write_png;
+use casca_stage::pictures::palette::OTHERS;
+use casca_stage::pictures::{Axis, Line, lines};
+use glam::Vec3;
+
+use crate::fur::choices::{Choices, Subject};
+use crate::fur::one::{self, TO_SUN};
+use crate::fur::shots::{Picture, Shooter, sheet};
+
+const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
+/// Heights as shares of the radius: the two of the thesis, and a taller one.
+const HEIGHTS: [f32; 3] = [0.02, 0.05, 0.1];
+const DENSITIES: [f32; 2] = [0.1, 0.3];
+/// Both pictures sample each pixel at the same 2x2 places.
+const SMOOTH: u32 = 1;
+const SIZE: (u32, u32) = (240, 180);
+
+/// Layers at which gaps are measured: those that the thesis finds enough for fur of 2%.
+const GAP_LAYERS: u32 = 8;
+/// Layers of the shells shown beside the strands, and whether their rays are followed.
+const SHOWN: [(u32, bool); 3] = [(8, true), (32, true), (8, false)];
+/// Light from everywhere and nothing else.
+const SHINING: Material =
+    Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
+
+/// One picture of shells: its parameters and its error.
+struct Row {
+    height: f32,
+    density: f32,
+    layers: u32,
+    marched: bool,
+    rmse: f64,
+    /// See [`gaps`]; not a number where it was not measured.
+    gaps: f64,
+}
+
+/// Looks at the shoulder and the head from so near that strands are some pixels wide.
+fn close(radius: f32) -> Camera {
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let (eye, at) = (Vec3::new(0.75, 0.55, 1.0) * radius, Vec3::new(0.35, 0.2, 0.15) * radius);
+    Camera::look_at(eye, at, 38.0, aspect, 0.01 * radius, 20.0 * radius)
+}
+
+/// The error of a picture over the pixels in which either picture shows the object, 0 to 1.
+fn rmse(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+    let pixels = || want.chunks(4).zip(got.chunks(4)).filter(|(a, b)| *a != sky || *b != sky);
+    let square = |(a, b): (&[u8], &[u8])| {
+        (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>() / 3.0
+    };
+    (pixels().map(square).sum::<f64>() / pixels().count().max(1) as f64).sqrt() / 255.0
+}
+
+/// Compares all cases, writes them, and prints what follows.
+pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    let mesh = &subject.levels[0];
+    let shooter = Shooter::new(gpu, SIZE, SMOOTH);
+    let camera = close(subject.radius);
+    let sun = one::sun(subject.radius, false);
+    let mut rows: Vec<Row> = Vec::new();
+    for density in DENSITIES {
+        for height in HEIGHTS {
+            let mut look = Look::new(Fur::for_radius(subject.radius, height, density)?);
+            look.fur.bend = choices.fur(subject.radius)?.bend;
+            let reference = Reference::new(mesh, &look)?;
+            let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
+            let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
+            let sky = sky_pixel();
+            let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
+            let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
+            let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
+            say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
+            // Strands shine by themselves, the more the nearer to the tip; skin and roots are black.
+            let shining = Look { material: SHINING, vary: 0.0, ..look };
+            let tips = Reference::new(mesh, &shining)?.picture(
+                &camera,
+                SIZE,
+                1 << SMOOTH,
+                &[Vec3::ZERO, Vec3::ONE],
+                TO_SUN.normalize(),
+            );
+            for marched in [true, false] {
+                look.marched = marched;
+                renderer.set_look(gpu, &look)?;
+                for layers in LAYERS {
+                    let list = one::list(subject, layers, camera.eye, false);
+                    let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
+                    let rmse = rmse(&truth, &pixels, &sky);
+                    let way = if marched { "followed" } else { "plain" };
+                    say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
+                    if SHOWN.contains(&(layers, marched)) {
+                        shown.push(Picture { size: SIZE, pixels });
+                    }
+                    let mut row = Row { height, density, layers, marched, rmse, gaps: f64::NAN };
+                    if layers == GAP_LAYERS {
+                        renderer.set_look(gpu, &Look { marched, ..shining })?;
+                        let list = one::tinted(layers, camera.eye, ([0.0; 3], [1.0; 3]));
+                        let shells = shooter.shoot(&mut renderer, &camera, &list, &sun)?.pixels;
+                        row.gaps = gaps(&tips, &shells, &sky);
+                        renderer.set_look(gpu, &look)?;
+                    }
+                    rows.push(row);
+                }
+            }
+            let beside = sheet(&shown, shown.len());
+            write_png(&choices.out().join(format!("{name}.png")), beside.size, &beside.pixels)?;
+        }
+    }
+    write(choices, &rows)?;
+    conclude(&rows);
+    Ok(())
+}
+
+fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    let mut csv = String::from("height,density,layers,rays followed,RMSE,light of tips lost\n");
+    for r in rows {
+        let gaps = if r.gaps.is_nan() { String::new() } else { format!("{:.4}", r.gaps) };
+        csv += &format!("{},{},{},{},{:.5},{gaps}\n", r.height, r.density, r.layers, r.marched, r.rmse);
+    }
+    let path = choices.out().join("study.csv");
+    std::fs::write(&path, csv).map_err(PathError::write(&path))?;
+    let mut curves = Vec::new();
+    for marched in [true, false] {
+        for (height, style) in HEIGHTS.into_iter().zip(OTHERS) {
+            let of = |r: &&Row| r.height == height && r.marched == marched && r.density == DENSITIES[1];
+            let points = rows.iter().filter(of).map(|r| (f64::from(r.layers), r.rmse)).collect();
+            let way = if marched { "rays followed" } else { "plain shells" };
+            let label = format!("{}% high, {way}", height * 100.0);
+            curves.push(Line::new(label, if marched { style } else { style.dashed() }, points));
+        }
+    }
+    let title = "Shells come nearer to strands with more layers, and tall fur needs more of them";
+    let subtitle =
+        format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[1], SIZE.0, SIZE.1);
+    let axes = (&Axis::log("layers"), &Axis::linear("RMSE of pixel values, 0 to 1"));
+    let path = choices.out().join("study.svg");
+    lines(&path, title, &subtitle, axes, &curves)?;
+    say(path.display());
+    Ok(())
+}
+
+/// Prints the trends that the thesis saw by eye.
+fn conclude(rows: &[Row]) {
+    let curve = |height: f32, density: f32, marched: bool| -> Vec<(f64, f64)> {
+        let same = |r: &&Row| (r.height, r.density, r.marched) == (height, density, marched);
+        rows.iter().filter(same).map(|r| (f64::from(r.layers), r.rmse)).collect()
+    };
+    for marched in [false, true] {
+        say(if marched { "rays followed:" } else { "plain shells:" });
+        for density in DENSITIES {
+            let short = curve(HEIGHTS[0], density, marched);
+            let Some(&(_, goal)) = short.iter().find(|p| p.0 == f64::from(GAP_LAYERS)) else { continue };
+            for height in &HEIGHTS[1..] {
+                let needed = layers_for_error(&curve(*height, density, marched), goal);
+                let needed = needed.map_or("more than 64".to_owned(), |n| format!("{n:.0}"));
+                say(format_args!(
+                    "  density {density}: fur {}% high needs {needed} layers for the error of fur {}% high with {GAP_LAYERS}",
+                    height * 100.0,
+                    HEIGHTS[0] * 100.0
+                ));
+            }
+        }
+    }
+    say(format_args!("light of tips that gaps swallow, with {GAP_LAYERS} layers:"));
+    for r in rows.iter().filter(|r| r.layers == GAP_LAYERS) {
+        let way = if r.marched { "followed" } else { "plain" };
+        say(format_args!("  height {:<4} density {}: {way:<9}{:.3}", r.height, r.density, r.gaps));
+    }
+}
+
+/// Where a falling curve of errors, with the logarithm of the layers between its points, first reaches an error: its first point, if
+/// that is below already.
+fn layers_for_error(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
+    let &(first, error) = curve.first()?;
+    if error <= goal {
+        return Some(first);
+    }
+    let pair = curve.windows(2).find(|w| w[0].1 >= goal && w[1].1 < goal)?;
+    let share = (pair[0].1 - goal) / (pair[0].1 - pair[1].1);
+    Some((pair[0].0.ln() * (1.0 - share) + pair[1].0.ln() * share).exp())
+}
+
+/// How much less of the tips a picture shows than another: the sums of the light in pixels that show the object.
+fn gaps(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+    let sum = |pixels: &[u8]| -> f64 {
+        let shown = pixels.chunks(4).filter(|p| *p != sky);
+        // Stored values are not linear in light.
+        shown.flat_map(|p| &p[..3]).map(|v| (f64::from(*v) / 255.0).powf(2.2)).sum()
+    };
+    1.0 - sum(got) / sum(want).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_taken_over_the_object_and_curves_are_read_between_their_points() {
+        let (sky, fur, dark) = ([9, 9, 9, 255], [200, 200, 200, 255], [100, 100, 100, 255]);
+        let want = [sky, fur, fur, sky].concat();
+        assert_eq!(rmse(&want, &want, &sky), 0.0);
+        let got = [sky, fur, dark, sky].concat();
+        assert!((rmse(&want, &got, &sky) - (0.5f64 * (100.0f64 / 255.0).powi(2)).sqrt()).abs() < 1e-12);
+        assert!((gaps(&want, &got, &sky) - 0.5 * (1.0 - 0.5f64.powf(2.2))).abs() < 1e-12);
+        let curve = [(4.0, 0.4), (16.0, 0.2), (64.0, 0.1)];
+        assert!((layers_for_error(&curve, 0.3).unwrap() - 8.0).abs() < 1e-9);
+        assert_eq!(layers_for_error(&curve, 0.05), None);
+    }
+}

@@ -1,0 +1,297 @@
+//! The window: sliders for the fur, and a camera to fly with.
+
+use std::error::Error;
+
+use crate::fur::herd::{Demand, Way, camera_at};
+use casca_fur::gpu::records::{DrawList, Sun};
+use casca_fur::gpu::renderer::Renderer;
+use casca_scenes::world::Camera;
+use casca_stage::canvas::Target;
+use casca_stage::egui::{self, Align2, Slider, SliderClamping};
+use casca_stage::fly::{Fly, way};
+use casca_stage::gpu::{DEPTH, Gpu};
+use casca_stage::panel::{Panel, controls};
+use casca_stage::wgpu::{self, util::TextureBlitter};
+use casca_stage::window::{Demo, Done, Screen, Start};
+use casca_stage::winit::keyboard::KeyCode;
+use glam::Vec3;
+
+use crate::fur::choices::{Choices, Map, Subject};
+use crate::fur::field::Stage;
+use crate::fur::one;
+
+/// Units or radii that the camera flies in a second.
+const SPEED: f32 = 1.5;
+
+const HELP: &str = "W A S D, E Q: fly   right button: look\nP: walk   H: panel   Esc: close";
+
+/// The window.
+pub fn start(choices: Choices, subject: Subject) -> Start {
+    let title = match choices.field {
+        Some(count) => format!("{count} animals - casca fur"),
+        None => format!("{} - casca fur", subject.name),
+    };
+    Start::new(title, |screen| Viewer::new(screen, choices, subject))
+}
+
+/// What is shown.
+enum Shown {
+    One(Subject, Box<Renderer>),
+    Many(Box<Stage>),
+}
+
+struct Viewer {
+    choices: Choices,
+    shown: Shown,
+    panel: Panel,
+    fly: Fly,
+    way: Way,
+    walking: bool,
+    time: f64,
+    help: bool,
+    /// Draws at twice the size.
+    smooth: bool,
+    large: Option<(Target, TextureBlitter)>,
+    /// The shadow map, and the eye that it was drawn for.
+    sun: Option<(Sun, Vec3)>,
+    milliseconds: f64,
+    counts: (usize, usize),
+}
+
+impl Viewer {
+    fn new(screen: &Screen, choices: Choices, subject: Subject) -> Result<Self, Box<dyn Error>> {
+        let (gpu, format) = (&screen.gpu, screen.format());
+        let (shown, camera) = match choices.field {
+            Some(count) => {
+                let stage = Stage::new(gpu, format, &choices, count)?;
+                let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
+                (Shown::Many(Box::new(stage)), camera)
+            }
+            None => {
+                let look = choices.look(subject.radius)?;
+                let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &look)?;
+                renderer.haze = one::HAZE / subject.radius;
+                let camera = one::camera(subject.radius, screen.aspect());
+                (Shown::One(subject, Box::new(renderer)), camera)
+            }
+        };
+        Ok(Self {
+            fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
+            panel: Panel::on(screen),
+            way: if choices.field.is_some() { Way::Visible } else { Way::All },
+            smooth: gpu.adapter.get_info().device_type != wgpu::DeviceType::Cpu,
+            choices,
+            shown,
+            walking: false,
+            time: 0.0,
+            help: true,
+            large: None,
+            sun: None,
+            milliseconds: 0.0,
+            counts: (0, 0),
+        })
+    }
+
+    /// The size of things.
+    fn radius(&self) -> f32 {
+        if let Shown::One(subject, _) = &self.shown { subject.radius } else { 1.0 }
+    }
+
+    fn camera(&self, aspect: f32) -> Camera {
+        let r = self.radius();
+        let far = if let Shown::Many(stage) = &self.shown {
+            stage.herd.field.ground().max.length() * 2.0
+        } else {
+            40.0 * r
+        };
+        Camera::look_at(self.fly.eye, self.fly.eye + self.fly.forward(), 55.0, aspect, 0.02 * r, far)
+    }
+
+    /// Draws the fur and all around it.
+    fn picture(&mut self, gpu: &Gpu, target: &Target, camera: &Camera) -> Result<(), Box<dyn Error>> {
+        let radius = self.radius();
+        let (list, counts): (DrawList, (usize, usize));
+        match &mut self.shown {
+            Shown::One(subject, renderer) => {
+                list = one::list(subject, self.choices.layers, camera.eye, true);
+                counts = (1, list.shells());
+                if self.sun.is_none() {
+                    let sun = one::sun(radius, true);
+                    renderer.cast_shadows(gpu, &list, &sun)?;
+                    self.sun = Some((sun, camera.eye));
+                }
+                let Some((sun, _)) = &self.sun else { return Ok(()) };
+                renderer.draw(gpu, target, camera, &list, sun)?;
+            }
+            Shown::Many(stage) => {
+                if self.sun.is_none_or(|(_, eye)| eye.distance(camera.eye) > 1.0) {
+                    self.sun = Some((stage.cast_shadows(gpu, camera)?, camera.eye));
+                }
+                let Some((sun, _)) = &self.sun else { return Ok(()) };
+                let demand = Demand {
+                    way: self.way,
+                    layers: self.choices.layers,
+                    budget: f64::from(self.choices.budget),
+                    height: target.size().1,
+                };
+                let drawn = stage.herd.look(camera, &demand)?;
+                counts = (drawn.animals, drawn.list.shells());
+                stage.renderer.draw(gpu, target, camera, &drawn.list, sun)?;
+            }
+        }
+        self.counts = counts;
+        Ok(())
+    }
+
+    /// Takes over what sliders changed; values that do not go together are left as they were.
+    fn change(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
+        let radius = match &self.shown {
+            Shown::One(subject, _) => subject.radius,
+            // As the field was made: bounds hold for its fur only.
+            Shown::Many(_) => return self.rebuild(gpu, old),
+        };
+        let Ok(look) = self.choices.look(radius) else {
+            self.choices = old;
+            return Ok(());
+        };
+        if let Shown::One(_, renderer) = &mut self.shown {
+            renderer.set_look(gpu, &look)?;
+        }
+        self.sun = None;
+        Ok(())
+    }
+
+    /// Makes the field anew: the bounds of its animals hold the fur that they have.
+    fn rebuild(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
+        let (Shown::Many(stage), Some(count)) = (&mut self.shown, self.choices.field) else { return Ok(()) };
+        let format = stage.renderer.format();
+        match Stage::new(gpu, format, &self.choices, count) {
+            Ok(made) => **stage = made,
+            Err(_) => self.choices = old,
+        }
+        self.sun = None;
+        Ok(())
+    }
+
+    fn show_panel(&mut self, screen: &Screen, target: &Target) -> Done {
+        let old = self.choices.clone();
+        let Self { panel, choices, way, smooth, .. } = self;
+        let line =
+            format!("{:.1} ms   {} objects, {} shells", self.milliseconds, self.counts.0, self.counts.1);
+        let (mut fur_changed, mut layers_changed) = (false, false);
+        let many = matches!(self.shown, Shown::Many(_));
+        panel.control(screen, target, &mut |context: &egui::Context| {
+            controls(context, "fur", Align2::LEFT_TOP, [12.0, 12.0], &mut |ui| {
+                ui.label(&line);
+                layers_changed |=
+                    ui.add(bound(Slider::new(&mut choices.layers, 0..=96)).text("layers")).changed();
+                let mut slide = |ui: &mut egui::Ui, value: &mut f32, range, text| {
+                    // A field is made anew, when the slider is let go.
+                    let answer = ui.add(bound(Slider::new(value, range)).text(text));
+                    fur_changed |= if many { answer.drag_stopped() } else { answer.changed() };
+                };
+                slide(ui, &mut choices.height, 0.0..=0.3, "height");
+                slide(ui, &mut choices.density, 0.02..=1.0, "density");
+                slide(ui, &mut choices.thickness, 0.004..=0.05, "thickness");
+                slide(ui, &mut choices.bend, 0.0..=2.0, "bend");
+                let mut plain = choices.plain;
+                let mut cube = choices.mapping == Map::Cube;
+                fur_changed |= ui.checkbox(&mut plain, "plain shells, as in the thesis").changed();
+                fur_changed |= ui.checkbox(&mut cube, "cube map, as in the thesis").changed();
+                choices.plain = plain;
+                choices.mapping = if cube { Map::Cube } else { Map::Cells };
+                ui.checkbox(smooth, "smooth: twice the size");
+                if many {
+                    ui.horizontal(|ui| {
+                        for each in Way::EVERY {
+                            ui.selectable_value(way, each, each.name());
+                        }
+                    });
+                    ui.add(bound(Slider::new(&mut choices.budget, 0.05..=1.0)).text("budget"));
+                }
+                ui.label(HELP);
+            });
+        });
+        if layers_changed {
+            self.sun = None;
+        }
+        if fur_changed { self.change(&screen.gpu, old) } else { Ok(()) }
+    }
+}
+
+/// Values of the command line may lie outside of a slider's range: they stay until it is moved.
+fn bound(slider: Slider<'_>) -> Slider<'_> {
+    slider.clamping(SliderClamping::Edits)
+}
+
+impl Demo for Viewer {
+    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
+        match key {
+            KeyCode::KeyH => self.help ^= true,
+            KeyCode::KeyP => self.walking ^= true,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn turn(&mut self, x: f32, y: f32, _: &Screen) {
+        self.fly.turn(x, y);
+    }
+
+    fn resize(&mut self, _: &Screen) {
+        self.large = None;
+    }
+
+    fn step(&mut self, seconds: f64, screen: &Screen) {
+        self.fly.go(way(&screen.keys) * (SPEED * self.radius() * seconds.min(0.1) as f32));
+        self.milliseconds = 0.9 * self.milliseconds + 0.1 * seconds * 1e3;
+        if self.walking {
+            self.time += seconds.min(0.1);
+        }
+    }
+
+    fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
+        let gpu = &screen.gpu;
+        let camera = self.camera(screen.aspect());
+        if self.walking
+            && let Shown::Many(stage) = &mut self.shown
+        {
+            stage.herd.walk(self.time)?;
+            self.sun = None;
+        }
+        let (width, height) = screen.size();
+        let fits = 2 * width.max(height) <= gpu.device.limits().max_texture_dimension_2d;
+        if self.smooth && fits {
+            let (large, blitter) = self.large.take().unwrap_or_else(|| twice(gpu, target));
+            self.picture(gpu, &large, &camera)?;
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            blitter.copy(&gpu.device, &mut encoder, &large.colour, &target.colour);
+            gpu.queue.submit([encoder.finish()]);
+            self.large = Some((large, blitter));
+        } else {
+            self.picture(gpu, target, &camera)?;
+        }
+        if self.help { self.show_panel(screen, target) } else { Ok(()) }
+    }
+}
+
+/// A target of twice the size, and what makes it smaller: the mean of four pixels.
+fn twice(gpu: &Gpu, target: &Target) -> (Target, TextureBlitter) {
+    let (width, height) = target.size();
+    let format = target.colour.texture().format();
+    let size = wgpu::Extent3d { width: 2 * width, height: 2 * height, depth_or_array_layers: 1 };
+    let colour = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("twice the size"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let blitter = wgpu::util::TextureBlitterBuilder::new(&gpu.device, format)
+        .sample_type(wgpu::FilterMode::Linear)
+        .build();
+    (Target::new(&colour, &gpu.texture((2 * width, 2 * height), DEPTH)), blitter)
+}

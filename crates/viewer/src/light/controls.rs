@@ -1,0 +1,267 @@
+//! What the sliders of the window set.
+
+use casca_light::cones::ConeCount;
+use casca_light::picture::Layer;
+use casca_light::renderer::Settings;
+use casca_scenes::lit::{Light, LightKind};
+use casca_stage::egui::{
+    CollapsingHeader, ComboBox, DragValue, Grid, Response, ScrollArea, Slider, SliderClamping, Ui,
+};
+use glam::Vec3;
+
+use crate::light::options::{APERTURES, EXPOSURES, Options, REACHES, STEPS, slope};
+
+/// Cells along the longest axis that the slider offers.
+const RESOLUTIONS: std::ops::RangeInclusive<u32> = 64..=512;
+/// The slider goes through multiples of this many cells, of which axes have multiples anyway.
+const CELLS: f64 = 32.0;
+/// The strongest that a light can be made, as a factor.
+const STRONGEST: f32 = 10.0;
+/// Metres that a light moves for each pixel of the mouse, as a share of the scene's length.
+const DRAG: f32 = 0.002;
+/// The height of the list of lights, in points; more of them are scrolled.
+const LIST: f32 = 190.0;
+
+/// A light, how strong it is, and whether it shines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamp {
+    /// The light of the scene, where it was moved to.
+    pub light: Light,
+    /// A factor of its strength.
+    pub strength: f32,
+    /// Whether it shines.
+    pub on: bool,
+}
+
+impl Lamp {
+    fn shines(&self) -> Light {
+        Light { color: if self.on { self.light.color * self.strength } else { Vec3::ZERO }, ..self.light }
+    }
+}
+
+/// All that can be set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controls {
+    /// Cells along the longest axis that are wanted.
+    pub resolution: u32,
+    /// The settings but for the resolution and the aperture.
+    pub settings: Settings,
+    /// Half the angle of the narrowest reflection, in degrees.
+    pub aperture: f32,
+    /// Light times this is shown.
+    pub exposure: f32,
+    /// The layer that is shown.
+    pub layer: Layer,
+    /// Whether light is only brought up to date where the picture can read it.
+    pub cull: bool,
+    /// Whether the balls move.
+    pub moving: bool,
+    /// The lights.
+    pub lamps: Vec<Lamp>,
+    /// While the slider of the resolution is held: voxels are made again when it is let go.
+    pub held: bool,
+}
+
+impl Controls {
+    /// As the command line says.
+    pub fn new(options: &Options, lights: &[Light]) -> Self {
+        let lamp = |&light: &Light| Lamp { light, strength: 1.0, on: true };
+        Self {
+            resolution: options.resolution,
+            settings: options.settings(),
+            aperture: options.aperture,
+            exposure: options.exposure,
+            layer: Layer::Picture,
+            cull: options.cull,
+            moving: true,
+            lamps: lights.iter().map(lamp).collect(),
+            held: false,
+        }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> Settings {
+        Settings { resolution: self.resolution, aperture: slope(self.aperture), ..self.settings }
+    }
+
+    /// The lights as they shine.
+    pub fn lights(&self) -> Vec<Light> {
+        self.lamps.iter().map(Lamp::shines).collect()
+    }
+
+    /// Shows sliders and boxes for everything, for a scene so many metres long.
+    pub fn show(&mut self, ui: &mut Ui, length: f32) {
+        self.resolution(ui);
+        let settings = &mut self.settings;
+        slider(ui, &mut settings.step, STEPS, "cone step, texels");
+        slider(ui, &mut self.aperture, APERTURES, "aperture, degrees")
+            .on_hover_text("Half the angle of the narrowest reflection.");
+        slider(ui, &mut settings.reach, REACHES, "reach of cones, share of the grid");
+        slider(ui, &mut self.exposure, EXPOSURES, "exposure");
+        ui.horizontal(|ui| {
+            ui.radio_value(&mut settings.cones, ConeCount::Six, "6 cones");
+            ui.radio_value(&mut settings.cones, ConeCount::Sixteen, "16 cones");
+            ui.checkbox(&mut settings.bounce, "second bounce");
+        });
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut self.cull, "update only what can be read");
+            ui.checkbox(&mut self.moving, "balls move");
+        });
+        ComboBox::from_label("layer").selected_text(self.layer.name()).show_ui(ui, |ui| {
+            for layer in Layer::EVERY {
+                ui.selectable_value(&mut self.layer, layer, layer.name());
+            }
+        });
+        if self.lamps.is_empty() {
+            ui.label("no lights but surfaces that emit");
+            return;
+        }
+        CollapsingHeader::new(format!("lights: {}", self.lamps.len())).default_open(true).show(ui, |ui| {
+            ScrollArea::vertical().max_height(LIST).show(ui, |ui| {
+                Grid::new("lights").show(ui, |ui| {
+                    for (number, lamp) in self.lamps.iter_mut().enumerate() {
+                        ui.push_id(number, |ui| ui.checkbox(&mut lamp.on, kind(&lamp.light)));
+                        ui.push_id(number, |ui| slider(ui, &mut lamp.strength, 0.0..=STRONGEST, "strength"));
+                        ui.end_row();
+                        ui.label("");
+                        ui.push_id(number, |ui| place(ui, &mut lamp.light, length * DRAG));
+                        ui.end_row();
+                    }
+                });
+            });
+        });
+    }
+
+    /// The slider of the resolution.
+    fn resolution(&mut self, ui: &mut Ui) -> Response {
+        let slider = Slider::new(&mut self.resolution, RESOLUTIONS).step_by(CELLS).text("cells");
+        let response = ui.add(slider.clamping(SliderClamping::Edits));
+        self.held = response.dragged();
+        response
+    }
+}
+
+/// A slider for a number. A value from outside of its range stays until it is moved.
+fn slider(ui: &mut Ui, value: &mut f32, range: std::ops::RangeInclusive<f32>, text: &str) -> Response {
+    ui.add(Slider::new(value, range).logarithmic(true).clamping(SliderClamping::Edits).text(text))
+}
+
+fn kind(light: &Light) -> &'static str {
+    match light.kind {
+        LightKind::Directional { .. } => "sun",
+        LightKind::Point { .. } => "point",
+        LightKind::Spot { .. } => "spot",
+    }
+}
+
+/// Where a light is: a sun's height and turn in degrees, the place of others in metres.
+fn place(ui: &mut Ui, light: &mut Light, speed: f32) {
+    match &mut light.kind {
+        LightKind::Directional { direction, .. } => {
+            let (mut height, mut turn) = angles(*direction);
+            ui.horizontal(|ui| {
+                let low =
+                    ui.add(DragValue::new(&mut height).range(-90.0..=90.0).prefix("height ").suffix("°"));
+                let turned =
+                    ui.add(DragValue::new(&mut turn).range(-180.0..=180.0).prefix("turn ").suffix("°"));
+                if low.union(turned).changed() {
+                    *direction = sunbeam(height, turn);
+                }
+            });
+        }
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            ui.horizontal(|ui| {
+                for (axis, name) in ["x ", "y ", "z "].into_iter().enumerate() {
+                    ui.add(DragValue::new(&mut position[axis]).speed(speed).prefix(name).suffix(" m"));
+                }
+            });
+        }
+    }
+}
+
+/// How high a sun stands whose light goes along a direction, and how far it is turned from z to x, in degrees.
+fn angles(direction: Vec3) -> (f32, f32) {
+    let to = -direction.normalize_or(Vec3::NEG_Y);
+    (to.y.clamp(-1.0, 1.0).asin().to_degrees(), to.x.atan2(to.z).to_degrees())
+}
+
+/// Where the light of a sun at such angles goes.
+fn sunbeam(height: f32, turn: f32) -> Vec3 {
+    let ((sin, cos), (x, z)) = (height.to_radians().sin_cos(), turn.to_radians().sin_cos());
+    -Vec3::new(cos * x, sin, cos * z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::parsed;
+    use casca_scenes::lit::Kind;
+    use casca_stage::egui::{Context, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
+
+    fn controls(words: &[&str]) -> Controls {
+        let options = parsed::<Options>(words).unwrap();
+        Controls::new(&options, &Kind::CornellPoint.build().lights)
+    }
+
+    /// Shows something once, with what the mouse did.
+    fn pass(context: &Context, events: Vec<Event>, show: &mut dyn FnMut(&mut Ui)) {
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(800.0, 600.0)));
+        let input = RawInput { screen_rect, events, ..Default::default() };
+        context.run_ui(input, |ui| show(ui)).drop_without_applying_deltas();
+    }
+
+    fn button(pos: Pos2, pressed: bool) -> Event {
+        Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+    }
+
+    #[test]
+    fn a_slider_that_is_drawn_sets_the_resolution_when_it_is_let_go() {
+        let (context, mut controls) = (Context::default(), controls(&["--resolution", "48"]));
+        let mut place = Rect::NOTHING;
+        for _ in 0..2 {
+            pass(&context, Vec::new(), &mut |ui| place = controls.resolution(ui).rect);
+        }
+        // A value of the command line outside of the slider's range stays.
+        assert_eq!((controls.resolution, controls.held), (48, false));
+        let at = Pos2::new(place.left() + 50.0, place.center().y);
+        pass(&context, vec![Event::PointerMoved(at)], &mut |ui| drop(controls.resolution(ui)));
+        pass(&context, vec![button(at, true)], &mut |ui| drop(controls.resolution(ui)));
+        let to = at + vec2(30.0, 0.0);
+        pass(&context, vec![Event::PointerMoved(to)], &mut |ui| drop(controls.resolution(ui)));
+        assert!(controls.held && (65..512).contains(&controls.resolution), "{controls:?}");
+        assert!(controls.resolution.is_multiple_of(CELLS as u32));
+        pass(&context, vec![button(to, false)], &mut |ui| drop(controls.resolution(ui)));
+        assert!(!controls.held && controls.settings().resolution == controls.resolution);
+    }
+
+    #[test]
+    fn what_is_shown_changes_nothing_by_itself() {
+        let mut controls = controls(&["--aperture", "30", "--step", "0.5", "--sun", "1,-2,0.5"]);
+        let before = controls.clone();
+        let context = Context::default();
+        for _ in 0..3 {
+            pass(&context, Vec::new(), &mut |ui| controls.show(ui, 5.0));
+        }
+        assert_eq!(before, controls);
+        assert!((controls.settings().aperture - 30_f32.to_radians().tan()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn lights_that_are_off_shine_black_and_others_as_strong_as_is_set() {
+        let mut controls = controls(&[]);
+        let color = controls.lamps[0].light.color;
+        controls.lamps[0].strength = 0.5;
+        assert_eq!(controls.lights()[0].color, color * 0.5);
+        controls.lamps[0].on = false;
+        assert_eq!(controls.lights()[0].color, Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_sun_is_turned_and_turned_back() {
+        for direction in [Vec3::new(0.3, -0.8, 0.2), Vec3::NEG_Y, Vec3::X, Vec3::new(-1.0, 0.5, -1.0)] {
+            let (height, turn) = angles(direction);
+            assert!(sunbeam(height, turn).abs_diff_eq(direction.normalize(), 1e-5), "{direction}");
+        }
+        assert_eq!(angles(Vec3::NEG_Y).0, 90.0);
+    }
+}

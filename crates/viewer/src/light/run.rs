@@ -1,0 +1,112 @@
+//! What the command line asks for, done.
+
+use casca_stage::command_line::{Outcome, say};
+use casca_stage::window;
+
+use crate::common::Failed;
+use crate::light::options::Options;
+use crate::light::scene::Start;
+use crate::light::{headless, stages, window as shown};
+
+impl Options {
+    fn open(&self) -> Result<Start, Failed> {
+        let mut start = Start::open(&self.scene(), self.balls)?;
+        start.change(self.sun, self.from.zip(self.to));
+        Ok(start)
+    }
+
+    /// The window.
+    ///
+    /// # Errors
+    /// The scene cannot be had.
+    pub fn start(&self) -> Result<window::Start, Failed> {
+        self.check()?;
+        Ok(shown::start(self.open()?, self))
+    }
+
+    /// Opens a window, draws pictures or prints times.
+    ///
+    /// # Errors
+    /// The scene cannot be had, lit or written.
+    pub fn run(&self) -> Result<Outcome, Failed> {
+        let drawing = &self.common.drawing;
+        if !(self.common.headless || self.time) {
+            return drawing.open(self.start()?).map(|()| Outcome::Well);
+        }
+        let layers = self.check()?;
+        let start = self.open()?;
+        let gpu = drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        if self.common.headless {
+            headless::pictures(&gpu, &start, self, &layers)?;
+        }
+        if self.time {
+            stages::time(&gpu, &start, self)?;
+        }
+        Ok(Outcome::Well)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use casca_stage::gpu::Gpu;
+
+    use super::*;
+    use crate::common::parsed;
+    use crate::light::options;
+    use casca_light::renderer::{Renderer, Settings};
+    use casca_scenes::lit::Kind;
+
+    fn said(words: &[&str]) -> String {
+        parsed::<Options>(words).unwrap().run().expect_err(words[1]).to_string()
+    }
+
+    #[test]
+    fn scenes_that_cannot_be_had_are_named_before_anything_is_drawn() {
+        let folder = std::env::temp_dir().join(format!("casca-light-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        let empty = br#"{"asset": {"version": "2.0"}}"#;
+        for (scene, word) in [
+            ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
+            (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),
+            (file("empty.gltf", empty), "empty.gltf: holds no triangles"),
+            (file("house.obj", b"v 0 0 0"), "neither a .glb or .gltf file nor"),
+            (folder.to_str().unwrap().to_owned(), "neither a .glb or .gltf file nor"),
+            ("house".to_owned(), "cornell-point"),
+            (String::new(), "cornell-point"),
+        ] {
+            let said = said(&["--headless", &scene]);
+            assert!(said.contains(word), "{scene}: {said}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn the_ranges_of_the_command_line_are_those_of_the_library() {
+        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let scene = Kind::Furnace.build();
+        let taken = |settings| Renderer::new(&gpu, &scene, settings).is_ok();
+        let middle = Settings { resolution: 16, ..Settings::default() };
+        for (name, (low, high)) in [
+            ("step", (*options::STEPS.start(), *options::STEPS.end())),
+            ("reach", (*options::REACHES.start(), *options::REACHES.end())),
+            (
+                "aperture",
+                (options::slope(*options::APERTURES.start()), options::slope(*options::APERTURES.end())),
+            ),
+        ] {
+            let with = |value| match name {
+                "step" => Settings { step: value, ..middle },
+                "reach" => Settings { reach: value, ..middle },
+                _ => Settings { aperture: value, ..middle },
+            };
+            assert!(taken(with(low)) && taken(with(high)), "{name}");
+            assert!(!taken(with(0.5 * low)) && !taken(with(1.01 * high)), "{name}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The window: a camera to fly with, and sliders for lights, layers and settings.
+
+use std::error::Error;
+use std::time::Instant;
+
+use casca_light::culling::{Culling, may_see};
+use casca_light::picture::Layer;
+use casca_light::renderer::{Renderer, Settings};
+use casca_scenes::world::Camera;
+use casca_stage::canvas::Target;
+use casca_stage::egui::{Align2, RichText};
+use casca_stage::fly::{Fly, way};
+use casca_stage::panel::{Panel, boxed, controls};
+use casca_stage::timing::Clock;
+use casca_stage::window::{self, Demo, Done, Screen};
+use casca_stage::winit::keyboard::KeyCode;
+use glam::Vec3;
+
+use crate::light::controls::Controls;
+use crate::light::headless::told;
+use crate::light::options::Options;
+use crate::light::scene::Start;
+
+/// The share of the scene's length that the camera flies in a second.
+const SPEED: f32 = 0.1;
+/// Keys of the layers.
+const LAYERS: [KeyCode; 7] = [
+    KeyCode::Digit1,
+    KeyCode::Digit2,
+    KeyCode::Digit3,
+    KeyCode::Digit4,
+    KeyCode::Digit5,
+    KeyCode::Digit6,
+    KeyCode::Digit7,
+];
+const HELP: &str =
+    "W A S D Q E and right mouse button: fly    1-7: layers    Space: balls    H: hides all this";
+
+/// The window.
+pub fn start(start: Start, options: &Options) -> window::Start {
+    let controls = Controls::new(options, &start.scene.lights);
+    let title = format!("{} - casca light", start.scene.name);
+    window::Start::new(title, move |screen| Viewer::new(screen, start, controls))
+}
+
+struct Viewer {
+    start: Start,
+    renderer: Renderer,
+    culling: Culling,
+    panel: Panel,
+    fly: Fly,
+    controls: Controls,
+    seconds: f32,
+    hidden: bool,
+    /// Why the last change of a setting was not made, such as a resolution that the adapter cannot hold.
+    trouble: String,
+}
+
+impl Viewer {
+    fn new(screen: &Screen, start: Start, controls: Controls) -> Result<Self, Box<dyn Error>> {
+        let renderer = Renderer::new(&screen.gpu, &start.scene, controls.settings())?;
+        let camera = start.scene.camera;
+        Ok(Self {
+            culling: Culling::new(&start.scene, renderer.volume())?,
+            renderer,
+            panel: Panel::on(screen),
+            fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
+            controls,
+            seconds: 0.0,
+            hidden: false,
+            trouble: String::new(),
+            start,
+        })
+    }
+
+    fn camera(&self, aspect: f32) -> Camera {
+        self.start.looking(self.fly.eye, self.fly.eye + self.fly.forward(), aspect)
+    }
+
+    /// Does what the controls ask for.
+    fn apply(&mut self, screen: &Screen, before: &Controls) -> Done {
+        let settings = self.controls.settings();
+        if settings.resolution != self.renderer.settings().resolution && !self.controls.held {
+            return self.remake(screen);
+        }
+        let but_cells = |settings: Settings| Settings { resolution: 0, ..settings };
+        if but_cells(settings) != but_cells(before.settings()) {
+            let set = self.renderer.set_settings(&screen.gpu, settings);
+            self.trouble = set.err().map_or(String::new(), |why| why.to_string());
+        }
+        if self.controls.lamps != before.lamps {
+            self.renderer.set_lights(&screen.gpu, &self.controls.lights())?;
+        }
+        Ok(())
+    }
+
+    /// Makes all voxels again at another resolution. If the adapter cannot hold them, the old ones stay.
+    fn remake(&mut self, screen: &Screen) -> Done {
+        for (object, place) in self.start.balls_at(self.seconds).collect::<Vec<_>>() {
+            self.start.scene.objects[object].transform = place;
+        }
+        self.start.scene.lights = self.controls.lights();
+        match Renderer::new(&screen.gpu, &self.start.scene, self.controls.settings()) {
+            Ok(new) => {
+                self.renderer = new;
+                self.culling = Culling::new(&self.start.scene, self.renderer.volume())?;
+                self.trouble.clear();
+            }
+            Err(why) => {
+                self.trouble = why.to_string();
+                self.controls.resolution = self.renderer.settings().resolution;
+                self.renderer.set_lights(&screen.gpu, &self.start.scene.lights)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn show(&mut self, screen: &Screen, target: &Target, numbers: &[String]) {
+        let Self { panel, controls: set, start, trouble, hidden, .. } = self;
+        if *hidden {
+            return;
+        }
+        let length = (start.bounds.1 - start.bounds.0).length();
+        panel.control(screen, target, &mut |context| {
+            boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
+                numbers.iter().for_each(|line| {
+                    ui.label(line);
+                });
+                if !trouble.is_empty() {
+                    ui.label(RichText::new(trouble.as_str()).strong());
+                }
+            });
+            controls(context, "controls", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| set.show(ui, length));
+            boxed(context, "help", Align2::LEFT_BOTTOM, [10.0, -10.0], &mut |ui| {
+                ui.label(HELP);
+            });
+        });
+    }
+}
+
+impl Demo for Viewer {
+    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
+        match key {
+            KeyCode::Space => self.controls.moving ^= true,
+            KeyCode::KeyH => self.hidden ^= true,
+            _ => {
+                if let Some(layer) = LAYERS.iter().position(|k| *k == key) {
+                    self.controls.layer = Layer::EVERY[layer];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn turn(&mut self, x: f32, y: f32, _: &Screen) {
+        self.fly.turn(x, y);
+    }
+
+    fn resize(&mut self, _: &Screen) {}
+
+    fn step(&mut self, seconds: f64, screen: &Screen) {
+        let seconds = seconds.min(0.1) as f32;
+        let (min, max) = self.start.bounds;
+        let way = way(&screen.keys) * (SPEED * (max - min).length() * seconds);
+        if way != Vec3::ZERO {
+            self.fly.go(way);
+        }
+        if self.controls.moving {
+            self.seconds += seconds;
+        }
+    }
+
+    fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
+        let (gpu, start) = (&screen.gpu, Instant::now());
+        let camera = self.camera(screen.aspect());
+        if self.controls.moving {
+            for (ball, place) in self.start.balls_at(self.seconds) {
+                self.renderer.move_object(gpu, ball, place)?;
+                self.culling.move_object(ball, place)?;
+            }
+        }
+        let reach = match self.controls.cull {
+            true => self.culling.look(&camera)?.map(|sight| self.renderer.reach(&|b| may_see(&sight, b))),
+            false => None,
+        };
+        let updated = self.renderer.update(gpu, reach.as_ref(), &mut Clock::off())?;
+        self.renderer.exposure = self.controls.exposure;
+        self.renderer.draw(gpu, target, &camera, self.controls.layer, &mut Clock::off())?;
+        gpu.wait()?;
+        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        let numbers =
+            [format!("{milliseconds:.0} ms a frame on {}", gpu.name), told(&self.renderer, &updated)];
+        let before = self.controls.clone();
+        self.show(screen, target, &numbers);
+        self.apply(screen, &before)
+    }
+}

@@ -1,0 +1,57 @@
+//! Pictures without a window.
+
+use casca_lines::gpu::culling::{Culling, Seen};
+use casca_lines::gpu::renderer::Renderer;
+use casca_lines::gpu::set::GpuLines;
+use casca_stage::canvas::Canvas;
+use casca_stage::command_line::{make_folder, say};
+use casca_stage::gpu::COLOUR;
+use casca_stage::image::write_png;
+use casca_stage::timing::Clock;
+use casca_stage::window::Done;
+use clap::ValueEnum;
+use glam::Vec3;
+
+use crate::lines::options::Options;
+use crate::lines::source::Source;
+
+/// Behind lines.
+pub const BACKGROUND: Vec3 = Vec3::splat(1.0);
+
+/// Draws the pictures that the command line asks for.
+pub fn pictures(options: &Options, source: &Source) -> Done {
+    let gpu = options.common.drawing.device()?;
+    let canvas = Canvas::new(&gpu, options.common.drawing.size);
+    let size = <[u32; 2]>::from(canvas.size());
+    let view = source.view(options, source.start(options, size, 0)?, size)?;
+    let set = source.at(f64::from(options.at))?;
+    let lines = GpuLines::new(&gpu, &set)?;
+    let mut renderer = Renderer::new(&gpu, COLOUR, source.settings(options, &view))?;
+    let seen = match options.cull {
+        true => {
+            Culling::new(lines.bundles(), &source.walls)?.look(&view, renderer.settings().reach(&view)?)?
+        }
+        false => Seen::all(lines.bundles().len()),
+    };
+    renderer.update(&gpu, &view, (&lines, &seen), &source.walls, &mut Clock::off())?;
+    let folder = options.common.folder("lines");
+    make_folder(&folder)?;
+    say(format_args!(
+        "{} lines with {} vertices in {} bundles, {} drawn and {} in columns, on {}",
+        set.len(),
+        lines.vertices(),
+        lines.bundles().len(),
+        seen.drawn.len(),
+        seen.read.len(),
+        gpu.name
+    ));
+    for look in &options.look {
+        let (target, strength) = (canvas.picture(), options.factor);
+        renderer.paint(&gpu, &target, look.look(), strength, BACKGROUND, &mut Clock::off())?;
+        let name = look.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let path = folder.join(format!("lines_{}_{name}.png", source.name));
+        write_png(&path, canvas.size(), &canvas.read_picture(&gpu)?)?;
+        say(format_args!("{}", path.display()));
+    }
+    Ok(())
+}

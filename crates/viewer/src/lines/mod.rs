@@ -1,0 +1,10 @@
+//! Dense sets of lines with ambient occlusion, in a window or into pictures, and the time of each stage.
+
+mod headless;
+mod options;
+mod run;
+mod source;
+mod times;
+mod window;
+
+pub use options::Options;

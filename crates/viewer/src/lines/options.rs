@@ -1,0 +1,175 @@
+//! The command line.
+
+use casca_lines::gpu::renderer::Look;
+use casca_lines::occlusion::Estimator;
+use casca_lines::sets::generate::Family;
+use casca_lines::slabs::Slices;
+use casca_stage::command_line::EXIT_CODES;
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+
+use crate::common::Common;
+
+/// The radius of the thesis' hemispheres, as a share of the extent of the scene.
+const RADIUS: f32 = 0.13;
+
+/// Draws dense sets of lines and darkens lines among other lines, so that one sees which lie in front
+///
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space stops and starts the motion, 1 to 4 choose
+/// the picture, C switches culling, Escape quits. Sliders set radius, samples and factor.
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck or .trk"))
+)]
+pub struct Options {
+    /// What all systems take.
+    #[command(flatten)]
+    pub common: Common,
+    /// A generated set
+    #[arg(long, default_value = "spiral", value_parser = parse_family, conflicts_with = "file")]
+    pub set: Family,
+    /// The number of lines of a generated set; with --rooms of each room [default: what suits the set]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub lines: Option<u32>,
+    /// The vertices of a generated line
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "rooms")]
+    pub vertices: Option<u32>,
+    /// Seed of generated sets and motions
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// A house of N x N rooms with a set in each, whose walls hide lines
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
+    pub rooms: Option<u32>,
+    /// The direction that the set is seen from
+    #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
+    pub from: Vec3,
+    /// The vertical angle of the picture in degrees, 1 to 150; 0 for parallel rays
+    #[arg(long, default_value = "40", value_parser = parse_angle)]
+    pub fov: f32,
+    /// Magnifies the middle of the picture
+    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.1, 100.0))]
+    pub zoom: f32,
+    /// The time in seconds: generated sets turn and sway, those of files sway
+    #[arg(long, default_value = "0", value_parser = |t: &str| parse_within(t, -1e6, 1e6))]
+    pub at: f32,
+    /// The radius of the occlusion, as a share of the extent
+    #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
+    pub radius: f32,
+    /// The samples of a pixel
+    #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: u32,
+    /// The occlusion is multiplied by this
+    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
+    pub factor: f32,
+    /// How the columns around a pixel become an occlusion
+    #[arg(long, value_enum, default_value = "depth")]
+    pub estimator: Way,
+    /// The radius of the tubes that lines are taken for, in pixels, by the estimator "depth"
+    #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
+    pub tube: f32,
+    /// Pixels along the side of a column
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub coarse: u32,
+    /// Slices of a column
+    #[arg(long, default_value = "256", value_parser = parse_slices)]
+    pub slices: Slices,
+    /// Draws and voxelises only the bundles of lines that may matter
+    #[arg(long)]
+    pub cull: bool,
+    /// The pictures, comma-separated
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "plain,diffuse,occluded",
+        requires = "headless"
+    )]
+    pub look: Vec<LookName>,
+    /// Prints the time of each stage, and how it grows with samples, covered pixels and vertices; with --rooms, with and without culling
+    #[arg(long, conflicts_with = "headless")]
+    pub time: bool,
+}
+
+/// Estimators by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Way {
+    /// The light that tubes stop; its mean hardly changes with the size of the columns
+    Depth,
+    /// The thesis' mean of ratios, with its factor of 4
+    Thesis,
+    /// The thesis' ratio of sums, with a factor of 4
+    Ratio,
+    /// 1 - exp(-10 x) of the mean of ratios x
+    Extinction,
+}
+
+/// Pictures by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LookName {
+    /// Flat colours
+    Plain,
+    /// Lit as tubes
+    Diffuse,
+    /// Lit as tubes and darkened by the occlusion
+    Occluded,
+    /// The occlusion alone
+    Occlusion,
+}
+
+impl Way {
+    /// The estimator, for tubes of a radius.
+    pub fn estimator(self, line_radius: f32) -> Estimator {
+        match self {
+            Self::Depth => Estimator::OpticalDepth { line_radius },
+            Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },
+            Self::Ratio => Estimator::RatioOfSums { factor: 4.0 },
+            Self::Extinction => Estimator::Extinction { k: 10.0 },
+        }
+    }
+}
+
+impl LookName {
+    pub fn look(self) -> Look {
+        match self {
+            Self::Plain => Look::Plain,
+            Self::Diffuse => Look::Diffuse,
+            Self::Occluded => Look::Occluded,
+            Self::Occlusion => Look::Occlusion,
+        }
+    }
+}
+
+fn parse_family(text: &str) -> Result<Family, String> {
+    let names = || Family::ALL.map(Family::name).join(", ");
+    let found = Family::ALL.into_iter().find(|f| f.name() == text);
+    found.ok_or_else(|| format!("no generated set has this name; there are {}", names()))
+}
+
+fn parse_slices(text: &str) -> Result<Slices, String> {
+    match text {
+        "128" => Ok(Slices::S128),
+        "256" => Ok(Slices::S256),
+        _ => Err("columns have 128 or 256 slices".to_owned()),
+    }
+}
+
+fn parse_within(text: &str, low: f32, high: f32) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|n| (low..=high).contains(n));
+    number.ok_or_else(|| format!("expected a number from {low} to {high}"))
+}
+
+fn parse_angle(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(0.0) => Ok(0.0),
+        _ => parse_within(text, 1.0, 150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
+    }
+}
+
+fn parse_direction(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').take(4).map(|n| n.trim().parse().ok().filter(|n: &f32| n.is_finite())).collect();
+    let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
+    let direction = direction.and_then(Vec3::try_normalize);
+    direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
+}

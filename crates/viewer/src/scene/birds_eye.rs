@@ -1,0 +1,137 @@
+//! A culled frame seen from above: all objects, and in the colour of each whether it is drawn, culled or outside the frustum.
+
+use std::f64::consts::FRAC_PI_2;
+
+use casca_scenes::world::Camera;
+use casca_stage::panel::Entry;
+use glam::{DVec3, Vec3};
+
+use crate::scene::camera_fit::{Margins, Solid, fitted};
+use crate::scene::geometry::DrawList;
+use crate::scene::legend::of_roles;
+use crate::scene::overlays::Overlays;
+use crate::scene::playback::Frame;
+use crate::scene::role::Role;
+
+/// How far down the camera looks, in radians: steep enough to see into streets and rooms.
+const PITCH: f64 = 0.62 * FRAC_PI_2;
+/// Vertical angle of view, in degrees: that of the camera which is flown.
+pub const FOV_Y: f32 = 60.0;
+/// It is narrower for the whole scene, so that walls lean less.
+const FOV_Y_WHOLE: f32 = 32.0;
+
+/// A frame from above.
+pub struct FromAbove {
+    /// The objects, to draw.
+    pub list: DrawList,
+    /// The meanings of their colours.
+    pub legend: Vec<Entry>,
+}
+
+/// All objects of a frame in the colours of their roles; `lost` are those that a check found missing. The legend counts those in the picture of `watcher`.
+///
+/// # Errors
+/// As [`Overlays::in_frustum`].
+pub fn from_above(
+    frame: &Frame<'_>,
+    overlays: &mut Overlays,
+    (watcher, lost): (&Camera, &[usize]),
+) -> Result<FromAbove, casca::Error> {
+    let mut roles = vec![Role::Outside; frame.objects.len()];
+    overlays.culled(frame)?.into_iter().for_each(|i| roles[i] = Role::Culled);
+    lost.iter().for_each(|&i| roles[i] = Role::Lost);
+    frame.visible.iter().for_each(|&i| roles[i] = Role::Drawn);
+    // Counted before grounds and ceilings are set apart, so that the numbers are those of culling.
+    let in_picture = overlays.in_frustum(frame.scene, watcher)?;
+    let counts = Role::COUNTED.map(|role| (role, in_picture.iter().filter(|&&i| roles[i] == role).count()));
+    let grid = frame.scene.grid();
+    let extent = (grid.max() - grid.min()).as_vec3();
+    for (role, object) in roles.iter_mut().zip(frame.objects) {
+        *role = Role::of(object, *role, frame.camera.eye, extent);
+    }
+    let drawn = (0..roles.len()).filter(|&i| roles[i] != Role::Ceiling);
+    let list = frame.geometry.list(frame.objects, drawn, &|i| roles[i].colour());
+    Ok(FromAbove { list, legend: of_roles(&counts) })
+}
+
+/// A direction, steeply down.
+fn down(level: DVec3) -> DVec3 {
+    level * PITCH.cos() - DVec3::Y * PITCH.sin()
+}
+
+/// A camera above and behind another one, as near as it can be with that one and its frustum, as far as it lies in the
+/// box of the scene, in its picture.
+pub fn above_frustum(camera: &Camera, (min, max): (DVec3, DVec3), aspect: f32) -> Camera {
+    let mut points: Vec<DVec3> = Solid::seen(camera, min, max).corners().collect();
+    if points.is_empty() {
+        points = Solid::cuboid(min, max).corners().collect();
+    }
+    points.push(camera.eye.as_dvec3());
+    let forward = -camera.view.row(2).truncate().as_dvec3();
+    let level = DVec3::new(forward.x, 0.0, forward.z).normalize_or(DVec3::NEG_Z);
+    // The lines of help cover the bottom.
+    let margins = Margins { sides: 0.06, top: 0.06, bottom: 0.16 };
+    fitted(&points, down(level), (FOV_Y, aspect), margins, (max - min).length())
+}
+
+/// A camera that has the whole scene in its picture, with room for a title and a legend.
+pub fn above_scene((min, max): (DVec3, DVec3), aspect: f32) -> Camera {
+    let points: Vec<DVec3> = Solid::cuboid(min, max).corners().collect();
+    let margins = Margins { sides: 0.02, top: 0.08, bottom: 0.075 };
+    fitted(&points, down(DVec3::NEG_Z), (FOV_Y_WHOLE, aspect), margins, (max - min).length())
+}
+
+/// Where a point is in the picture of a camera, in shares of it from its left upper corner. Points behind the camera are outside.
+pub fn place_in(watcher: &Camera, point: Vec3) -> [f32; 2] {
+    let clip = watcher.view_projection() * point.extend(1.0);
+    if clip.w <= 0.0 {
+        return [-1.0; 2];
+    }
+    [0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: (DVec3, DVec3) = (DVec3::ZERO, DVec3::new(100.0, 20.0, 60.0));
+
+    fn assert_inside(camera: &Camera, points: impl IntoIterator<Item = DVec3>) {
+        for p in points {
+            let c = camera.view_projection().as_dmat4().project_point3(p);
+            assert!(c.x.abs() < 1.0 && c.y.abs() < 1.0 && c.z > 0.0 && c.z < 1.0, "{p} is at {c}");
+        }
+    }
+
+    #[test]
+    fn the_frozen_camera_and_its_frustum_are_in_the_picture() {
+        for (eye, target) in [
+            (Vec3::new(50.0, 2.0, 30.0), Vec3::new(60.0, 2.0, 20.0)),
+            (Vec3::new(50.0, 2.0, 30.0), Vec3::new(50.0, -9.0, 30.0)),
+            // Outside the scene: looking at it, and away from it.
+            (Vec3::new(-300.0, 90.0, 30.0), Vec3::new(60.0, 2.0, 20.0)),
+            (Vec3::new(-300.0, 90.0, 30.0), Vec3::new(-400.0, 90.0, 20.0)),
+        ] {
+            let camera = Camera::look_at(eye, target, 70.0, 1.5, 0.1, 900.0);
+            let above = above_frustum(&camera, BOUNDS, 1.8);
+            assert_inside(&above, Solid::seen(&camera, BOUNDS.0, BOUNDS.1).corners());
+            assert_inside(&above, [eye.as_dvec3()]);
+            assert!(above.eye.y > eye.y, "it is above");
+        }
+    }
+
+    #[test]
+    fn places_are_counted_from_the_left_upper_corner() {
+        let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90.0, 1.0, 0.1, 100.0);
+        let [x, y] = place_in(&camera, Vec3::new(1.0, 1.0, -2.0));
+        assert!((x - 0.75).abs() < 1e-5 && (y - 0.25).abs() < 1e-5, "{x} {y}");
+        assert_eq!(place_in(&camera, Vec3::Z), [-1.0; 2]);
+    }
+
+    #[test]
+    fn the_whole_scene_is_in_the_picture() {
+        for aspect in [0.4, 1.6, 3.0] {
+            assert_inside(&above_scene(BOUNDS, aspect), Solid::cuboid(BOUNDS.0, BOUNDS.1).corners());
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! A scene, all methods that may cull it, and its clock.
+
+use std::error::Error;
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+use casca::{Query, Scene};
+use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_stage::window::Done;
+use casca_truth::baselines::{Hzb, RayBuffer};
+
+use crate::scene::frame_loop;
+use crate::scene::geometry::Geometry;
+
+/// Pixels of the depth buffers that are compared with, as engines choose them.
+const HZB: (usize, usize) = (640, 360);
+const RAYS: (usize, usize) = (256, 144);
+
+/// How it is decided what is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Method {
+    /// Everything is drawn.
+    All,
+    /// What may be in the frustum.
+    Frustum,
+    /// casca: what the eye can see.
+    Point,
+    /// casca: what the eye's cell can see.
+    Cell,
+    /// For comparison: a rasterised depth buffer.
+    Hzb,
+    /// For comparison: a ray-cast depth buffer.
+    Rays,
+}
+
+impl Method {
+    /// All of them.
+    pub const EVERY: [Self; 6] = [Self::All, Self::Frustum, Self::Point, Self::Cell, Self::Hzb, Self::Rays];
+
+    /// Whether it promises that nothing visible is lost.
+    pub fn is_safe(self) -> bool {
+        !matches!(self, Self::Hzb | Self::Rays)
+    }
+
+    /// The samples of its depth buffer, if it has one.
+    pub fn samples(self) -> Option<(usize, usize)> {
+        match self {
+            Self::Hzb => Some(HZB),
+            Self::Rays => Some(RAYS),
+            Self::All | Self::Frustum | Self::Point | Self::Cell => None,
+        }
+    }
+
+    /// The next one.
+    pub fn next(self) -> Self {
+        Self::EVERY[(self as usize + 1) % Self::EVERY.len()]
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::All => "all",
+            Self::Frustum => "frustum",
+            Self::Point => "point",
+            Self::Cell => "cell",
+            Self::Hzb => "hzb",
+            Self::Rays => "rays",
+        })
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let found = Self::EVERY.into_iter().find(|m| m.to_string() == name);
+        found.ok_or_else(|| "expected all, frustum, point, cell, hzb or rays".to_owned())
+    }
+}
+
+/// A scene and its clock.
+pub struct Playback {
+    /// The objects as they are now.
+    pub world: World,
+    /// The library's scene.
+    pub driver: Driver,
+    /// What is drawn.
+    pub geometry: Geometry,
+    /// Frames since the start.
+    ticks: usize,
+    point: Query,
+    cell: Query,
+    frustum: Query,
+    hzb: Hzb,
+    rays: RayBuffer,
+}
+
+/// What there is to draw in a frame.
+pub struct Frame<'a> {
+    /// All objects as they are now.
+    pub objects: &'a [Object],
+    /// What is drawn of them.
+    pub geometry: &'a Geometry,
+    /// The library's scene.
+    pub scene: &'a Scene,
+    /// The query that ran.
+    pub query: &'a Query,
+    /// The camera that was culled for.
+    pub camera: Camera,
+    /// The objects to draw, ascending.
+    pub visible: Vec<usize>,
+    /// Time that culling took.
+    pub time: Duration,
+}
+
+impl Playback {
+    /// A scene with all objects where they are at first.
+    ///
+    /// # Errors
+    /// As [`Driver::new`].
+    pub fn new(mut world: World) -> Result<Self, Box<dyn Error>> {
+        world.set_frame(0);
+        let driver = Driver::new(&world, &grid_for(&world.grid, None)?, |_| ())?;
+        Ok(Self {
+            geometry: Geometry::new(&world.objects),
+            driver,
+            ticks: 0,
+            point: Query::with_method(casca::Method::point())?,
+            cell: Query::with_method(casca::Method::cell())?,
+            frustum: Query::with_method(casca::Method::Frustum)?,
+            hzb: Hzb::new(HZB.0, HZB.1),
+            rays: RayBuffer::new(&world.objects, RAYS.0, RAYS.1),
+            world,
+        })
+    }
+
+    /// The frame of the path that `tick` shows: there and back again, so that nothing ever jumps.
+    pub fn path_frame(&self, tick: usize) -> usize {
+        match self.world.frames {
+            0 | 1 => 0,
+            n => n - 1 - (tick % (2 * n - 2)).abs_diff(n - 1),
+        }
+    }
+
+    /// Frames since the start.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// The path's camera now.
+    pub fn path_camera(&self, aspect: f32) -> Camera {
+        self.world.camera(self.path_frame(self.ticks), aspect)
+    }
+
+    /// Moves the clock on by a frame.
+    pub fn advance(&mut self) {
+        self.ticks += 1;
+    }
+
+    /// Runs the frame loop once: culls for `camera` by `method` and has `draw` draw it.
+    ///
+    /// # Errors
+    /// As [`frame_loop::frame`].
+    pub fn frame(
+        &mut self,
+        method: Method,
+        camera: &Camera,
+        draw: &mut dyn FnMut(Frame<'_>) -> Done,
+    ) -> Done {
+        let (number, seconds) = (self.path_frame(self.ticks), self.ticks as f64 * FRAME_SECONDS);
+        let moved = self.world.set_frame(number);
+        let query = match method {
+            Method::Point => &mut self.point,
+            Method::Cell => &mut self.cell,
+            _ => &mut self.frustum,
+        };
+        let objects = &self.world.objects;
+        let (geometry, hzb, rays) = (&self.geometry, &mut self.hzb, &mut self.rays);
+        frame_loop::frame(
+            &mut self.driver,
+            query,
+            seconds,
+            (objects, &moved),
+            camera,
+            &mut |scene, query, time| {
+                let visible = found(query);
+                let (mut visible, time) = match method {
+                    Method::All => ((0..objects.len()).collect(), Duration::ZERO),
+                    Method::Hzb => timed(|| hzb.frame(objects, &visible, camera)),
+                    Method::Rays => timed(|| rays.frame(objects, &visible, camera)),
+                    Method::Frustum | Method::Point | Method::Cell => (visible, time),
+                };
+                visible.sort_unstable();
+                draw(Frame { objects, geometry, scene, query, camera: *camera, visible, time })
+            },
+        )
+    }
+
+    /// What each of `methods` would draw for the camera of this frame, ascending; the scene stays as it is.
+    ///
+    /// # Errors
+    /// As [`view_of`].
+    pub fn compare(
+        &mut self,
+        methods: &[Method],
+        camera: &Camera,
+    ) -> Result<Vec<Vec<usize>>, Box<dyn Error>> {
+        let (objects, scene) = (&self.world.objects, &self.driver.scene);
+        let view = view_of(camera)?;
+        self.frustum.run(scene, &view);
+        let in_frustum = found(&self.frustum);
+        let sets = methods.iter().map(|method| {
+            let mut set = match method {
+                Method::All => (0..objects.len()).collect(),
+                Method::Frustum => in_frustum.clone(),
+                Method::Hzb => self.hzb.frame(objects, &in_frustum, camera),
+                Method::Rays => self.rays.frame(objects, &in_frustum, camera),
+                Method::Point => {
+                    self.point.run(scene, &view);
+                    found(&self.point)
+                }
+                Method::Cell => {
+                    self.cell.run(scene, &view);
+                    found(&self.cell)
+                }
+            };
+            set.sort_unstable();
+            set
+        });
+        Ok(sets.collect())
+    }
+}
+
+/// The objects of a result, ascending. They were inserted in order, and none was removed.
+fn found(query: &Query) -> Vec<usize> {
+    let mut found: Vec<usize> = query.pvs().visible().iter().map(|id| id.index()).collect();
+    found.sort_unstable();
+    found
+}

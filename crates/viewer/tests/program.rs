@@ -1,0 +1,122 @@
+//! The program as a user starts it: what it writes, what it says about wrong files, and exit codes.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+fn program(folder: &Path, words: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_casca-viewer"));
+    command.current_dir(folder).args(words.split(' '));
+    command
+}
+
+/// The exit code, the output and the errors of a command.
+fn run(folder: &Path, words: &str) -> (Option<i32>, String, String) {
+    let output = program(folder, words).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn without_a_display_all_systems_say_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    for system in ["", "scene rooms", "points", "light", "lines", "fur"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_casca-viewer"));
+        command.current_dir(folder.path()).args(system.split_whitespace());
+        let output =
+            command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output();
+        let output = output.unwrap();
+        if cfg!(target_os = "linux") {
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(3), "{system}: {said}");
+            assert_eq!(said, "error: no window can be opened (no display?): try --headless\n", "{system}");
+        }
+    }
+}
+
+#[test]
+fn a_town_is_cut_and_walked_through_and_errors_name_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert_eq!(run(folder, "points generate town.ply --points 2000").0, Some(0));
+    assert_eq!(run(folder, "points bricks town.ply town.bricks").0, Some(0));
+    let walk = "points walk town.bricks --walls town.walls --frames 40 --check";
+    let (code, _, said) = run(folder, walk);
+    assert_eq!((code, said.as_str()), (Some(0), ""));
+
+    // Nobody reads the output.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = program(folder, walk).stdout(writer).stderr(Stdio::piped()).output().unwrap();
+    assert_eq!((output.status.code(), String::from_utf8(output.stderr).unwrap().as_str()), (Some(0), ""));
+
+    std::fs::write(folder.join("bad.walls"), "0 0 0 1 1 1\n0 0 x 0 10 10 10\n").unwrap();
+    std::fs::write(folder.join("one.txt"), "1\n1 2 3 1 0 0 1 0 0 0.3\n").unwrap();
+    for (words, part) in [
+        ("points walk town.bricks --walls bad.walls", "bad.walls, line 2: a wall is six finite numbers"),
+        ("points generate town.walls", "choose another"),
+        ("points generate nowhere/town.ply --points 1", "nowhere/town.walls"),
+        ("points visible one.txt --out seen.ply", "at one place"),
+    ] {
+        let (code, _, said) = run(folder, words);
+        assert!(code == Some(3) && said.contains(part), "{words}: {said}");
+    }
+    assert_eq!(run(folder, "points visible one.txt --eye 1,2,9 --out seen.ply").0, Some(0));
+}
+
+#[test]
+fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
+    let folder = std::env::temp_dir().join(format!("casca-viewer-lines-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let words = "lines --rooms 3 --lines 30 --headless --size 96x72 --samples 16 --look plain,occluded --out";
+    let (code, said, errors) = run(&folder, &format!("{words} all"));
+    if errors.contains("no graphics adapter") {
+        return println!("skipped: no adapter");
+    }
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(said.contains("270 lines"), "{said}");
+    assert_eq!(run(&folder, &format!("{words} some --cull")).0, Some(0));
+    let picture = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    for name in ["lines_rooms_plain.png", "lines_rooms_occluded.png"] {
+        assert!(picture(&format!("all/{name}")) == picture(&format!("some/{name}")), "{name}");
+    }
+    assert!(picture("all/lines_rooms_plain.png") != picture("all/lines_rooms_occluded.png"));
+    // A file is swayed at another time than 0.
+    std::fs::write(folder.join("zigzag.obj"), "v 0 0 0\nv 1 1 0\nv 2 0 0.5\nv 3 1 0\nl 1 2 3 4\n").unwrap();
+    let words = "lines zigzag.obj --headless --size 96x72 --look occlusion --fov 0 --out";
+    assert_eq!(run(&folder, &format!("{words} still")).0, Some(0));
+    assert_eq!(run(&folder, &format!("{words} moved --at 1")).0, Some(0));
+    let name = "lines_zigzag_occlusion.png";
+    assert!(picture(&format!("still/{name}")) != picture(&format!("moved/{name}")));
+    // A picture cannot be written where a file has the name of the folder.
+    let (code, _, errors) = run(&folder, &format!("{words} zigzag.obj"));
+    assert!(code == Some(3) && errors.contains("zigzag.obj"), "{errors}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn furry_pictures_are_written_and_errors_name_their_cause() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("file"), "no folder").unwrap();
+    std::fs::write(folder.join("broken.glb"), "no scene").unwrap();
+    for (words, part) in [
+        ("--headless --out file", "file"),
+        ("--headless broken.glb", "broken.glb"),
+        ("--headless nowhere.glb", "nowhere.glb"),
+        ("--headless --density 0", "the density of the fur"),
+        ("--field 3 --headless --thickness 0", "spacing"),
+    ] {
+        let (code, _, said) = run(folder, &format!("fur {words}"));
+        assert!(code == Some(3) && said.contains(part), "{words}: {said}");
+    }
+    let (code, _, said) = run(folder, "fur --headless --size 48x32 --smooth 0 --layers 4 --out one");
+    if said.contains("no graphics adapter") {
+        return println!("skipped: no adapter");
+    }
+    assert_eq!(code, Some(0), "{said}");
+    assert!(folder.join("one/animal.png").is_file());
+    let (code, said, _) =
+        run(folder, "fur --field 6 --headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out field");
+    assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{said}");
+    assert!(folder.join("field/field-0.png").is_file() && folder.join("field/field-0-layered.png").is_file());
+}
