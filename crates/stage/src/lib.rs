@@ -42,6 +42,8 @@ pub mod panel;
 pub mod path_error;
 #[cfg(feature = "charts")]
 pub mod pictures;
+#[cfg(feature = "window")]
+mod screen;
 #[cfg(feature = "gpu")]
 pub mod timing;
 #[cfg(feature = "window")]
