@@ -44,6 +44,8 @@ pub mod panel;
 pub mod path_error;
 #[cfg(feature = "charts")]
 pub mod pictures;
+#[cfg(feature = "window")]
+mod screen;
 #[cfg(feature = "gpu")]
 pub mod timing;
 #[cfg(feature = "window")]

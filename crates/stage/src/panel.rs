@@ -4,7 +4,7 @@ use egui::{Align2, Color32, ColorImage, TextureHandle, TextureOptions};
 
 use crate::canvas::Target;
 use crate::gpu::Gpu;
-use crate::window::Screen;
+use crate::screen::Screen;
 
 /// The colour behind panels that stand alone.
 const GROUND: wgpu::Color = wgpu::Color { r: 0.09, g: 0.10, b: 0.13, a: 1.0 };

@@ -58,7 +58,7 @@ mod tests {
     use casca_scenes::lit::Kind;
 
     fn said(words: &[&str]) -> String {
-        parsed::<Options>(words).unwrap().run().expect_err(words[1]).to_string()
+        parsed::<Options>(words).and_then(|o| o.run().map_err(|e| e.to_string())).expect_err(words[1])
     }
 
     #[test]
@@ -78,7 +78,7 @@ mod tests {
             (file("house.obj", b"v 0 0 0"), "neither a .glb or .gltf file nor"),
             (folder.to_str().unwrap().to_owned(), "neither a .glb or .gltf file nor"),
             ("house".to_owned(), "cornell-point"),
-            (String::new(), "cornell-point"),
+            (String::new(), "[FILE]"),
         ] {
             let said = said(&["--headless", &scene]);
             assert!(said.contains(word), "{scene}: {said}");

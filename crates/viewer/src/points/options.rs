@@ -64,7 +64,7 @@ mod tests {
             ("--fov 180", "from 1 to 170"),
             ("--headless --panes everything", "possible values: points"),
             ("visible --operator hpr", "--out"),
-            ("--headless walk x", "walk"),
+            ("--headless walk x", "cannot be used with"),
         ] {
             let words: Vec<&str> = words.split(' ').collect();
             let said = parsed::<Options>(&words).unwrap_err();
