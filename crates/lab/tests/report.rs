@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use casca_lab::lab::{EXPERIMENTS, HEAD, Lab, Section, write};
+use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, Section, write};
 
 const MOST_LINES: usize = 300;
 

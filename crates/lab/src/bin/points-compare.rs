@@ -7,8 +7,8 @@
 use std::error::Error;
 use std::time::Instant;
 
-use casca_lab::lab::points::cloud::Cloud;
-use casca_lab::lab::points::hare::hare;
+use casca_lab::experiments::points::cloud::Cloud;
+use casca_lab::experiments::points::hare::hare;
 use casca_points::hpr::{Kernel, visible_points};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one thread.
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
-use casca_lab::lab::LabError;
-use casca_lab::lab::buffer::{BufferCost, Effort, PRESETS, Score, measure};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::buffer::{BufferCost, Effort, PRESETS, Score, measure};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 

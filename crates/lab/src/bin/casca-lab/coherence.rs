@@ -1,8 +1,8 @@
 //! A walking camera, and the ways to answer its frames side by side.
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, SceneName, WIDTHS, say};
-use casca_lab::lab::LabError;
-use casca_lab::lab::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
 use casca_scenes::generated::SceneOptions;
 use clap::{Parser, value_parser};
 

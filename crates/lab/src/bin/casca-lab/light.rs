@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::LabError;
-use casca_lab::lab::light::{HEAD, light};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::light::{HEAD, light};
 use clap::Parser;
 
 use crate::page::Page;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::LabError;
-use casca_lab::lab::lines::{self, HEAD};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::lines::{self, HEAD};
 use clap::Parser;
 
 use crate::page::Page;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::LabError;
-use casca_lab::lab::points::{Effort, HEAD, points};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::points::{Effort, HEAD, points};
 use clap::Parser;
 
 use crate::page::Page;

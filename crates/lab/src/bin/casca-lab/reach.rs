@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, SceneName};
-use casca_lab::lab::reach::{Effort, ReachScore, measure, section};
-use casca_lab::lab::{HEAD, LabError};
+use casca_lab::experiments::reach::{Effort, ReachScore, measure, section};
+use casca_lab::experiments::{HEAD, LabError};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::Parser;
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
-use casca_lab::lab::{EXPERIMENTS, HEAD, Lab, LabError, write};
+use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, LabError, write};
 use casca_scenes::import;
 use clap::Parser;
 

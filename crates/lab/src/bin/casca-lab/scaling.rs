@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
-use casca_lab::lab::{HEAD, LabError, Reach, scaling_to};
+use casca_lab::experiments::{HEAD, LabError, Reach, scaling_to};
 use clap::Parser;
 
 use crate::page::Page;

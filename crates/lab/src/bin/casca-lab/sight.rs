@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use casca_lab::command_line::{
     EXIT_CODES, FRAMES, MOST_SAMPLES, Outcome, PathError, SceneName, say, try_writing,
 };
-use casca_lab::lab::LabError;
-use casca_lab::lab::sight::{Effort, measure, table};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::sight::{Effort, measure, table};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use casca_lab::command_line::{
     EXIT_CODES, FRAMES, Outcome, PathError, SceneName, WIDTHS, say, try_writing_into,
 };
-use casca_lab::lab::LabError;
-use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use clap::{Parser, value_parser};
 
