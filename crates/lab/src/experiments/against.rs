@@ -1,7 +1,7 @@
 //! The default method against a vectorised occlusion buffer, as engines ship it, and its presets beside each other, on
 //! all scenes.
 
-use super::buffer::{BufferCost, Effort, PRESETS, STEADY, Score, measure};
+use super::buffer::{BufferCost, PRESETS, STEADY, Sampling, Score, measure};
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table};
 use casca_scenes::generated::SceneKind;
@@ -14,7 +14,7 @@ const SIZE: (usize, usize) = (320, 180);
 /// # Errors
 /// If a scene cannot be read or is refused.
 pub fn against(lab: &Lab) -> Result<Section, LabError> {
-    let effort = Effort {
+    let sampling = Sampling {
         frames: lab.pick(150, 2),
         judged: lab.pick(30, 1),
         repeats: lab.pick(3, 1),
@@ -28,7 +28,7 @@ pub fn against(lab: &Lab) -> Result<Section, LabError> {
         }
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
-        costs.push(measure(world, SIZE, &effort, |_| ())?);
+        costs.push(measure(world, SIZE, &sampling, |_| ())?);
     }
     let mut section = Section::new("Against a vectorised occlusion buffer");
     section.text(comparison(&costs));

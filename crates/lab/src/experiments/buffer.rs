@@ -23,7 +23,7 @@ const NOISE: f64 = 0.05;
 
 /// How much is measured of a walk.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub struct Sampling {
     /// Frames that are timed, evenly spread.
     pub frames: usize,
     /// How many of those are compared with exact visibility.
@@ -167,7 +167,7 @@ impl Parts {
 pub fn measure(
     world: World,
     size: (usize, usize),
-    effort: &Effort,
+    sampling: &Sampling,
     mut progress: impl FnMut(usize),
 ) -> Result<BufferCost, LabError> {
     let fitted = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
@@ -179,21 +179,21 @@ pub fn measure(
     }
     let mut sums: Vec<Sums> = contenders.iter().map(|_| Sums::default()).collect();
     let (mut hzb, mut parts) = (Hzb::new(size.0, size.1), Parts::default());
-    let mut exact = item_buffer(effort.width);
-    let every = effort.frames.min(walker.world.frames).div_ceil(effort.judged.max(1)).max(1);
+    let mut exact = item_buffer(sampling.width);
+    let every = sampling.frames.min(walker.world.frames).div_ceil(sampling.judged.max(1)).max(1);
     let (mut visible_sum, mut frustum_sum, mut done, mut judged) = (0, 0, 0, 0);
-    walker.walk::<LabError>(effort.frames, |walker, _, frame| {
+    walker.walk::<LabError>(sampling.frames, |walker, _, frame| {
         let judges = done % every == every / 2;
         let visible = judges.then(|| walker.visible(frame, &mut exact));
         for (contender, sums) in contenders.iter_mut().zip(&mut sums) {
             let mut best = f64::INFINITY;
-            for _ in 0..effort.repeats.max(1) {
+            for _ in 0..sampling.repeats.max(1) {
                 best = best.min(contender.run(&walker.input(frame, 1))?.as_secs_f64() * 1e3);
             }
             sums.add(contender, best, visible.as_deref());
         }
         if let Some(visible) = visible {
-            parts.add(&mut hzb, walker, frame, effort.repeats);
+            parts.add(&mut hzb, walker, frame, sampling.repeats);
             visible_sum += visible.len();
             judged += 1;
         }

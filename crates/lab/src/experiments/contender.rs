@@ -1,10 +1,11 @@
 //! A method at a setting, run on frames.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{Error, Method, Query};
 
 use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::measure::ThreadTime;
 use casca_scenes::world::{Camera, Object};
 use casca_truth::baselines::{Hzb, RayBuffer};
 
@@ -81,7 +82,7 @@ impl Contender {
     pub fn run(&mut self, frame: &FrameInput) -> Result<Duration, Error> {
         let FrameInput { driver, objects, in_frustum, camera } = *frame;
         let view = view_of(camera)?;
-        let start = Instant::now();
+        let start = ThreadTime::now();
         let visible = match &mut self.engine {
             Engine::Casca(query) => {
                 query.run(&driver.scene, &view);

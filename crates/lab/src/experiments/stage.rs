@@ -1,12 +1,12 @@
 //! A scene of the library, kept up to date as an application does it, with the time that takes.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{GridSpec, Method, ObjectDesc, ObjectId, Query, View};
 
 use super::LabError;
 use casca_scenes::drive::Driver;
-use casca_scenes::measure::timed;
+use casca_scenes::measure::{ThreadTime, timed};
 use casca_scenes::world::{Motion, Object, World};
 
 /// How the motion of hidden objects is told.
@@ -69,7 +69,7 @@ impl Stage {
     /// # Errors
     /// As [`casca::Scene::begin_frame`] and [`casca::Scene::update`].
     pub(super) fn upkeep(&mut self, now: f64, all: &[Object], moved: &[usize]) -> Result<f64, LabError> {
-        let start = Instant::now();
+        let start = ThreadTime::now();
         let mut due = self.driver.scene.begin_frame(now)?;
         match self.telling {
             Telling::Always => self.driver.update(all, moved)?,
@@ -94,13 +94,13 @@ impl Stage {
         all: &[Object],
         moved: &[usize],
     ) -> Result<(f64, f64), LabError> {
-        let start = Instant::now();
+        let start = ThreadTime::now();
         self.driver.scene.begin_frame(now)?;
         let clock = ms(start.elapsed());
         let (held, free): (Vec<usize>, Vec<usize>) =
             moved.iter().partition(|&&i| self.is_held(self.driver.id(i)));
         let mut report = |which: &[usize]| -> Result<f64, LabError> {
-            let start = Instant::now();
+            let start = ThreadTime::now();
             self.driver.update(all, which)?;
             Ok(ms(start.elapsed()))
         };
@@ -131,7 +131,7 @@ impl Stage {
     /// # Errors
     /// As [`casca::Scene::end_frame`].
     pub(super) fn end(&mut self) -> Result<f64, LabError> {
-        let start = Instant::now();
+        let start = ThreadTime::now();
         self.driver.scene.end_frame([self.query.pvs()])?;
         Ok(ms(start.elapsed()))
     }

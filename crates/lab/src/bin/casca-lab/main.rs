@@ -5,10 +5,12 @@
 //! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`,
 //! and `light` with `--features light`.
 
+mod arguments;
 #[cfg(feature = "experiments")]
 mod buffer;
 #[cfg(feature = "experiments")]
 mod coherence;
+mod failure;
 mod level;
 #[cfg(feature = "light")]
 mod light;
@@ -32,15 +34,13 @@ mod sight;
 mod tradeoff;
 mod walk;
 
-use std::error::Error;
 use std::process::ExitCode;
 
 use casca_lab::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Why a command failed.
-type Failure = Box<dyn Error + Send + Sync>;
+use failure::Failure;
 
 /// Where the commands are that are not always built.
 const MORE: &str = if cfg!(feature = "experiments") {

@@ -9,6 +9,7 @@ use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, LabError, write};
 use casca_scenes::import;
 use clap::Parser;
 
+use crate::arguments::Common;
 use crate::progress;
 
 /// The options.
@@ -24,15 +25,11 @@ pub struct Options {
     /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they are]
     #[arg(long, value_delimiter = ',')]
     files: Option<Vec<PathBuf>>,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// Where report.md and its folder go [default: docs, or target/report for a quick or partial run]
     #[arg(long)]
     out: Option<PathBuf>,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    common: Common,
 }
 
 fn parse_experiment(name: &str) -> Result<String, String> {
@@ -64,9 +61,10 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     files.iter().try_for_each(|file: &PathBuf| import::load(file).map(|_| ()))?;
     try_writing_into(&out, &["report.md"])?;
     make_folder(&folder)?;
-    let bar = progress::spinner(options.quiet);
+    let bar = progress::spinner(options.common.quiet);
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let lab = Lab { quick: options.quick, seed: options.seed, files, folder, progress: &progress };
+    let lab = Lab { quick: options.quick, seed: options.common.seed, files, folder, progress: &progress };
+    // Time that passes: most experiments use several threads.
     let start = Instant::now();
     let mut sections = Vec::new();
     for (name, experiment) in EXPERIMENTS {
@@ -82,7 +80,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let files: Vec<String> = lab.files.iter().map(names).collect();
     let settings = format!(
         "Seed {}; files: {}. It took {:.0} minutes.",
-        options.seed,
+        options.common.seed,
         if files.is_empty() { "none".to_owned() } else { files.join(", ") },
         start.elapsed().as_secs_f64() / 60.0
     );

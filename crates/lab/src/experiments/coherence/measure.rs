@@ -13,7 +13,7 @@ use casca_truth::oracle::{Oracle, OracleOptions};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub struct Sampling {
     /// Frames of a walk, in all places together.
     pub frames: usize,
     /// Places along the path of the scene.
@@ -149,14 +149,14 @@ struct Judge {
 }
 
 impl Judge {
-    fn new(world: &World, effort: &Effort) -> Result<Self, LabError> {
-        let buffer = item_buffer(effort.width);
+    fn new(world: &World, sampling: &Sampling) -> Result<Self, LabError> {
+        let buffer = item_buffer(sampling.width);
         let options = OracleOptions {
             width: buffer.width(),
             height: buffer.height(),
-            samples_per_object: effort.rays,
+            samples_per_object: sampling.rays,
             max_candidates: 20_000,
-            seed: effort.seed,
+            seed: sampling.seed,
         };
         let frustum = Query::with_method(Method::Frustum)?;
         Ok(Self {
@@ -199,12 +199,12 @@ impl Judge {
 pub fn measure(
     world: World,
     movers: usize,
-    effort: &Effort,
+    sampling: &Sampling,
     mut progress: impl FnMut(usize),
 ) -> Result<WalkScore, LabError> {
-    let stretches = effort.stretches.max(1);
-    let frames = effort.frames.div_ceil(stretches).max(SETTLE + 1);
-    let options = WalkOptions { movers, stretches, frames, seed: effort.seed };
+    let stretches = sampling.stretches.max(1);
+    let frames = sampling.frames.div_ceil(stretches).max(SETTLE + 1);
+    let options = WalkOptions { movers, stretches, frames, seed: sampling.seed };
     let mut world = walking(world, ASPECT, &options);
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     let driver = Driver::new(&world, &grid, |_| ())?;
@@ -213,7 +213,7 @@ pub fn measure(
         let (driver, ms) = (driver.clone(), Vec::new());
         entries.push(Entry { way, driver, ms, upkeep: 0.0, found: 0, wrong: 0 });
     }
-    let (mut judge, mut timed_frames) = (Judge::new(&world, effort)?, 0);
+    let (mut judge, mut timed_frames) = (Judge::new(&world, sampling)?, 0);
     for number in 0..world.frames {
         let moved = world.set_frame(number);
         let camera = world.camera(number, ASPECT);
@@ -231,7 +231,7 @@ pub fn measure(
                 entry.upkeep += upkeep;
             }
         }
-        if number.is_multiple_of(effort.judge.max(1)) {
+        if number.is_multiple_of(sampling.judge.max(1)) {
             judge.judge(&world, &camera, &view, &mut entries);
         }
         for entry in &mut entries {

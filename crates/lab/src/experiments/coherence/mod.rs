@@ -3,7 +3,7 @@
 mod measure;
 mod ways;
 
-pub use measure::{Effort, FrameTime, WalkScore, WayScore, measure};
+pub use measure::{FrameTime, Sampling, WalkScore, WayScore, measure};
 pub use ways::{Way, ways};
 
 use super::worlds::Place;
@@ -20,7 +20,7 @@ pub const MOVERS: [usize; 3] = [0, 200, 10_000];
 /// # Errors
 /// If a scene cannot be read or is refused.
 pub fn coherence(lab: &Lab) -> Result<Section, LabError> {
-    let effort = Effort {
+    let sampling = Sampling {
         frames: lab.pick(300, 12),
         stretches: lab.pick(3, 1),
         judge: 7,
@@ -35,7 +35,7 @@ pub fn coherence(lab: &Lab) -> Result<Section, LabError> {
         for movers in MOVERS {
             let world = place.open(lab)?;
             (lab.progress)(&format!("{}, {} movers", world.name, grouped(movers)));
-            scores.push(measure(world, movers, &effort, |_| ())?);
+            scores.push(measure(world, movers, &sampling, |_| ())?);
         }
     }
     let mut section = Section::new("A walking camera");
@@ -126,11 +126,11 @@ mod tests {
 
     #[test]
     fn all_ways_find_all_that_is_visible_with_and_without_movers() {
-        let effort = Effort { frames: 40, stretches: 2, judge: 3, width: 160, rays: 2, seed: 1 };
+        let sampling = Sampling { frames: 40, stretches: 2, judge: 3, width: 160, rays: 2, seed: 1 };
         for movers in [0, 50] {
             let world = build(SceneKind::Rooms, &SceneOptions::default());
             let mut done = 0;
-            let score = measure(world, movers, &effort, |n| done = n).unwrap();
+            let score = measure(world, movers, &sampling, |n| done = n).unwrap();
             assert_eq!((done, score.frames, score.judged, score.movers), (40, 30, 14, movers));
             assert_eq!(score.ways.len(), ways().unwrap().len());
             for way in &score.ways {

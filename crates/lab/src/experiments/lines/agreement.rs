@@ -4,7 +4,7 @@ use casca_lines::occlusion::{AoOptions, BasePlane, Estimator};
 use casca_lines::sets::generate::Family;
 use casca_lines::slabs::Slices;
 
-use super::case::{Case, Effort, SAMPLES, Way};
+use super::case::{Case, SAMPLES, Sampling, Way};
 use super::score::{Score, mean};
 use crate::experiments::{LabError, Table};
 
@@ -40,11 +40,11 @@ pub struct Agreement {
 ///
 /// # Errors
 /// If the library refuses a value.
-pub fn compare(family: Family, case: &Case, effort: &Effort) -> Result<Vec<Agreement>, LabError> {
-    let samples = Case::samples(SAMPLES, effort.seed)?;
+pub fn compare(family: Family, case: &Case, sampling: &Sampling) -> Result<Vec<Agreement>, LabError> {
+    let samples = Case::samples(SAMPLES, sampling.seed)?;
     let mut rows = Vec::new();
-    let fine = (effort.canvas, Slices::S128);
-    let few = FEW_ROWS.min(effort.canvas);
+    let fine = (sampling.canvas, Slices::S128);
+    let few = FEW_ROWS.min(sampling.canvas);
     let mut tries: Vec<(Way, u32, Slices, BasePlane)> =
         Way::ALL.map(|w| (w, fine.0, fine.1, BasePlane::Tangent)).to_vec();
     tries.insert(1, (Way::MeanOfRatios, fine.0, fine.1, BasePlane::ThesisSign));
@@ -54,7 +54,7 @@ pub fn compare(family: Family, case: &Case, effort: &Effort) -> Result<Vec<Agree
     for (way, height, slices, plane) in tries {
         let grid = case.grid(height, slices)?;
         let options = AoOptions { plane, ..case.fitted(&grid, &samples, way)? };
-        let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.seconds)?;
+        let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, sampling.seconds)?;
         let fitted = match options.estimator {
             Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => Some(factor),
             Estimator::Extinction { k } => Some(k),
@@ -113,7 +113,7 @@ pub fn table(rows: &[Agreement]) -> Table {
 }
 
 /// What the table says.
-pub fn finding(rows: &[Agreement], effort: &Effort) -> String {
+pub fn finding(rows: &[Agreement], sampling: &Sampling) -> String {
     let said = FAMILIES.iter().filter_map(|&f| nearest(rows, f)).map(|r| {
         let Agreement { family, way, grid: (height, slices), score, .. } = r;
         format!(
@@ -127,10 +127,10 @@ pub fn finding(rows: &[Agreement], effort: &Effort) -> String {
         "The occlusion at up to {} pixels of {} x {} against {} cosine-weighted rays at each, of the length of the hemisphere's \
          radius ({} of the extent), in tubes of half a pixel. `fitted` is the factor or k of least RMSE on the same set; the optical \
          depth has none. `nearest` marks the least RMSE of a set. Pearson and RMSE of that row: **{}**.",
-        effort.receivers,
-        effort.canvas,
-        effort.canvas,
-        effort.rays * effort.rays,
+        sampling.receivers,
+        sampling.canvas,
+        sampling.canvas,
+        sampling.rays * sampling.rays,
         super::case::RADIUS,
         said.collect::<Vec<_>>().join("; "),
     )

@@ -26,7 +26,7 @@ const SETS: u32 = 16;
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub struct Sampling {
     /// Width and height of the picture in pixels.
     pub canvas: u32,
     /// Pixels at which estimates are compared with the truth.
@@ -76,16 +76,16 @@ impl Case {
     ///
     /// # Errors
     /// If the library refuses the view.
-    pub fn new(family: Family, effort: &Effort) -> Result<Self, LabError> {
-        let lines = Recipe::new(family, effort.seed).make()?;
+    pub fn new(family: Family, sampling: &Sampling) -> Result<Self, LabError> {
+        let lines = Recipe::new(family, sampling.seed).make()?;
         let bounds = lines.bounds();
-        let view = View::around(bounds, seen_from(family), None, [effort.canvas; 2])?;
+        let view = View::around(bounds, seen_from(family), None, [sampling.canvas; 2])?;
         let buffer = LineBuffer::new(&lines, &view);
-        let width = effort.canvas as usize;
+        let width = sampling.canvas as usize;
         let at =
             |(i, f): (usize, &Option<Fragment>)| f.map(|f| ([(i % width) as u32, (i / width) as u32], f));
         let all: Vec<Receiver> = buffer.fragments().iter().enumerate().filter_map(at).collect();
-        let step = all.len().div_ceil(effort.receivers.max(1)).max(1);
+        let step = all.len().div_ceil(sampling.receivers.max(1)).max(1);
         let receivers: Vec<Receiver> = all.iter().step_by(step).copied().collect();
         let line_radius = view.pixel_size(1.0) / 2.0;
         let mut case = Self {
@@ -97,7 +97,7 @@ impl Case {
             view,
             receivers,
         };
-        case.truth = case.rays(&case.view, &case.receivers, effort);
+        case.truth = case.rays(&case.view, &case.receivers, sampling);
         Ok(case)
     }
 
@@ -110,11 +110,11 @@ impl Case {
     }
 
     /// The true occlusion at receivers of a view.
-    pub fn rays(&self, view: &View, receivers: &[Receiver], effort: &Effort) -> Vec<f64> {
+    pub fn rays(&self, view: &View, receivers: &[Receiver], sampling: &Sampling) -> Vec<f64> {
         let one = |(i, (_, f)): (usize, &Receiver)| {
-            let seed = effort.seed ^ (i as u64) << 20;
+            let seed = sampling.seed ^ (i as u64) << 20;
             let at = view.to_world(f.position);
-            self.tubes.occlusion(at, pole(f, view), f64::from(self.radius), effort.rays, seed)
+            self.tubes.occlusion(at, pole(f, view), f64::from(self.radius), sampling.rays, seed)
         };
         receivers.par_iter().enumerate().map(one).collect()
     }

@@ -7,7 +7,7 @@ use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
 use casca_lines::view::View;
 
 use super::agreement::FEW_ROWS;
-use super::case::{Case, Effort, RADIUS, seen_from};
+use super::case::{Case, RADIUS, Sampling, seen_from};
 use super::clock::timed;
 use super::score::straight_line;
 use crate::experiments::{Lab, LabError, Section, Table, grouped};
@@ -30,22 +30,22 @@ struct Frame {
 type Stage = fn(&Frame) -> f64;
 
 /// The times of a frame in milliseconds, on one thread.
-fn frame(lines: u32, canvas: u32, effort: &Effort) -> Result<Frame, LabError> {
-    let lines = Recipe { lines, ..Recipe::new(Family::Reservoir, effort.seed) }.make()?;
+fn frame(lines: u32, canvas: u32, sampling: &Sampling) -> Result<Frame, LabError> {
+    let lines = Recipe { lines, ..Recipe::new(Family::Reservoir, sampling.seed) }.make()?;
     let bounds = lines.bounds();
     let view = View::around(bounds, seen_from(Family::Reservoir), None, [canvas; 2])?;
     let small = view.with_height(FEW_ROWS.min(canvas))?;
     let of = |view: &View| SlabGrid::of_lines(&lines, view, Slices::S128, SpanRule::Span);
     let radius = RADIUS * f64::from((bounds[1] - bounds[0]).max_element());
-    let samples = Case::samples(SAMPLES, effort.seed)?;
+    let samples = Case::samples(SAMPLES, sampling.seed)?;
     let options = AoOptions::new(radius as f32, view.pixel_size(1.0) as f32 / 2.0);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     one.install(|| {
-        let (grid, _) = timed(effort.seconds, || of(&view));
-        let (few, columns) = timed(effort.seconds, || of(&small));
-        let (buffer, shown) = timed(effort.seconds, || LineBuffer::new(&lines, &view));
+        let (grid, _) = timed(sampling.seconds, || of(&view));
+        let (few, columns) = timed(sampling.seconds, || of(&small));
+        let (buffer, shown) = timed(sampling.seconds, || LineBuffer::new(&lines, &view));
         let estimate = Occlusion::new(&columns, &samples, options)?;
-        let (occlusion, _) = timed(effort.seconds, || estimate.of(&shown));
+        let (occlusion, _) = timed(sampling.seconds, || estimate.of(&shown));
         let [grid, few, buffer, occlusion] = [grid, few, buffer, occlusion].map(|t| t * 1e3);
         Ok(Frame { vertices: lines.points().len(), covered: shown.covered(), grid, few, buffer, occlusion })
     })
@@ -55,7 +55,7 @@ fn frame(lines: u32, canvas: u32, effort: &Effort) -> Result<Frame, LabError> {
 ///
 /// # Errors
 /// If the library refuses a value, or a chart cannot be written.
-pub fn costs(lab: &Lab, effort: &Effort, section: &mut Section) -> Result<(), LabError> {
+pub fn costs(lab: &Lab, sampling: &Sampling, section: &mut Section) -> Result<(), LabError> {
     let columns = [
         "lines",
         "vertices",
@@ -69,13 +69,13 @@ pub fn costs(lab: &Lab, effort: &Effort, section: &mut Section) -> Result<(), La
     let mut table = Table::new("lines_cost", &columns);
     let sizes = lab.pick(vec![2000, 5000, 10_000, 15_000, 20_000], vec![200, 400]);
     let canvases = lab.pick(vec![256, 384, 512, 768, 1024], vec![64, 96]);
-    let (usual, usual_lines) = (effort.canvas, lab.pick(5000, 400));
+    let (usual, usual_lines) = (sampling.canvas, lab.pick(5000, 400));
     let mut runs: Vec<(u32, u32)> = sizes.into_iter().map(|n| (n, usual)).collect();
     runs.extend(canvases.into_iter().map(|c| (usual_lines, c)).filter(|r| r.1 != usual));
     let mut frames = Vec::new();
     for (lines, canvas) in runs {
         (lab.progress)(&format!("{lines} lines in {canvas} x {canvas} pixels"));
-        let f = frame(lines, canvas, effort)?;
+        let f = frame(lines, canvas, sampling)?;
         let times = [f.grid, f.few, f.buffer, f.occlusion].map(|t| format!("{t:.1}"));
         let sizes = [grouped(f.vertices), format!("{canvas} x {canvas}"), grouped(f.covered)];
         table.row(std::iter::once(lines.to_string()).chain(sizes).chain(times));

@@ -13,7 +13,7 @@ mod truth;
 use casca_lines::sets::generate::Family;
 
 use super::{Lab, LabError, Section};
-use case::{Case, Effort};
+use case::{Case, Sampling};
 
 /// The title and introduction of the page.
 pub const HEAD: &str = "# Ambient occlusion of lines\n\n\
@@ -28,7 +28,7 @@ const THIN: usize = 3;
 /// # Errors
 /// If the library refuses a value, or a chart cannot be written.
 pub fn lines(lab: &Lab) -> Result<Section, LabError> {
-    let effort = Effort {
+    let sampling = Sampling {
         canvas: lab.pick(512, 96),
         receivers: lab.pick(3000, 150),
         rays: lab.pick(20, 4),
@@ -39,23 +39,23 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
     let (mut rows, mut kept) = (Vec::new(), Vec::new());
     for family in agreement::FAMILIES {
         (lab.progress)(family.name());
-        let case = Case::new(family, &effort)?;
-        rows.extend(agreement::compare(family, &case, &effort)?);
+        let case = Case::new(family, &sampling)?;
+        rows.extend(agreement::compare(family, &case, &sampling)?);
         if [Family::Spiral, Family::Parallel].contains(&family) {
             kept.push(case.thinned(THIN));
         }
     }
-    section.text(agreement::finding(&rows, &effort));
+    section.text(agreement::finding(&rows, &sampling));
     section.table(agreement::table(&rows));
     if let [spiral, parallel] = &kept[..] {
         (lab.progress)("rows of the grid");
-        parallel::by_rows(lab, [parallel, spiral], &effort, &mut section)?;
+        parallel::by_rows(lab, [parallel, spiral], &sampling, &mut section)?;
         (lab.progress)("samples");
-        samples::by_samples(lab, spiral, &effort, &mut section)?;
+        samples::by_samples(lab, spiral, &sampling, &mut section)?;
         (lab.progress)("stability");
-        stability::stability(lab, spiral, &effort, &mut section)?;
+        stability::stability(lab, spiral, &sampling, &mut section)?;
     }
-    cost::costs(lab, &effort, &mut section)?;
+    cost::costs(lab, &sampling, &mut section)?;
     Ok(section)
 }
 
@@ -70,14 +70,14 @@ mod tests {
 
     #[test]
     fn the_optical_depth_is_near_to_rays_and_nearer_than_the_thesis() {
-        let effort = Effort { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
-        let case = Case::new(Family::PomPom, &effort).unwrap();
-        let rows = compare(Family::PomPom, &case, &effort).unwrap();
+        let sampling = Sampling { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
+        let case = Case::new(Family::PomPom, &sampling).unwrap();
+        let rows = compare(Family::PomPom, &case, &sampling).unwrap();
         let of = |way: Way| rows.iter().filter(move |r| r.way == way.name());
         let thesis = of(Way::MeanOfRatios).next().unwrap();
         // Each grid that the optical depth reads, not the best of all rows.
         assert_eq!(of(Way::OpticalDepth).count(), 4);
-        for row in of(Way::OpticalDepth).filter(|r| r.grid.0 == effort.canvas) {
+        for row in of(Way::OpticalDepth).filter(|r| r.grid.0 == sampling.canvas) {
             assert!(row.score.pearson > 0.85 && row.score.rmse < 0.12, "{row:?}");
             assert!(row.score.rmse < thesis.score.rmse, "{row:?} {thesis:?}");
         }
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn lines_along_the_view_fail_in_columns_of_a_pixel_and_are_mended_by_wide_ones() {
-        let effort = Effort { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
-        let case = Case::new(Family::Parallel, &effort).unwrap();
+        let sampling = Sampling { canvas: 160, receivers: 300, rays: 12, seconds: 0.0, seed: 2 };
+        let case = Case::new(Family::Parallel, &sampling).unwrap();
         let samples = Case::samples(case::SAMPLES, 1).unwrap();
         let score = |way: Way, rows: u32| {
             let grid = case.grid(rows, Slices::S128).unwrap();

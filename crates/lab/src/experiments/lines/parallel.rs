@@ -3,7 +3,7 @@
 use casca_lines::sets::generate::Family;
 use casca_lines::slabs::Slices;
 
-use super::case::{Case, Effort, SAMPLES, Way};
+use super::case::{Case, SAMPLES, Sampling, Way};
 use super::score::Score;
 use crate::experiments::{Lab, LabError, Section, Table};
 use crate::pictures::{Axis, Line, lines as line_chart, palette};
@@ -15,10 +15,10 @@ use crate::pictures::{Axis, Line, lines as line_chart, palette};
 pub fn by_rows(
     lab: &Lab,
     [parallel, other]: [&Case; 2],
-    effort: &Effort,
+    sampling: &Sampling,
     section: &mut Section,
 ) -> Result<(), LabError> {
-    let samples = Case::samples(SAMPLES, effort.seed)?;
+    let samples = Case::samples(SAMPLES, sampling.seed)?;
     let shares: &[u32] = if lab.quick { &[1, 3] } else { &[1, 2, 3, 4, 6, 8, 12, 16, 24] };
     let columns = ["set", "estimator", "rows", "Pearson", "Spearman", "RMSE", "mean", "mean of rays"];
     let mut table = Table::new("lines_by_rows", &columns);
@@ -32,7 +32,7 @@ pub fn by_rows(
         ] {
             let mut points = Vec::new();
             let mut best: Option<(u32, Score)> = None;
-            for rows in shares.iter().map(|s| (effort.canvas / s).max(1)) {
+            for rows in shares.iter().map(|s| (sampling.canvas / s).max(1)) {
                 let grid = case.grid(rows, Slices::S128)?;
                 let options = case.fitted(&grid, &samples, way)?;
                 let (values, _) = Case::estimate(&grid, &samples, options, &case.receivers, 0.0)?;
@@ -51,7 +51,7 @@ pub fn by_rows(
                 if best.is_none_or(|(_, b)| score.pearson > b.pearson) {
                     best = Some((rows, score));
                 }
-                if family == Family::Parallel && rows == effort.canvas {
+                if family == Family::Parallel && rows == sampling.canvas {
                     said.push(format!(
                         "{} at {rows} rows: {:.3} and {:.3}",
                         way.name(),
@@ -84,7 +84,7 @@ pub fn by_rows(
         "Lines along the view need wide columns; a spiral loses by very wide ones",
         &format!(
             "Correlation with rays (Pearson) against the rows of the grid, {SAMPLES} samples; the picture has {} rows.",
-            effort.canvas
+            sampling.canvas
         ),
         (&Axis::log("rows of the grid"), &Axis::linear("Pearson")),
         &drawn,

@@ -3,7 +3,7 @@
 use casca_lines::slabs::Slices;
 
 use super::agreement::FEW_ROWS;
-use super::case::{Case, Effort, SAMPLES, Way};
+use super::case::{Case, SAMPLES, Sampling, Way};
 use super::score::{rmse, straight_line};
 use crate::experiments::{Lab, LabError, Section, Table};
 use crate::pictures::{Axis, Line, lines as line_chart, palette};
@@ -12,7 +12,12 @@ use crate::pictures::{Axis, Line, lines as line_chart, palette};
 ///
 /// # Errors
 /// If the library refuses a value, or a file cannot be written.
-pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section) -> Result<(), LabError> {
+pub fn by_samples(
+    lab: &Lab,
+    case: &Case,
+    sampling: &Sampling,
+    section: &mut Section,
+) -> Result<(), LabError> {
     let numbers: &[u32] =
         if lab.quick { &[8, 32, SAMPLES] } else { &[8, 16, 32, 64, 96, 128, SAMPLES, 256, 512] };
     let most = lab.pick(3000, 600);
@@ -23,15 +28,16 @@ pub fn by_samples(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section
     let (mut words, mut nearest, mut powers, mut slopes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (number, way) in [Way::MeanOfRatios, Way::Extinction, Way::OpticalDepth].into_iter().enumerate() {
         let (name, style) = (way.name(), palette::other(number));
-        let rows = if way == Way::OpticalDepth { FEW_ROWS.min(effort.canvas) } else { effort.canvas };
+        let rows = if way == Way::OpticalDepth { FEW_ROWS.min(sampling.canvas) } else { sampling.canvas };
         let grid = case.grid(rows, Slices::S128)?;
-        let options = case.fitted(&grid, &Case::samples(SAMPLES, effort.seed)?, way)?;
-        let many = Case::samples(most, effort.seed + 1)?;
+        let options = case.fitted(&grid, &Case::samples(SAMPLES, sampling.seed)?, way)?;
+        let many = Case::samples(most, sampling.seed + 1)?;
         let (reference, _) = Case::estimate(&grid, &many, options, &case.receivers, 0.0)?;
         let (mut errors, mut truths, mut times) = (Vec::new(), Vec::new(), Vec::new());
         for &n in numbers {
-            let samples = Case::samples(n, effort.seed)?;
-            let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, effort.seconds)?;
+            let samples = Case::samples(n, sampling.seed)?;
+            let (values, micros) =
+                Case::estimate(&grid, &samples, options, &case.receivers, sampling.seconds)?;
             let (own, true_one) = (rmse(&values, &reference), rmse(&values, &case.truth));
             let numbers = [format!("{own:.4}"), format!("{true_one:.4}"), format!("{micros:.1}")];
             table.row([name.to_owned(), n.to_string()].into_iter().chain(numbers));

@@ -6,7 +6,7 @@ use casca_lines::view::{Lens, View};
 use glam::{DMat4, DQuat, DVec3};
 
 use super::agreement::FEW_ROWS;
-use super::case::{Case, Effort, Receiver, SAMPLES, Way};
+use super::case::{Case, Receiver, SAMPLES, Sampling, Way};
 use super::score::{mean, rmse};
 use crate::experiments::{Lab, LabError, Section, Table};
 use crate::pictures::{Axis, Line, lines as line_chart, palette};
@@ -19,16 +19,16 @@ struct Method {
     rows: Option<u32>,
 }
 
-fn methods(case: &Case, effort: &Effort) -> Result<Vec<Method>, LabError> {
-    let samples = Case::samples(SAMPLES, effort.seed)?;
-    let thesis = case.fitted(&case.grid(effort.canvas, Slices::S128)?, &samples, Way::MeanOfRatios)?;
+fn methods(case: &Case, sampling: &Sampling) -> Result<Vec<Method>, LabError> {
+    let samples = Case::samples(SAMPLES, sampling.seed)?;
+    let thesis = case.fitted(&case.grid(sampling.canvas, Slices::S128)?, &samples, Way::MeanOfRatios)?;
     let best = AoOptions::new(case.radius, case.line_radius);
     let screen = AoOptions { choice: SetChoice::Screen, ..thesis };
     Ok(vec![
         Method { name: "thesis", options: screen, rows: None },
         Method { name: "thesis, sets by the surface", options: thesis, rows: None },
         Method { name: "optical depth", options: best, rows: None },
-        Method { name: "optical depth, few rows", options: best, rows: Some(FEW_ROWS.min(effort.canvas)) },
+        Method { name: "optical depth, few rows", options: best, rows: Some(FEW_ROWS.min(sampling.canvas)) },
     ])
 }
 
@@ -83,23 +83,23 @@ fn pairs(case: &Case, view: &View) -> (Vec<Receiver>, Vec<Receiver>) {
 ///
 /// # Errors
 /// If the library refuses a value, or a chart cannot be written.
-pub fn stability(lab: &Lab, case: &Case, effort: &Effort, section: &mut Section) -> Result<(), LabError> {
-    let methods = methods(case, effort)?;
-    by_grid(lab, case, effort, &methods, section)?;
-    by_zoom(case, effort, &methods, section)?;
-    by_motion(case, effort, &methods, section)?;
-    flicker(lab, case, effort, &methods, section)
+pub fn stability(lab: &Lab, case: &Case, sampling: &Sampling, section: &mut Section) -> Result<(), LabError> {
+    let methods = methods(case, sampling)?;
+    by_grid(lab, case, sampling, &methods, section)?;
+    by_zoom(case, sampling, &methods, section)?;
+    by_motion(case, sampling, &methods, section)?;
+    flicker(lab, case, sampling, &methods, section)
 }
 
 fn by_grid(
     lab: &Lab,
     case: &Case,
-    effort: &Effort,
+    sampling: &Sampling,
     methods: &[Method],
     section: &mut Section,
 ) -> Result<(), LabError> {
-    let samples = Case::samples(SAMPLES, effort.seed)?;
-    let c = effort.canvas;
+    let samples = Case::samples(SAMPLES, sampling.seed)?;
+    let c = sampling.canvas;
     let grids = [
         (c / 4, Slices::S128),
         (c / 2, Slices::S128),
@@ -153,7 +153,12 @@ fn by_grid(
     Ok(())
 }
 
-fn by_zoom(case: &Case, effort: &Effort, methods: &[Method], section: &mut Section) -> Result<(), LabError> {
+fn by_zoom(
+    case: &Case,
+    sampling: &Sampling,
+    methods: &[Method],
+    section: &mut Section,
+) -> Result<(), LabError> {
     let mut columns = vec!["zoom", "points"];
     columns.extend(methods.iter().map(|m| m.name));
     let mut table = Table::new("lines_by_zoom", &columns);
@@ -162,8 +167,8 @@ fn by_zoom(case: &Case, effort: &Effort, methods: &[Method], section: &mut Secti
         let (before, after) = pairs(case, &view);
         let mut row = vec![times.to_string(), before.len().to_string()];
         for method in methods {
-            let old = mean(&estimates(case, method, &case.view, &before, effort.seed)?);
-            let new = mean(&estimates(case, method, &view, &after, effort.seed)?);
+            let old = mean(&estimates(case, method, &case.view, &before, sampling.seed)?);
+            let new = mean(&estimates(case, method, &view, &after, sampling.seed)?);
             row.push(format!("{:.2}", new / old.max(1e-9)));
         }
         table.row(row);
@@ -178,7 +183,7 @@ fn by_zoom(case: &Case, effort: &Effort, methods: &[Method], section: &mut Secti
 
 fn by_motion(
     case: &Case,
-    effort: &Effort,
+    sampling: &Sampling,
     methods: &[Method],
     section: &mut Section,
 ) -> Result<(), LabError> {
@@ -189,7 +194,7 @@ fn by_motion(
         ("turned by 0.2°", turned(&case.view, 0.2)?),
         ("turned by 10°", turned(&case.view, 10.0)?),
         ("zoomed to twice the size", zoomed(&case.view, 2.0)?),
-        ("twice the rows", case.view.with_height(2 * effort.canvas)?),
+        ("twice the rows", case.view.with_height(2 * sampling.canvas)?),
     ];
     let mut columns = vec!["change"];
     columns.extend(methods.iter().map(|m| m.name));
@@ -199,10 +204,10 @@ fn by_motion(
         let (before, after) = pairs(case, &view);
         let mut row = vec![name.to_owned()];
         for method in methods {
-            let old = estimates(case, method, &case.view, &before, effort.seed)?;
-            row.push(format!("{:.3}", rmse(&old, &estimates(case, method, &view, &after, effort.seed)?)));
+            let old = estimates(case, method, &case.view, &before, sampling.seed)?;
+            row.push(format!("{:.3}", rmse(&old, &estimates(case, method, &view, &after, sampling.seed)?)));
         }
-        let rays = rmse(&case.rays(&case.view, &before, effort), &case.rays(&view, &after, effort));
+        let rays = rmse(&case.rays(&case.view, &before, sampling), &case.rays(&view, &after, sampling));
         row.push(format!("{rays:.3}"));
         table.row(row);
     }
@@ -220,7 +225,7 @@ fn by_motion(
 fn flicker(
     lab: &Lab,
     case: &Case,
-    effort: &Effort,
+    sampling: &Sampling,
     methods: &[Method],
     section: &mut Section,
 ) -> Result<(), LabError> {
@@ -233,8 +238,8 @@ fn flicker(
             let pixels = f64::from(step) / 4.0;
             let view = case.view.moved_by_pixels(pixels, 0.0);
             let (before, after) = pairs(case, &view);
-            let old = estimates(case, method, &case.view, &before, effort.seed)?;
-            let change = rmse(&old, &estimates(case, method, &view, &after, effort.seed)?);
+            let old = estimates(case, method, &case.view, &before, sampling.seed)?;
+            let change = rmse(&old, &estimates(case, method, &view, &after, sampling.seed)?);
             table.row([method.name.to_owned(), pixels.to_string(), format!("{change:.4}")]);
             points.push((pixels, change));
         }

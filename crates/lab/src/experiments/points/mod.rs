@@ -17,8 +17,7 @@ pub mod sample;
 
 pub use judge::Confusion;
 
-use super::{Lab, LabError, Section};
-use cloud::Cloud;
+use super::{Effort, Lab, LabError, Section};
 use study::Study;
 
 /// The introduction of the page.
@@ -30,18 +29,8 @@ pub const HEAD: &str = "# Point clouds whose truth is known\n\n\
     - `log10 R` is the parameter of hidden point removal (HPR): the radius of the sphere around the eye over the largest distance of a point.\n\
     - A *spacing* is the side of the square of surface that a point stands for. Radii of splats are half sides.\n";
 
-/// How far the sizes of the cost go.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
-    /// A smoke run.
-    Quick,
-    /// A million points by hulls, ten million by splats.
-    Short,
-    /// Ten times as many of each: takes some GB of memory.
-    Full,
-}
-
-/// All experiments on points. Writes charts and pictures into the lab's folder.
+/// All experiments on points; `effort` chooses the numbers of points whose cost is measured: up to a million by
+/// hulls and ten million by splats in a short run, ten times as many in a full one. Writes charts and pictures into the lab's folder.
 ///
 /// # Errors
 /// If a file of the lab cannot be read, or a picture cannot be written.
@@ -57,24 +46,4 @@ pub fn points(lab: &Lab, effort: Effort) -> Result<Section, LabError> {
     failures::failures(&mut study, radius)?;
     cost::cost(&mut study, effort, radius)?;
     Ok(study.finish())
-}
-
-/// The clouds: the hare, shapes with formulas, and the lab's files.
-fn clouds(lab: &Lab) -> Result<Vec<Cloud>, LabError> {
-    let count = lab.pick(20_000, 2000);
-    let hare = Cloud::hare(lab.pick(30_000, 3000));
-    let mesh = hare::hare(lab.pick(110, 40));
-    let sampled = Cloud::of_mesh("hare, sampled", mesh, hare.points.len(), lab.seed, hare.look)?;
-    let mut clouds = vec![
-        hare,
-        sampled,
-        Cloud::sphere(count),
-        Cloud::cube(count, lab.seed)?,
-        Cloud::sheets(count, lab.seed)?,
-    ];
-    for file in &lab.files {
-        (lab.progress)(&format!("rays at {}", file.display()));
-        clouds.push(Cloud::of_file(file, lab.pick(200_000, 3000), lab.seed)?);
-    }
-    Ok(clouds)
 }

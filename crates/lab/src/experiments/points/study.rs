@@ -6,7 +6,7 @@ use casca_points::hpr::{Kernel, visible_points};
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions};
 
 use super::cloud::Cloud;
-use super::clouds;
+use super::hare::hare;
 use super::judge::Confusion;
 use crate::experiments::{Lab, LabError, Section, Table};
 
@@ -73,6 +73,26 @@ impl<'a> Study<'a> {
         self.section.table(self.targets);
         self.section
     }
+}
+
+/// The clouds: the hare, shapes with formulas, and the lab's files.
+fn clouds(lab: &Lab) -> Result<Vec<Cloud>, LabError> {
+    let count = lab.pick(20_000, 2000);
+    let vertices = Cloud::hare(lab.pick(30_000, 3000));
+    let mesh = hare(lab.pick(110, 40));
+    let sampled = Cloud::of_mesh("hare, sampled", mesh, vertices.points.len(), lab.seed, vertices.look)?;
+    let mut clouds = vec![
+        vertices,
+        sampled,
+        Cloud::sphere(count),
+        Cloud::cube(count, lab.seed)?,
+        Cloud::sheets(count, lab.seed)?,
+    ];
+    for file in &lab.files {
+        (lab.progress)(&format!("rays at {}", file.display()));
+        clouds.push(Cloud::of_file(file, lab.pick(200_000, 3000), lab.seed)?);
+    }
+    Ok(clouds)
 }
 
 /// Hidden point removal of a cloud.

@@ -2,7 +2,7 @@
 
 use casca::{Aabb, GridSpec, Method, Query, View};
 
-use super::super::{ASPECT, LabError, median};
+use super::super::{ASPECT, Effort, LabError, median};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{FRAME_SECONDS, Shape, World};
@@ -13,7 +13,7 @@ pub const REACHES: [f32; 9] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 3.0];
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub struct Sampling {
     /// Frames of a walk, evenly spread.
     pub frames: usize,
     /// Times that each query is run; the least time counts.
@@ -22,20 +22,15 @@ pub struct Effort {
     pub balls: BallOptions,
 }
 
-impl Effort {
-    /// A smoke run.
-    pub fn quick(seed: u64) -> Self {
-        Self { frames: 1, repeats: 1, balls: balls((160, 90), 8, 2, seed) }
-    }
-
-    /// A run of seconds for each scene.
-    pub fn short(seed: u64) -> Self {
-        Self { frames: 5, repeats: 3, balls: balls((480, 270), 64, 8, seed) }
-    }
-
-    /// A run of minutes for each scene: more frames, and an item buffer for every eye.
-    pub fn full(seed: u64) -> Self {
-        Self { frames: 10, repeats: 3, balls: balls((960, 540), 64, 64, seed) }
+impl Sampling {
+    /// One frame of a scene in a smoke run; a short run takes seconds for each scene, and a full one minutes: it has more
+    /// frames, and an item buffer for every eye.
+    pub fn new(effort: Effort, seed: u64) -> Self {
+        match effort {
+            Effort::Quick => Self { frames: 1, repeats: 1, balls: balls((160, 90), 8, 2, seed) },
+            Effort::Short => Self { frames: 5, repeats: 3, balls: balls((480, 270), 64, 8, seed) },
+            Effort::Full => Self { frames: 10, repeats: 3, balls: balls((960, 540), 64, 64, seed) },
+        }
     }
 }
 
@@ -100,15 +95,15 @@ impl ReachScore {
 /// If the library refuses the scene.
 pub fn measure(
     mut world: World,
-    effort: &Effort,
+    sampling: &Sampling,
     mut progress: impl FnMut(usize),
 ) -> Result<ReachScore, LabError> {
     world.set_frame(0);
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     let mut driver = Driver::new(&world, &grid, |_| ())?;
     let (mut query, mut frustum) = (Query::new(), Query::with_method(Method::Frustum)?);
-    let mut oracle = BallOracle::new(&world.objects, effort.balls);
-    let frames = effort.frames.clamp(1, world.frames.max(1));
+    let mut oracle = BallOracle::new(&world.objects, sampling.balls);
+    let frames = sampling.frames.clamp(1, world.frames.max(1));
     let mut score = ReachScore {
         scene: world.name.clone(),
         meshes: world.objects.iter().any(|o| matches!(o.shape, Shape::Mesh { .. })),
@@ -131,7 +126,7 @@ pub fn measure(
                 oracle.look(&world.objects, reach);
             }
             let view = view.clone().with_reach(reach)?;
-            let runs = (0..effort.repeats.max(1)).map(|_| timed(|| query.run(&driver.scene, &view)).1);
+            let runs = (0..sampling.repeats.max(1)).map(|_| timed(|| query.run(&driver.scene, &view)).1);
             times[i].push(runs.map(|t| t.as_secs_f64() * 1e3).fold(f64::INFINITY, f64::min));
             let pvs = query.pvs();
             let lost = oracle.missing(|object| driver.sees(pvs, object));

@@ -2,10 +2,10 @@
 
 mod measure;
 
-pub use measure::{Effort, REACHES, ReachScore, Step, measure};
+pub use measure::{REACHES, ReachScore, Sampling, Step, measure};
 
 use super::worlds::Place;
-use super::{Lab, LabError, Section, Table, grouped};
+use super::{Effort, Lab, LabError, Section, Table, grouped};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::generated::SceneKind;
@@ -20,7 +20,7 @@ const TYPICAL: f32 = 0.1;
 /// # Errors
 /// If a scene cannot be read or is refused, or a chart cannot be written.
 pub fn reach(lab: &Lab) -> Result<Section, LabError> {
-    let effort = lab.pick(Effort::short(lab.seed), Effort::quick(lab.seed));
+    let sampling = Sampling::new(lab.pick(Effort::Short, Effort::Quick), lab.seed);
     let kinds: &[SceneKind] =
         if lab.quick { &[SceneKind::Rooms, SceneKind::CityMeshes] } else { &SceneKind::ALL };
     let built = kinds.iter().copied().map(Place::Built);
@@ -28,18 +28,18 @@ pub fn reach(lab: &Lab) -> Result<Section, LabError> {
     for place in built.chain(lab.files.iter().map(|f| Place::File(f))) {
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
-        scores.push(measure(world, &effort, |_| ())?);
+        scores.push(measure(world, &sampling, |_| ())?);
     }
-    section(lab, &effort, &scores)
+    section(lab, &sampling, &scores)
 }
 
 /// The text, charts and tables about scenes that were measured.
 ///
 /// # Errors
 /// If a chart cannot be written.
-pub fn section(lab: &Lab, effort: &Effort, scores: &[ReachScore]) -> Result<Section, LabError> {
+pub fn section(lab: &Lab, sampling: &Sampling, scores: &[ReachScore]) -> Result<Section, LabError> {
     let mut section = Section::on_its_own_page("Eyes that may go some way");
-    section.text(text(effort, scores));
+    section.text(text(sampling, scores));
     for (kind, name, meshes) in [("solids", "Spheres and boxes", false), ("meshes", "Triangle meshes", true)]
     {
         let some: Vec<&ReachScore> = scores.iter().filter(|s| s.meshes == meshes).collect();
@@ -50,7 +50,7 @@ pub fn section(lab: &Lab, effort: &Effort, scores: &[ReachScore]) -> Result<Sect
     Ok(section)
 }
 
-fn text(effort: &Effort, scores: &[ReachScore]) -> String {
+fn text(sampling: &Sampling, scores: &[ReachScore]) -> String {
     let lost: usize = scores.iter().map(ReachScore::lost).sum();
     let lost = if lost == 0 {
         "No set lacks a visible object".to_owned()
@@ -66,11 +66,11 @@ fn text(effort: &Effort, scores: &[ReachScore]) -> String {
          EVS(r) is a lower bound, since no finite number of eyes finds all. The ball goes through walls: an eye inside of a solid sees all that the solid hid before. **{lost}, by {:.0} million rays aimed and {:.0} million pixels.** The table gives PVS(r)/EVS(0) \
          by r, and the time of a query over that without a reach. A reach pays as long as the set is larger than that of r = 0 by at most a quarter: \
          the last column.",
-        effort.balls.eyes,
-        effort.frames,
-        effort.balls.buffers.min(effort.balls.eyes),
-        effort.balls.each.width,
-        effort.balls.each.height,
+        sampling.balls.eyes,
+        sampling.frames,
+        sampling.balls.buffers.min(sampling.balls.eyes),
+        sampling.balls.each.width,
+        sampling.balls.each.height,
         rays as f64 / 1e6,
         pixels as f64 / 1e6
     )
@@ -262,7 +262,7 @@ mod tests {
     fn sets_grow_with_the_reach_and_lose_nothing() {
         for kind in [SceneKind::Rooms, SceneKind::CityMeshes] {
             let world = build(kind, &SceneOptions::default());
-            let score = measure(world, &Effort::quick(3), |_| ()).unwrap();
+            let score = measure(world, &Sampling::new(Effort::Quick, 3), |_| ()).unwrap();
             assert_eq!(
                 (score.lost(), score.meshes),
                 (0, kind == SceneKind::CityMeshes),

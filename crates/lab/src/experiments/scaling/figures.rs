@@ -2,9 +2,11 @@
 
 use casca::{Aabb, GridSpec, Query};
 
-use super::super::{ASPECT, LabError, Section, Table, grouped, median};
+use super::super::upkeep::arena::Arena;
+use super::super::{ASPECT, Effort, LabError, Section, Table, grouped, median};
+use super::bench::Bench;
 use super::measure::{Row, set_up};
-use super::{Arena, Bench, preparation, worlds};
+use super::{preparation, worlds};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::FRAME_SECONDS;
@@ -36,7 +38,7 @@ impl Figure {
 
 /// Nanoseconds to report one mover that is seen, and one that is in a volume: medians over frames.
 fn updates(bench: &Bench) -> Result<[f64; 2], LabError> {
-    let (count, frames) = if bench.reach == super::Reach::Smoke { (500, 3) } else { (MOVERS, 30) };
+    let (count, frames) = if bench.effort == Effort::Quick { (500, 3) } else { (MOVERS, 30) };
     let arena = Arena { count, hidden: true, fast: false, seed: bench.lab.seed };
     let open = Arena { hidden: false, ..arena };
     let mut medians = [0.0; 2];
@@ -73,7 +75,7 @@ fn all(bench: &Bench, hidden: &[Row], movers: &[Row]) -> Result<Vec<Figure>, Lab
         Figure::new("update of a visible mover", seen, "ns", 250.0),
         Figure::new("update of a hidden mover", held, "ns", 80.0),
     ];
-    let count = bench.reach.sizes([10_000], [100_000], [1_000_000]).last().copied().unwrap_or(0);
+    let count = bench.sizes([10_000], [100_000], [1_000_000]).last().copied().unwrap_or(0);
     let (driver, seconds) = set_up(&worlds::scatter(count, bench.lab.seed))?;
     let (small, memory) = (grouped(count), driver.scene.memory().total() as f64);
     drop(driver);
@@ -98,7 +100,7 @@ fn all(bench: &Bench, hidden: &[Row], movers: &[Row]) -> Result<Vec<Figure>, Lab
         let what = format!("query that finds {} visible movers", grouped(last.found.round() as usize));
         figures.push(Figure::new(what, last.point.median, "ms", 15.0));
     }
-    let triangles = bench.reach.sizes([10_000], [1_000_000], []);
+    let triangles = bench.sizes([10_000], [1_000_000], []);
     let soup = worlds::soup(triangles[0], bench.lab.seed);
     let (seconds, triangles, _) = preparation::prepare(std::slice::from_ref(&soup))?;
     let rate = triangles as f64 / seconds.max(f64::MIN_POSITIVE);

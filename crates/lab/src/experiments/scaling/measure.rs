@@ -4,7 +4,7 @@ use casca::{Aabb, GridSpec, Method, Query};
 
 use super::super::{ASPECT, Contender, FrameInput, LabError, median, p99};
 use casca_scenes::drive::{Driver, view_of};
-use casca_scenes::measure::timed;
+use casca_scenes::measure::timed_by_wall;
 use casca_scenes::world::{Camera, World};
 
 /// Pixels of the buffer: those that engines use.
@@ -59,7 +59,8 @@ pub(super) fn cameras(world: &World, count: usize) -> Vec<Camera> {
 /// Makes the scene of a world, in the grid that fits.
 pub(super) fn set_up(world: &World) -> Result<(Driver, f64), LabError> {
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
-    let (driver, time) = timed(|| Driver::new(world, &grid, |_| ()));
+    // Several threads prepare meshes.
+    let (driver, time) = timed_by_wall(|| Driver::new(world, &grid, |_| ()));
     Ok((driver?, time.as_secs_f64()))
 }
 

@@ -1,5 +1,6 @@
 //! How times and memory grow: with hidden and visible objects, triangles, pixels and threads.
 
+mod bench;
 mod charts;
 mod figures;
 mod measure;
@@ -11,89 +12,30 @@ mod tests;
 mod threads;
 mod worlds;
 
-use casca::Method;
-
+use self::bench::Bench;
 use self::charts::{Chart, growth, queries, setups, table};
-use self::measure::{Row, Walks, measure};
+use self::measure::Row;
 use super::upkeep::arena::Arena;
-use super::{Lab, LabError, Section, grouped};
+use super::{Effort, Lab, LabError, Section, grouped};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::World;
-
-/// How far the sizes go.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reach {
-    /// A smoke run.
-    Smoke,
-    /// Sizes that take a minute or two together.
-    Short,
-    /// A million objects, ten million triangles: some GB of memory.
-    Full,
-}
-
-impl Reach {
-    /// The sizes of a smoke run, of a short run, and those that a full run adds.
-    fn sizes<const A: usize, const B: usize, const C: usize>(
-        self,
-        smoke: [usize; A],
-        short: [usize; B],
-        more: [usize; C],
-    ) -> Vec<usize> {
-        match self {
-            Self::Smoke => smoke.to_vec(),
-            Self::Short => short.to_vec(),
-            Self::Full => short.into_iter().chain(more).collect(),
-        }
-    }
-
-    fn walks(self) -> Walks {
-        match self {
-            Self::Smoke => Walks { views: 2, repeats: 1 },
-            Self::Short => Walks { views: 20, repeats: 2 },
-            Self::Full => Walks { views: 100, repeats: 3 },
-        }
-    }
-}
-
-/// What the experiments of this section share.
-struct Bench<'a> {
-    lab: &'a Lab<'a>,
-    reach: Reach,
-}
-
-impl Bench<'_> {
-    /// Measures the worlds of several sizes; the sizes are what the rows are about.
-    fn series(
-        &self,
-        name: &str,
-        sizes: &[usize],
-        build: impl Fn(usize) -> World,
-    ) -> Result<Vec<Row>, LabError> {
-        let mut rows = Vec::new();
-        for &size in sizes {
-            (self.lab.progress)(&format!("{name}: {}", grouped(size)));
-            rows.push(measure(&build(size), size as f64, Method::point(), self.reach.walks())?);
-        }
-        Ok(rows)
-    }
-}
 
 /// How the default method scales, as far as the report goes.
 ///
 /// # Errors
 /// If a picture cannot be written, or a scene is refused.
 pub fn scaling(lab: &Lab) -> Result<Section, LabError> {
-    scaling_to(lab, lab.pick(Reach::Full, Reach::Smoke))
+    scaling_to(lab, lab.pick(Effort::Full, Effort::Quick))
 }
 
 /// How the default method scales, up to sizes that are chosen.
 ///
 /// # Errors
 /// As [`scaling()`].
-pub fn scaling_to(lab: &Lab, reach: Reach) -> Result<Section, LabError> {
-    let bench = Bench { lab, reach };
+pub fn scaling_to(lab: &Lab, effort: Effort) -> Result<Section, LabError> {
+    let bench = Bench { lab, effort };
     let mut section = Section::on_its_own_page("Scaling");
-    let walks = reach.walks();
+    let walks = bench.walks();
     section.text(format!(
         "Fresh queries of `point` at its default options from {} views, each with the least of {} runs; medians and 99th \
          percentiles (p99) over the views. `hzb` has 320x180 pixels and gets the objects in the frustum for nothing. One thread, grids of \
@@ -126,7 +68,7 @@ fn hidden(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
         "### Hidden objects\n\nThe 5,000 spheres of the thesis stand in a hall with closed walls; more and more static spheres \
          lie beyond them, as densely, where nobody sees them.",
     );
-    let sizes = bench.reach.sizes([500, 2000], [5000, 20_000, 100_000], [300_000, 1_000_000]);
+    let sizes = bench.sizes([500, 2000], [5000, 20_000, 100_000], [300_000, 1_000_000]);
     let options = |n| SceneOptions { seed: bench.lab.seed, beyond_walls: Some(n), ..SceneOptions::default() };
     let rows = bench.series("hidden objects", &sizes, |n| build(SceneKind::Spheres, &options(n)))?;
     let (point, hzb) = (growth(&rows, |r| r.point.median), growth(&rows, |r| r.hzb.median));
@@ -157,7 +99,7 @@ fn movers(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
         "### Visible objects\n\nSmall spheres that move and hide nothing, in an open hall: nearly all that lie in the view are \
          visible. Then static spheres that hide others, side by side on a shell around the eye, so that all are visible; `hzb` does not draw those that are smaller than a pixel.",
     );
-    let sizes = bench.reach.sizes([100, 500], [100, 1000, 10_000], [30_000, 100_000]);
+    let sizes = bench.sizes([100, 500], [100, 1000, 10_000], [30_000, 100_000]);
     let seed = bench.lab.seed;
     let build = |count| {
         // The view holds about five of six.
@@ -173,7 +115,7 @@ fn movers(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
 
 /// Occluders that are all visible.
 fn solids(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError> {
-    let sizes = bench.reach.sizes([100, 500], [100, 1000, 10_000], [30_000, 100_000]);
+    let sizes = bench.sizes([100, 500], [100, 1000, 10_000], [30_000, 100_000]);
     let rows = bench.series("visible occluders", &sizes, |n| worlds::shell(n, bench.lab.seed))?;
     let title = for_each_visible(&rows, "visible occluders");
     let chart = Chart { file: "scaling-occluders.svg", title, of: "spheres that hide, all of them visible" };
@@ -187,7 +129,7 @@ fn triangles(bench: &Bench, section: &mut Section) -> Result<Vec<Row>, LabError>
         "### Triangles\n\nThe same rolling ground of 320 m, as 100 meshes with more and more triangles, and 2,000 boxes on it. The \
          eye is 1.7 m above it.",
     );
-    let sizes = bench.reach.sizes([2000, 20_000], [10_000, 100_000, 1_000_000], [10_000_000]);
+    let sizes = bench.sizes([2000, 20_000], [10_000, 100_000, 1_000_000], [10_000_000]);
     let rows = bench.series("triangles", &sizes, |n| worlds::ground(n, bench.lab.seed))?;
     let (point, hzb) = (growth(&rows, |r| r.point.median), growth(&rows, |r| r.hzb.median));
     let title = format!(

@@ -6,7 +6,8 @@ use casca::{MeshOptions, TriMesh};
 use rayon::ThreadPoolBuilder;
 
 use super::super::{LabError, Section, Table, grouped};
-use super::{Bench, worlds};
+use super::bench::Bench;
+use super::worlds;
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::measure::timed;
@@ -43,7 +44,7 @@ fn ground(triangles: usize, seed: u64) -> Vec<Mesh> {
 }
 
 pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> {
-    let sizes = bench.reach.sizes([2000, 20_000], [10_000, 100_000, 1_000_000], [10_000_000]);
+    let sizes = bench.sizes([2000, 20_000], [10_000, 100_000, 1_000_000], [10_000_000]);
     let seed = bench.lab.seed;
     let mut table =
         Table::new("scaling-preparation", &["meshes", "triangles", "seconds", "triangles a second", "MB"]);

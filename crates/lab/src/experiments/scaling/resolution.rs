@@ -3,7 +3,7 @@
 use casca::{Method, PointOptions};
 
 use super::super::{ASPECT, Contender, LabError, Section, Table};
-use super::Bench;
+use super::bench::Bench;
 use super::measure::{Times, Turn, frustums, set_up, take_turns};
 use crate::pictures::palette::{HZB, POINT, Style};
 use crate::pictures::{Axis, Line, lines};
@@ -30,8 +30,8 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
         "### Resolution\n\nThe same views at finer and finer pixels: `pixel_degrees` of `point` from 2 degrees to a sixteenth, with all \
          other options at their defaults, and `hzb` with as many pixels across the view.",
     );
-    let steps = bench.reach.sizes([1, 4], [1, 2, 4, 8, 16], [32]);
-    let walks = bench.reach.walks();
+    let steps = bench.sizes([1, 4], [1, 2, 4, 8, 16], [32]);
+    let walks = bench.walks();
     let mut scenes = Vec::new();
     for kind in SCENES {
         (bench.lab.progress)(&format!("resolutions of {}", kind.name()));

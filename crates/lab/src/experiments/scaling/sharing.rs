@@ -2,12 +2,12 @@
 
 use casca::{Aabb, GridSpec, Method};
 
-use super::super::{Contender, LabError, Section, Table};
-use super::Bench;
+use super::super::{Contender, Effort, LabError, Section, Table};
+use super::bench::Bench;
 use super::measure::{Turn, frustums, take_turns};
 use casca_scenes::drive::{Driver, Sharing};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::measure::timed;
+use casca_scenes::measure::timed_by_wall;
 
 const SCENES: [SceneKind; 5] =
     [SceneKind::SpheresMeshes, SceneKind::CityMeshes, SceneKind::Terrain, SceneKind::Rocks, SceneKind::Town];
@@ -18,15 +18,16 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
     let columns =
         ["scene", "meshes", "setup, s", "memory, MB", "point, ms", "PVS of point", "cell, ms", "PVS of cell"];
     let mut table = Table::new("scaling-sharing", &columns);
-    let scenes = if bench.reach == super::Reach::Smoke { &SCENES[2..3] } else { &SCENES };
-    let walks = bench.reach.walks();
+    let scenes = if bench.effort == Effort::Quick { &SCENES[2..3] } else { &SCENES };
+    let walks = bench.walks();
     for &kind in scenes {
         (bench.lab.progress)(&format!("shared meshes of {}", kind.name()));
         let world = build(kind, &SceneOptions { seed: bench.lab.seed, ..SceneOptions::default() });
         let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
         let mut drivers = Vec::new();
         for (_, sharing) in WAYS {
-            let (driver, setup) = timed(|| Driver::sharing(&world, &grid, sharing));
+            // Several threads prepare meshes.
+            let (driver, setup) = timed_by_wall(|| Driver::sharing(&world, &grid, sharing));
             let driver = driver?;
             // Queries by cell would add their lists.
             let memory = driver.scene.memory().total() as f64;

@@ -1,7 +1,8 @@
 use glam::Vec3;
 
 use super::measure::{Walks, measure};
-use super::{Method, worlds};
+use super::worlds;
+use casca::Method;
 use casca_scenes::world::{Shape, World};
 use casca_truth::oracle::ItemBuffer;
 

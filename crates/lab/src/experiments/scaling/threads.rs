@@ -4,13 +4,13 @@ use casca::{Query, View};
 use rayon::ThreadPoolBuilder;
 
 use super::super::{LabError, Section, Table};
-use super::Bench;
+use super::bench::Bench;
 use super::measure::{cameras, set_up};
 use crate::pictures::palette::{EXACT, other};
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::measure::timed;
+use casca_scenes::measure::timed_by_wall;
 
 const SCENES: [SceneKind; 3] = [SceneKind::Spheres, SceneKind::City, SceneKind::Terrain];
 /// Views of one call.
@@ -25,7 +25,7 @@ fn counts() -> Vec<usize> {
 }
 
 pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> {
-    let (counts, repeats) = (counts(), bench.reach.walks().repeats);
+    let (counts, repeats) = (counts(), bench.walks().repeats);
     let cores = counts.last().copied().unwrap_or(1);
     section.text(format!(
         "### Threads\n\n`Query::run_all` over {VIEWS} views of a walk, as one call, with 1 to {cores} threads: this machine has no more."
@@ -46,7 +46,8 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
             let mut least = f64::INFINITY;
             // The first call takes memory.
             for call in 0..=repeats.max(1) {
-                let time = pool.install(|| timed(|| Query::run_all(&mut queries, &driver.scene, &views)).1);
+                let time =
+                    pool.install(|| timed_by_wall(|| Query::run_all(&mut queries, &driver.scene, &views)).1);
                 least = if call > 0 { least.min(time.as_secs_f64()) } else { least };
             }
             alone = if threads == 1 { least } else { alone };

@@ -14,7 +14,7 @@ use casca_truth::oracle::{Frustum, RayOracle};
 
 /// How much is asked.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub struct Sampling {
     /// Frames of the walk, evenly spread.
     pub frames: usize,
     /// Boxes in a frame, and points.
@@ -129,34 +129,34 @@ struct Times {
 /// As the library's, if the world is refused.
 pub fn measure(
     world: World,
-    effort: &Effort,
+    sampling: &Sampling,
     mut progress: impl FnMut(usize),
 ) -> Result<SightCost, LabError> {
     let mut walker = Walker::new(world)?;
-    let mut truth = Truth { rays: RayOracle::new(&walker.world.objects), samples: effort.samples };
+    let mut truth = Truth { rays: RayOracle::new(&walker.world.objects), samples: sampling.samples };
     let mut nine = NineRays::new(&walker.world.objects);
     let moving: Vec<usize> = (0..walker.world.objects.len())
         .filter(|&i| walker.world.objects[i].motion != Motion::Static)
         .collect();
     let mut cost = SightCost { scene: walker.world.name.clone(), ..SightCost::default() };
     let (mut query, mut times, mut done) = (Query::new(), Times::default(), 0);
-    walker.walk::<LabError>(effort.frames, |walker, number, frame| {
+    walker.walk::<LabError>(sampling.frames, |walker, number, frame| {
         let (scene, objects) = (&walker.driver(0).scene, &walker.world.objects);
-        let seed = effort.seed.wrapping_add((number as u64) << 32);
-        let (boxes, points) = questions(&walker.world.grid, &frame.camera, effort.questions, seed);
+        let seed = sampling.seed.wrapping_add((number as u64) << 32);
+        let (boxes, points) = questions(&walker.world.grid, &frame.camera, sampling.questions, seed);
         truth.rays.update(objects, &moving);
         nine.update(objects);
         let [boxes_shown, points_shown] = truth.of(objects, frame, &boxes, &points);
 
         let view = view_of(&frame.camera)?;
-        let query_s = least(effort.repeats, || {
+        let query_s = least(sampling.repeats, || {
             query.run(scene, &view);
         });
         let sight = query.sight(scene).ok_or("the query has not run")?;
-        let (seen, box_ns) = ask(&boxes, effort.repeats, |b| sight.may_see_box(b));
-        let (seen_points, point_ns) = ask(&points, effort.repeats, |&p| sight.may_see_point(p));
+        let (seen, box_ns) = ask(&boxes, sampling.repeats, |b| sight.may_see_box(b));
+        let (seen_points, point_ns) = ask(&points, sampling.repeats, |&p| sight.may_see_point(p));
         let eye = frame.camera.eye;
-        let (reached, nine_ns) = ask(&boxes, effort.repeats, |b| nine.sees_box(eye, b.min, b.max));
+        let (reached, nine_ns) = ask(&boxes, sampling.repeats, |b| nine.sees_box(eye, b.min, b.max));
 
         times.query.push(query_s * 1e3);
         times.boxes.push(box_ns);

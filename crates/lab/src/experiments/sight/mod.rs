@@ -4,7 +4,7 @@
 mod measure;
 mod questions;
 
-pub use measure::{Effort, SightCost, measure};
+pub use measure::{Sampling, SightCost, measure};
 
 use super::worlds::Place;
 use super::{Lab, LabError, Section, Table, grouped};
@@ -15,7 +15,7 @@ use casca_scenes::generated::SceneKind;
 /// # Errors
 /// If a scene cannot be read or is refused.
 pub fn sight(lab: &Lab) -> Result<Section, LabError> {
-    let effort = Effort {
+    let sampling = Sampling {
         frames: lab.pick(20, 1),
         questions: lab.pick(10_000, 100),
         samples: lab.pick(64, 8),
@@ -30,10 +30,10 @@ pub fn sight(lab: &Lab) -> Result<Section, LabError> {
         }
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
-        costs.push(measure(world, &effort, |_| ())?);
+        costs.push(measure(world, &sampling, |_| ())?);
     }
     let mut section = Section::new("Questions about boxes and points");
-    section.text(finding(&costs, &effort));
+    section.text(finding(&costs, &sampling));
     section.table(table(&costs));
     Ok(section)
 }
@@ -43,7 +43,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
 }
 
-fn finding(costs: &[SightCost], effort: &Effort) -> String {
+fn finding(costs: &[SightCost], sampling: &Sampling) -> String {
     let wrong: usize = costs.iter().map(|c| c.wrong).sum();
     let (fastest, slowest) = range(costs.iter().map(|c| c.box_ns));
     let (least_rays, most_rays) = range(costs.iter().map(|c| c.nine_ns));
@@ -55,9 +55,9 @@ fn finding(costs: &[SightCost], effort: &Effort) -> String {
          exact rays reaches the box. **A box takes {fastest:.0} to {slowest:.0} ns, and {wrong}.** The usual nine rays, to the \
          corners and the centre of a box, take {least_rays:.0} to {most_rays:.0} ns and lose {least_lost:.1}% to \
          {most_lost:.1}% of the visible boxes. Times are medians over the frames; the query is run once for all questions.",
-        grouped(effort.questions),
-        effort.frames,
-        effort.samples,
+        grouped(sampling.questions),
+        sampling.frames,
+        sampling.samples,
     )
 }
 
@@ -134,16 +134,16 @@ mod tests {
 
     #[test]
     fn boxes_behind_a_wall_are_hidden_and_none_is_lost_but_by_nine_rays() {
-        let effort = Effort { frames: 1, questions: 4000, samples: 64, repeats: 1, seed: 5 };
+        let sampling = Sampling { frames: 1, questions: 4000, samples: 64, repeats: 1, seed: 5 };
         let mut done = 0;
-        let cost = measure(walls(), &effort, |n| done = n).unwrap();
+        let cost = measure(walls(), &sampling, |n| done = n).unwrap();
         assert_eq!((done, cost.wrong, cost.visible + cost.hidden), (1, 0, 4000));
         assert!(cost.visible > 500 && cost.hidden > 1000, "{cost:?}");
         // Through the slit shows a part of some boxes that is neither a corner nor the centre.
         assert!(cost.lost > 0 && cost.lost < cost.visible / 10, "{cost:?}");
         assert!(cost.kept < cost.hidden / 5, "{cost:?}");
         assert!(cost.box_ns > 0.0 && cost.point_ns > 0.0 && cost.nine_ns > 0.0);
-        let text = finding(std::slice::from_ref(&cost), &effort);
+        let text = finding(std::slice::from_ref(&cost), &sampling);
         assert!(text.contains("none is wrong") && text.contains("4,000 boxes"), "{text}");
         assert_eq!(table(&[cost]).rows.len(), 1);
     }

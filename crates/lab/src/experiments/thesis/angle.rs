@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3};
 
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError, Section, Table};
-use super::{COARSE, FINE, Finding, grid, ratio};
+use super::setting::{COARSE, FINE, Finding, grid, ratio};
 use crate::pictures::palette::{CELL, Marker, POINT, Style, THESIS, method, other};
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};

@@ -3,12 +3,13 @@
 use casca::{Method, View};
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
-use super::super::{Lab, LabError, Section, Table, grouped, median};
-use super::{ASPECT, COARSE, FINE, Finding, SCREEN, grid, ratio, style};
+use super::super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
+use super::setting::{COARSE, FINE, Finding, SCREEN, grid, ratio, style};
 use crate::pictures::palette::{CELL, Marker, Style, THESIS as GIVEN, other};
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::timed;
 use casca_scenes::world::FRAME_SECONDS;
 use casca_truth::baselines::Hzb;
 
@@ -78,9 +79,9 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
                 }
             }
             if measured && drawing.len() < 5 {
-                let start = std::time::Instant::now();
-                depth.draw_all(&world.objects, world.objects.len() - count..world.objects.len(), &camera);
-                drawing.push(ms(start.elapsed()));
+                let objects = &world.objects;
+                let movers = objects.len() - count..objects.len();
+                drawing.push(ms(timed(|| depth.draw_all(objects, movers, &camera)).1));
             }
         }
         let n = count as f64;

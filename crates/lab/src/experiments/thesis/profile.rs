@@ -3,8 +3,8 @@
 use casca::{GridSpec, Method, Query};
 
 use super::super::stage::{Stage, Telling};
-use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, Finding, ratio};
+use super::super::{ASPECT, Lab, LabError, Section, Table};
+use super::setting::{Finding, ratio};
 use crate::pictures::{Bar, bars};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};

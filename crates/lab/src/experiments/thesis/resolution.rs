@@ -1,17 +1,16 @@
 //! Cost and accuracy against the resolution of the grid (section 4.6, figures 4.7 and 4.8).
 
-use std::time::Instant;
-
 use casca::{Aabb, GridSpec, Method, View};
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
-use super::super::{Lab, LabError, Section, Table};
-use super::{ASPECT, EXACT, Finding, SCREEN, mean, ratio, style};
+use super::super::{ASPECT, Lab, LabError, Section, Table};
+use super::setting::{EXACT, Finding, SCREEN, mean, ratio, style};
 use crate::pictures::palette::{CELL, FRUSTUM, Marker, POINT, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, Motion};
 use casca_truth::baselines::Hzb;
 use casca_truth::oracle::ItemBuffer;
@@ -100,9 +99,8 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             in_frustum[v] = frustum.found().count() as f64;
             for r in &mut runs {
                 r.query[v] = r.query[v].min(r.stage.look(view, 2));
-                let start = Instant::now();
-                depth.draw_all(&world.objects, r.stage.found(), &cameras[v]);
-                r.drawing[v] = r.drawing[v].min(ms(start.elapsed()));
+                let ((), drawing) = timed(|| depth.draw_all(&world.objects, r.stage.found(), &cameras[v]));
+                r.drawing[v] = r.drawing[v].min(ms(drawing));
                 r.found[v] = r.stage.found().count() as f64;
                 if round == 0 {
                     r.lost += visible[v].iter().filter(|&&i| !r.stage.sees(i)).count();

@@ -1,18 +1,17 @@
 //! A walk of 150 frames: its cost (section 4.3, figure 4.4) and the PVS against what is visible
 //! (section 4.4, figure 4.5).
 
-use std::time::Instant;
-
 use casca::Method;
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
-use super::super::{Lab, LabError, Section, Table, median};
-use super::{ASPECT, COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, style};
+use super::super::{ASPECT, Lab, LabError, Section, Table, median};
+use super::setting::{COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, style};
 use crate::pictures::palette::{Marker, Style, THESIS};
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::timed;
 use casca_scenes::world::FRAME_SECONDS;
 use casca_truth::baselines::Hzb;
 use casca_truth::oracle::ItemBuffer;
@@ -41,12 +40,8 @@ fn over(x: &[f64], a: &[f64], b: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Milliseconds of drawing, the least of two.
-fn timed(depth: &mut Hzb, mut draw: impl FnMut(&mut Hzb)) -> f64 {
-    let mut once = || {
-        let start = Instant::now();
-        draw(depth);
-        ms(start.elapsed())
-    };
+fn drawn(depth: &mut Hzb, mut draw: impl FnMut(&mut Hzb)) -> f64 {
+    let mut once = || ms(timed(|| draw(depth)).1);
     once().min(once())
 }
 
@@ -91,19 +86,19 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
                 row.query.push(query);
                 row.found.push(stage.found().count() as f64);
                 row.lost += seen.iter().filter(|&&i| !stage.sees(i)).count();
-                row.drawing.push(timed(&mut depth, |d| d.draw_all(&world.objects, stage.found(), &camera)));
+                row.drawing.push(drawn(&mut depth, |d| d.draw_all(&world.objects, stage.found(), &camera)));
             }
         }
         if measured {
             let objects = &world.objects;
             let in_frustum: Vec<usize> = stages[4].found().collect();
             let mut found = Vec::new();
-            hzb.query.push(timed(&mut depth, |d| found = d.frame(objects, &in_frustum, &camera)));
+            hzb.query.push(drawn(&mut depth, |d| found = d.frame(objects, &in_frustum, &camera)));
             hzb.upkeep.push(0.0);
-            hzb.drawing.push(timed(&mut depth, |d| d.draw_all(objects, found.iter().copied(), &camera)));
+            hzb.drawing.push(drawn(&mut depth, |d| d.draw_all(objects, found.iter().copied(), &camera)));
             hzb.found.push(found.len() as f64);
             hzb.lost += seen.iter().filter(|i| !found.contains(i)).count();
-            alone.push(timed(&mut depth, |d| d.draw_all(objects, 0..objects.len(), &camera)));
+            alone.push(drawn(&mut depth, |d| d.draw_all(objects, 0..objects.len(), &camera)));
             visible.push(seen.len() as f64);
             at.push(frame as f64);
         }

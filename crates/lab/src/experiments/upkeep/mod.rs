@@ -8,8 +8,6 @@ mod structures;
 #[cfg(test)]
 mod tests;
 
-use std::time::Instant;
-
 use casca::{Aabb, GridSpec, Method};
 
 use super::stage::{Stage, Telling, frame_of, ms};
@@ -18,6 +16,7 @@ use crate::pictures::palette::{self, Marker, Style};
 use crate::pictures::{Axis, Line, lines};
 use arena::Arena;
 use casca_scenes::drive::view_of;
+use casca_scenes::measure::ThreadTime;
 use casca_scenes::world::{FRAME_SECONDS, Object, Shape, World};
 use casca_truth::oracle::ItemBuffer;
 use frustum::Frustum;
@@ -37,7 +36,7 @@ const WAYS: [(&str, Method, Telling); 4] = [
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
-struct Effort {
+struct Sampling {
     /// Steps before the first frame that counts.
     settle: usize,
     frames: usize,
@@ -104,7 +103,7 @@ fn others(boxes: &[Box3], world: &World) -> Vec<Box<dyn Structure>> {
 }
 
 /// Measures all structures in one arena, in turns.
-fn measure(arena: Arena, effort: Effort, progress: &dyn Fn(&str)) -> Result<Vec<Row>, LabError> {
+fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<Vec<Row>, LabError> {
     let mut world = arena.build();
     let first = arena.first();
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), arena.count)?;
@@ -112,24 +111,24 @@ fn measure(arena: Arena, effort: Effort, progress: &dyn Fn(&str)) -> Result<Vec<
     for (_, method, telling) in WAYS {
         stages.push(Stage::new(&world, &grid, method, telling)?);
     }
-    let mut buffer = ItemBuffer::new(effort.width, (effort.width as f32 / ASPECT) as usize);
+    let mut buffer = ItemBuffer::new(sampling.width, (sampling.width as f32 / ASPECT) as usize);
     let mut structures = Vec::new();
     let mut records: Vec<Record> = Vec::new();
     let (mut visible, mut judged) = (0, 0);
     let mut spent = [0.0; WAYS.len()];
-    for step in 0..effort.settle + effort.frames {
+    for step in 0..sampling.settle + sampling.frames {
         progress(&format!("upkeep of {}, step {step}", arena.count));
-        let measured = step >= effort.settle;
-        let frame = frame_of(step, effort.settle, STRIDE);
+        let measured = step >= sampling.settle;
+        let frame = frame_of(step, sampling.settle, STRIDE);
         let moved = world.set_frame(frame);
         let camera = world.camera(frame, ASPECT);
         let view = view_of(&camera)?;
         // The others need no time to settle; they start a frame before the first that counts.
-        if step + 1 == effort.settle || structures.is_empty() && measured {
+        if step + 1 == sampling.settle || structures.is_empty() && measured {
             structures = others(&boxes(&world.objects[first..]), &world);
             records.resize_with(structures.len() + stages.len(), Record::default);
         }
-        let judge = measured && judged < effort.judged;
+        let judge = measured && judged < sampling.judged;
         let seen: Vec<usize> = if judge {
             judged += 1;
             buffer.render(&world.objects, &camera);
@@ -143,11 +142,11 @@ fn measure(arena: Arena, effort: Effort, progress: &dyn Fn(&str)) -> Result<Vec<
             let frustum = Frustum::of(&camera);
             let mut expected: Option<Vec<u32>> = None;
             for (structure, record) in structures.iter_mut().zip(&mut records) {
-                let start = Instant::now();
+                let start = ThreadTime::now();
                 structure.update(&now);
                 record.update.push(ms(start.elapsed()));
                 let mut found = Vec::new();
-                let start = Instant::now();
+                let start = ThreadTime::now();
                 structure.query(&frustum, &mut found);
                 record.query.push(ms(start.elapsed()));
                 record.judged += usize::from(judge);
@@ -169,8 +168,8 @@ fn measure(arena: Arena, effort: Effort, progress: &dyn Fn(&str)) -> Result<Vec<
         let others = structures.len();
         for (i, stage) in stages.iter_mut().enumerate() {
             // The last step of settling is never left out: what is measured follows it by a frame.
-            let rests = step + 1 < effort.settle || measured && !records[others + i].update.is_empty();
-            if spent[i] > effort.patience && rests {
+            let rests = step + 1 < sampling.settle || measured && !records[others + i].update.is_empty();
+            if spent[i] > sampling.patience && rests {
                 continue;
             }
             let before = stage.upkeep(frame as f64 * FRAME_SECONDS, &world.objects, &moved)?;
@@ -218,7 +217,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
     let mut rows = Vec::new();
     for &count in &counts {
         for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
-            let effort = Effort {
+            let sampling = Sampling {
                 // In the open, nothing needs time to settle.
                 settle: lab.pick(
                     if !hidden {
@@ -235,7 +234,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
                 width: lab.pick(1920, 960),
                 patience: lab.pick(3000.0, 1000.0),
             };
-            rows.extend(measure(Arena { count, hidden, fast, seed: lab.seed }, effort, lab.progress)?);
+            rows.extend(measure(Arena { count, hidden, fast, seed: lab.seed }, sampling, lab.progress)?);
         }
     }
     let mut section = Section::new("Upkeep of moving objects, against trees and arrays");

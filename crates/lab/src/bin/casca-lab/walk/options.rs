@@ -7,6 +7,8 @@ use casca_lab::command_line::{EXIT_CODES, FRAMES, MOST_SAMPLES, SceneName, WIDTH
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
+use crate::arguments::{Common, Out, about};
+
 /// Width over height of all pictures.
 pub(super) const ASPECT: f32 = 16.0 / 9.0;
 
@@ -45,7 +47,8 @@ impl MethodName {
 #[derive(Debug, Parser)]
 #[command(
     about = "Walks through a scene, finds the visible objects of each frame, and proves that none is missing",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/walk", "Where the pictures go"))
 )]
 pub struct Options {
     /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes, spheres-16, city-10 or a
@@ -62,9 +65,6 @@ pub struct Options {
     /// Frames to walk, 1 to 100000 [default: the scene's path, 150 for procedural scenes]
     #[arg(long, value_parser = value_parser!(u32).range(FRAMES))]
     pub frames: Option<u32>,
-    /// Seed of procedural scenes
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Pixels along each side of the direction masks: a power of two from 64 to 4096
     #[arg(long, default_value_t = CellOptions::default().mask_resolution, value_parser = parse_mask)]
     pub mask: u32,
@@ -89,12 +89,10 @@ pub struct Options {
     /// Writes all results to this file
     #[arg(long)]
     pub json: Option<PathBuf>,
-    /// Where the pictures go
-    #[arg(long, default_value = "target/walk")]
-    pub out: PathBuf,
-    /// No progress bar
-    #[arg(long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub out: Out,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// The grid that is asked for.
