@@ -15,5 +15,6 @@ pub mod generated;
 pub mod import;
 pub mod lit;
 pub mod measure;
+mod numeric;
 pub mod path_error;
 pub mod world;

@@ -7,6 +7,7 @@
 #[cfg(feature = "attack")]
 pub mod attack;
 pub mod baselines;
+mod numeric;
 pub mod oracle;
 
 /// The configuration of a property test of `n` cases: the same cases in every

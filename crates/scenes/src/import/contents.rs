@@ -13,6 +13,7 @@ use super::instances::instances_of;
 use super::meshes::Meshes;
 use super::nodes::{check_rigid, nodes_of, role_of, wrong};
 use super::path::{FilePath, Moving, camera_of};
+use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
 use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// Frames of a path that the file does not give.
@@ -106,8 +107,8 @@ pub(super) fn contents(
     let mut animation = FilePath::new(nodes, moving, camera, frames);
     let (min, max) = animation.settle(&mut objects)?;
     let size = (max - min).max_element();
-    // Far from the origin, cells that are too small could not be told apart.
-    let margin = (size.max(1e-3) * 1e-3).max(min.abs().max(max.abs()).max_element() * 1e-5);
+    let far = min.abs().max(max.abs()).max_element();
+    let margin = (size.max(LEAST_SIZE) * GRID_ROOM).max(far * GRID_ROOM_FAR);
     let (min, max) = (min - margin, max + margin);
     let cell = (max - min).max_element() / CELLS;
     if !(min.is_finite() && max.is_finite() && cell.is_finite()) {

@@ -8,6 +8,7 @@ use glam::{Affine3A, Vec3};
 
 use super::error::Trouble;
 use super::nodes::Nodes;
+use crate::numeric::{NEAR_PLANES, NEAR_SHARE};
 use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 #[derive(Debug, Clone)]
@@ -54,7 +55,7 @@ impl Walk {
         // One stands on a floor, not half in it.
         center.y = min.y + room(size.y) * 0.5;
         let radius = 0.35 * room(size.x).min(room(size.z));
-        Self { center, radius, near: (longest * 5e-3).clamp(1e-6, 0.05) }
+        Self { center, radius, near: (longest * NEAR_SHARE).clamp(NEAR_PLANES[0], NEAR_PLANES[1]) }
     }
 
     /// The camera after a part of the walk.

@@ -9,13 +9,11 @@ use rayon::prelude::*;
 use super::frustum::Frustum;
 use super::rims::{Rim, rims};
 use super::{FalseNegative, FrameVerdict, Oracle, OracleOptions};
+use crate::numeric::oracle::LEAST_IN_BALL;
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Rims of occluders that are looked past, in a frame.
 const RIMS: usize = 512;
-
-/// Random places in a ball of radius 1 lie farther than this from its middle, so that they have a direction.
-const LEAST: f64 = 1e-3;
 
 /// How much a [`BallOracle`] looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,7 +130,7 @@ impl BallOracle {
         let random = &mut self.random;
         let any = loop {
             let p = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
-            if p.length_squared() <= 1.0 && p.length() > LEAST {
+            if p.length_squared() <= 1.0 && p.length() > LEAST_IN_BALL {
                 break p;
             }
         };

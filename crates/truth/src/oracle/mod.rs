@@ -29,6 +29,7 @@ use geometry::Primitive;
 pub use item_buffer::{ItemBuffer, NONE};
 pub use rays::{ProbeReport, RayOracle, Sighting};
 
+use crate::numeric::oracle::SAME_DEPTH;
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Pixels of an object through which a sighting is confirmed, at most.
@@ -269,7 +270,7 @@ impl Oracle {
                 .filter(|&pixel| {
                     let (origin, step) = self.buffer.pixel_ray(frustum, pixel);
                     enter_shape(shape, origin, step)
-                        .is_some_and(|t| near + t <= self.buffer.depths()[pixel] + 1e-9)
+                        .is_some_and(|t| near + t <= self.buffer.depths()[pixel] + SAME_DEPTH)
                 })
                 .collect()
         };

@@ -11,10 +11,8 @@ use super::frustum::{Frustum, Viewpoint};
 use super::geometry::{MeshCache, primitive_count};
 use super::sample::Sampler;
 use super::tree::{Part, Place, REFITS, Tree};
+use crate::numeric::oracle::{END, PAST_END};
 use casca_scenes::world::{Object, Shape};
-
-/// Hits this near the target, as a share of the way, do not hide it.
-const END: f64 = 1e-6;
 
 /// A point of an object that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -289,7 +287,7 @@ fn sure_segment(origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> 
         step: target - origin,
         own: own as u32,
         grown: true,
-        end: 1.0 + 1e-9,
+        end: 1.0 + PAST_END,
         own_end: if own_is_mesh { 1.0 - END } else { 0.0 },
     }
 }

@@ -1,10 +1,8 @@
 //! The bounces by resolution, and whole pictures beside those of the path tracer.
 
-use std::time::Instant;
-
 use glam::Vec3;
 
-use super::case::{Case, LAST, Truth, order_name};
+use super::case::{Case, LAST, Truth, milliseconds, order_name};
 use super::gather::Gather;
 use super::metric::{Difference, difference, flip_map};
 use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, chart, mean_of, table, tile};
@@ -30,9 +28,7 @@ fn measure(
 ) -> Result<Vec<HdrImage>, LabError> {
     let (mut images, n) = (Vec::new(), voxels.n as u32);
     for ((order, truth), stage) in case.orders().zip(truths).zip(case.stages(voxels, gather)?) {
-        let start = Instant::now();
-        let image = case.gathered(&stage.volume, gather)?;
-        let gathered = start.elapsed().as_secs_f64() * 1e3;
+        let (image, gathered) = case.gathered(&stage.volume, gather)?;
         let difference = difference(&truth.image, &image)?;
         let [lit, pyramid] = stage.ms;
         let (scene, noise) = (case.scene.name.clone(), truth.noise);
@@ -51,9 +47,8 @@ pub(super) fn bounces(lab: &Lab, cases: &[Case], section: &mut Section) -> Resul
         (lab.progress)(&case.scene.name);
         let truths = truths(lab, case)?;
         for &n in sizes {
-            let start = Instant::now();
-            let voxels = Voxels::new(&case.scene, n)?;
-            let made = start.elapsed().as_secs_f64() * 1e3;
+            let (voxels, made) = milliseconds(|| Voxels::new(&case.scene, n));
+            let voxels = voxels?;
             for gather in [CONES, WALKS] {
                 let images = measure(case, &truths, (&voxels, made), gather, &mut rows)?;
                 if gather == CONES && Some(&n) == sizes.last() {

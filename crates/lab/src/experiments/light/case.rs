@@ -1,10 +1,8 @@
 //! The scenes that are measured, with the path tracer's pictures of them, and the volumes of light in their voxels.
 
-use std::path::Path;
-use std::time::Instant;
-
 use glam::Vec3;
 use rayon::prelude::*;
+use std::path::Path;
 
 use super::gather::{Gather, LightVolume, Spot};
 use super::metric::mean;
@@ -12,6 +10,7 @@ use super::voxels::{Sides, Voxels};
 use crate::experiments::{Lab, LabError};
 use casca_scenes::import::load_lit;
 use casca_scenes::lit::{HdrImage, Kind, LightKind, LitScene, Material};
+use casca_scenes::measure::timed_by_wall;
 use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
 
 /// The shared scene that is measured where it is there.
@@ -48,6 +47,12 @@ pub(super) struct Stage<'a> {
     pub(super) ms: [f64; 2],
 }
 
+/// What a call gives, and the milliseconds that pass: several threads share the work with light.
+pub(super) fn milliseconds<T>(call: impl FnOnce() -> T) -> (T, f64) {
+    let (value, time) = timed_by_wall(call);
+    (value, time.as_secs_f64() * 1e3)
+}
+
 impl Case {
     pub(super) fn new(scene: LitScene, size: (usize, usize)) -> Result<Self, LabError> {
         let tracer = PathTracer::new(&scene);
@@ -76,9 +81,11 @@ impl Case {
         Ok(HdrImage::new(self.size.0, self.size.1, pixels.map_err(Into::into)?)?)
     }
 
-    /// The picture of the light that surfaces scatter from a volume.
-    pub(super) fn gathered(&self, volume: &LightVolume, how: Gather) -> Result<HdrImage, LabError> {
-        self.image(|at| volume.scattered(&self.spot(at), &self.materials[at.material], how))
+    /// The picture of the light that surfaces scatter from a volume, and the milliseconds that it took.
+    pub(super) fn gathered(&self, volume: &LightVolume, how: Gather) -> Result<(HdrImage, f64), LabError> {
+        let scattered = |at: &Surface| volume.scattered(&self.spot(at), &self.materials[at.material], how);
+        let (image, ms) = milliseconds(|| self.image(scattered));
+        Ok((image?, ms))
     }
 
     fn spot(&self, at: &Surface) -> Spot {
@@ -93,23 +100,20 @@ impl Case {
 
     /// The volumes of light that was scattered ever more often: one for each of [`Self::orders`], from which that light is gathered.
     pub(super) fn stages<'a>(&self, voxels: &'a Voxels, how: Gather) -> Result<Vec<Stage<'a>>, LabError> {
-        let ms = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
-        let mut start = Instant::now();
-        let (mut sides, mut sky) =
-            (self.first(voxels, how)?, if self.held == 0 { self.scene.sky } else { Vec3::ZERO });
+        let (sides, mut lit) = milliseconds(|| self.first(voxels, how));
+        let (mut sides, mut sky) = (sides?, if self.held == 0 { self.scene.sky } else { Vec3::ZERO });
         let mut stages: Vec<Stage> = Vec::new();
         for order in self.orders() {
-            let lit = ms(start);
-            start = Instant::now();
-            let volume = LightVolume::new(voxels, std::mem::take(&mut sides), sky);
-            let pyramid = ms(start);
-            start = Instant::now();
+            let (volume, pyramid) =
+                milliseconds(|| LightVolume::new(voxels, std::mem::take(&mut sides), sky));
+            let before = lit;
             if order < LAST {
-                sides = volume.bounce(how)?;
+                let (next, bounce) = milliseconds(|| volume.bounce(how));
+                (sides, lit) = (next?, bounce);
             }
             // Light of the sky enters once.
             sky = Vec3::ZERO;
-            stages.push(Stage { volume, ms: [lit, pyramid] });
+            stages.push(Stage { volume, ms: [before, pyramid] });
         }
         Ok(stages)
     }

@@ -1,7 +1,5 @@
 //! Reflections by single cones and by walks, by gloss.
 
-use std::time::Instant;
-
 use glam::Vec3;
 
 use super::case::{Case, generated, size};
@@ -56,9 +54,7 @@ pub(super) fn gloss(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
         for (name, gather) in [("a cone", CONES), ("64 walks", WALKS)] {
             let mut points = Vec::new();
             for (gloss, case, truth) in &cases {
-                let start = Instant::now();
-                let image = case.gathered(&stage.volume, gather)?;
-                let ms = start.elapsed().as_secs_f64() * 1e3;
+                let (image, ms) = case.gathered(&stage.volume, gather)?;
                 let Difference { rmse, flip } = difference(&truth.image, &image)?;
                 let error = less_noise(rmse, truth.noise);
                 points.push((f64::from(*gloss), error));

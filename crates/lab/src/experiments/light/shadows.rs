@@ -1,11 +1,9 @@
 //! Soft shadows of lights with a size, and ambient occlusion, by the library's marches: by resolution, by step, and against time.
 
-use std::time::Instant;
-
 use casca::soft::{Cone, March};
 use glam::Vec3;
 
-use super::case::{Case, Truth, cornell_ball, generated, size, sponza};
+use super::case::{Case, Truth, cornell_ball, generated, milliseconds, size, sponza};
 use super::metric::{Difference, difference, less_noise};
 use super::rows::{
     BY_SIZE, BY_STEP, BY_TIME, ERROR, FLIP, MIDDLE, SIZES, STEPS, chart, digits, mean_of, tile,
@@ -76,15 +74,12 @@ impl Question {
 
     /// The picture by voxels, how far it is from the truth, and the milliseconds that it took.
     fn ask(&self, voxels: &Voxels, march: &March) -> Result<(HdrImage, Difference, f64), LabError> {
-        let start = Instant::now();
-        let image = self.case.image(|at| {
-            let share = match &self.quantity {
-                Quantity::Ambient(reach) => ambient(voxels, at, *reach, march)?,
-                _ => shadow(&self.case, voxels, at, march)?,
-            };
-            Ok::<_, casca::Error>(Vec3::splat(share))
-        })?;
-        let ms = start.elapsed().as_secs_f64() * 1e3;
+        let share = |at: &Surface| match &self.quantity {
+            Quantity::Ambient(reach) => ambient(voxels, at, *reach, march),
+            _ => shadow(&self.case, voxels, at, march),
+        };
+        let (image, ms) = milliseconds(|| self.case.image(|at| share(at).map(Vec3::splat)));
+        let image = image?;
         let difference = difference(&self.truth.image, &image)?;
         Ok((image, difference, ms))
     }

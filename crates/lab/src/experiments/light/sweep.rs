@@ -1,7 +1,5 @@
 //! Bounces by the step of cones, their number and that of walks, at one resolution: errors by step, and against time.
 
-use std::time::Instant;
-
 use super::case::{Case, Truth, order_name};
 use super::gather::Gather;
 use super::metric::difference;
@@ -38,9 +36,8 @@ pub(super) fn sweep(
         for (group, (_, settings)) in groups().iter().enumerate() {
             for &gather in settings {
                 for ((order, truth), stage) in case.orders().zip(*truths).zip(&stages) {
-                    let start = Instant::now();
-                    let image = case.gathered(&stage.volume, gather)?;
-                    let ms = [stage.ms[0], stage.ms[1], start.elapsed().as_secs_f64() * 1e3];
+                    let (image, time) = case.gathered(&stage.volume, gather)?;
+                    let ms = [stage.ms[0], stage.ms[1], time];
                     let (difference, noise) = (difference(&truth.image, &image)?, truth.noise);
                     let scene = case.scene.name.clone();
                     rows.push((group, Row { scene, order, n, gather, difference, noise, ms }));

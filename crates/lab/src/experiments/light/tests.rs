@@ -67,7 +67,7 @@ fn bounces_come_near_the_path_tracer() {
             if how == CONES && order == 1 {
                 continue;
             }
-            let image = case.gathered(&stage.volume, how).unwrap();
+            let image = case.gathered(&stage.volume, how).unwrap().0;
             let Difference { rmse, flip } = difference(&truth, &image).unwrap();
             assert!(rmse < 0.7 && flip < 0.35, "order {order}, {how:?}: {rmse} {flip}");
             let share = sum(&image) / sum(&truth);
@@ -82,7 +82,7 @@ fn later(scene: LitScene) -> Vec<HdrImage> {
     let voxels = Voxels::new(&case.scene, 24).unwrap();
     let stages = case.stages(&voxels, WALKS).unwrap();
     let from_second = stages.iter().skip(1 - case.held as usize);
-    from_second.map(|s| case.gathered(&s.volume, WALKS).unwrap()).collect()
+    from_second.map(|s| case.gathered(&s.volume, WALKS).unwrap().0).collect()
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn light_of_the_sky_enters_once() {
     let case = Case::new(scene.clone(), SIZE).unwrap();
     let voxels = Voxels::new(&case.scene, 24).unwrap();
     let stages = case.stages(&voxels, WALKS).unwrap();
-    let light = |stage: &case::Stage| sum(&case.gathered(&stage.volume, WALKS).unwrap());
+    let light = |stage: &case::Stage| sum(&case.gathered(&stage.volume, WALKS).unwrap().0);
     assert!(light(&stages[0]) > 1.0);
     assert_eq!([light(&stages[1]), light(&stages[2])], [0.0; 2]);
     // The same beside a light that gives nothing.
@@ -132,7 +132,7 @@ fn reflections_come_near_the_path_tracer() {
             if how == CONES && gloss < 0.4 {
                 continue;
             }
-            let image = case.gathered(&stages[1].volume, how).unwrap();
+            let image = case.gathered(&stages[1].volume, how).unwrap().0;
             let (share, found) = (sum(&image) / sum(&truth), difference(&truth, &image).unwrap());
             assert!((1.0 - most..1.0 + most).contains(&share), "{gloss} {how:?}: {share}");
             // A sharp reflection shows the single voxels around the lamp.

@@ -7,6 +7,7 @@ use super::super::ops::direction;
 use super::solid::{Answer, Start};
 use super::stage::Stage;
 use super::views::{camera, limits};
+use crate::numeric::attack::{CASTER_ROOM, IN_RANGE};
 
 /// A ray of a light to a point that is on a receiver, and the point where a caster meets it.
 struct Ray {
@@ -44,7 +45,7 @@ pub fn play(mut stage: Stage) -> Stage {
             (Light::spot(view), Start::Eye(at.as_dvec3()), at, f32::INFINITY)
         }
     };
-    let lit = |p: DVec3| p.distance(middle.as_dvec3()) < f64::from(range) * (1.0 - 1e-9);
+    let lit = |p: DVec3| p.distance(middle.as_dvec3()) < f64::from(range) * IN_RANGE;
     let rays: Vec<Ray> = (0..500)
         .filter_map(|number| {
             let from = if number % 3 == 0 { Start::Eye(camera.eye) } else { start };
@@ -136,7 +137,7 @@ fn blocked(stage: &Stage, but: usize, from: DVec3, to: DVec3) -> bool {
     stage.targets.iter().enumerate().any(|(i, target)| {
         let casca::Bounds::Box(b) = &target.bounds else { return i != but };
         let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
-        let room = 1e-12 * (1.0 + from.abs().max_element() + to.abs().max_element());
+        let room = CASTER_ROOM * (1.0 + from.abs().max_element() + to.abs().max_element());
         let (mut near, mut far) = (0f64, 1f64);
         for axis in 0..3 {
             let ends = [(min[axis] - room - from[axis]) / d[axis], (max[axis] + room - from[axis]) / d[axis]];

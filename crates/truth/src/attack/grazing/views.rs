@@ -10,6 +10,7 @@ use super::outermost::outermost;
 use super::solid::Start;
 use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
+use crate::numeric::attack::WITHIN_TURN;
 
 /// Objects of a scene.
 const OBJECTS: u32 = 400;
@@ -145,7 +146,7 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     };
     let goes = matches!(place, Place::Reach | Place::Both);
     let turns = matches!(place, Place::Turn | Place::Both);
-    let angle = f64::from(angle as f32) * (1.0 - 1e-9);
+    let angle = f64::from(angle as f32) * WITHIN_TURN;
     if !around && number.is_multiple_of(7) {
         aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
         return;

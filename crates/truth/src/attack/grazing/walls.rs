@@ -9,6 +9,7 @@ use super::super::dice::Dice;
 use super::super::forms::{BASES, Form, Shelf, base, skew};
 use super::super::ops::{direction, turn};
 use super::solid::Solid;
+use crate::numeric::attack::WALL_BOUNDS;
 
 /// Names of shapes, as tallies have them.
 pub const SHAPES: [&str; 12] = [
@@ -133,7 +134,7 @@ impl Wall {
         let bounds = bounds.unwrap_or_else(|| {
             // Rounded outwards.
             let (min, max) = solid.extent();
-            let room = 1e-6 * (solid.radius + min.abs().max(max.abs()).max_element());
+            let room = WALL_BOUNDS * (solid.radius + min.abs().max(max.abs()).max_element());
             Aabb::new((min - room).as_vec3(), (max + room).as_vec3()).into()
         });
         Some(Self { shape, solid, bounds, occluder, text: format!("{form:?}") })

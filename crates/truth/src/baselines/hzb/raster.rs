@@ -8,11 +8,7 @@ use fearless_simd::{Simd, f32x8};
 
 use crate::baselines::DepthPyramid;
 use crate::baselines::depth::{LANES, TILE};
-
-/// Larger than any coordinate in pixels that matters.
-const BEYOND: f32 = 1e9;
-/// Twice the area in pixels below which a triangle counts as seen edge-on.
-const EDGE_ON: f32 = 1e-12;
+use crate::numeric::baselines::{BEYOND, EDGE_ON};
 
 /// Eight triangles by corner: columns and rows in pixels, and nearness. Not positive where a corner cannot be
 /// projected; such triangles are passed over.

@@ -7,7 +7,8 @@ use rand_pcg::Pcg64Mcg;
 
 use super::emitters::Emitters;
 use super::scatter::{Scatter, turned};
-use super::{END, PathTracer, Surface};
+use super::{PathTracer, Surface};
+use crate::numeric::oracle::BEFORE_LIGHT;
 
 impl PathTracer {
     /// Direct light of all lights and of one point of the emitters, scattered at a surface.
@@ -16,7 +17,7 @@ impl PathTracer {
         for light in &self.lights {
             let Some((way, direction, irradiance)) = self.towards(light, at, random) else { continue };
             let value = scatter.value(direction) * irradiance;
-            if value.max_element() > 0.0 && !self.hides(at, way, 1.0 - END) {
+            if value.max_element() > 0.0 && !self.hides(at, way, 1.0 - BEFORE_LIGHT) {
                 sum += value;
             }
         }
@@ -60,7 +61,7 @@ impl PathTracer {
         let across = (q - p).cross(r - p).try_normalize()?.dot(direction).abs();
         let material = &self.materials[triangle.material as usize];
         let (value, by_area) = (scatter.value(direction), self.emitters.density(material));
-        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - END) {
+        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - BEFORE_LIGHT) {
             return None;
         }
         let density = by_area * square / across;

@@ -23,15 +23,12 @@ use rayon::prelude::*;
 use super::frustum::Frustum;
 use super::geometry::Primitive;
 use super::tree::{Part, Tree};
+use crate::numeric::oracle::{BEFORE_LIGHT, LEAST_SCALE, OFF};
 use casca_scenes::lit::{HdrImage, ImageError, Light, LitScene, LitTriangle, Material};
 use casca_scenes::world::Camera;
 use emitters::Emitters;
 use scatter::{Scatter, around};
 
-/// Rays start this far off the surface, as a share of the greatest coordinate: rounding in f64 is less, and nothing in a scene is as thin.
-const OFF: f64 = 1e-8;
-/// Shadow rays end this far before the light, as a share of the way, so that an emitter does not hide itself.
-const END: f64 = 1e-7;
 /// Samples that a pixel has at most.
 const MOST_SAMPLES: u32 = 1 << 20;
 /// How often light is scattered at most.
@@ -187,7 +184,7 @@ impl PathTracer {
             (Quantity::Shadow(light), Some(at)) => {
                 let Some(light) = self.lights.get(*light) else { return DVec3::ZERO };
                 DVec3::splat(match self.towards(light, &at, random) {
-                    Some((way, ..)) if !self.hides(&at, way, 1.0 - END) => 1.0,
+                    Some((way, ..)) if !self.hides(&at, way, 1.0 - BEFORE_LIGHT) => 1.0,
                     _ => 0.0,
                 })
             }
@@ -208,7 +205,7 @@ impl PathTracer {
 
     /// A point just above a surface.
     fn off(&self, at: &Surface) -> DVec3 {
-        at.point + at.normal * (OFF * (self.tree.scale + 1e-3))
+        at.point + at.normal * (OFF * (self.tree.scale + LEAST_SCALE))
     }
 
     /// The light of some orders that arrives against a unit direction from a surface, or from the sky.

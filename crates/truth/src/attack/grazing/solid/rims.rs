@@ -4,9 +4,7 @@ use glam::DVec3;
 
 use super::super::super::dice::Dice;
 use super::{Body, Edge, Solid, Start};
-
-/// Edges, and faces beside them, that make a smaller sine with the rays have no outside.
-const ALONG: f64 = 1e-6;
+use crate::numeric::attack::ALONG_EDGE;
 
 impl Solid {
     fn edge(&self, dice: &mut Dice) -> Option<&Edge> {
@@ -71,13 +69,13 @@ impl Solid {
             let point = a + (b - a) * share(dice);
             let ray = start.toward(point).normalize();
             let out = ray.cross((b - a).normalize());
-            if out.length() < ALONG {
+            if out.length() < ALONG_EDGE {
                 return None;
             }
             let out = out.normalize();
             let inwards = out.dot(edge.inner - point);
             // A face that is seen from its edge does not tell the sides apart.
-            if inwards.abs() < ALONG * edge.inner.distance(point) {
+            if inwards.abs() < ALONG_EDGE * edge.inner.distance(point) {
                 return None;
             }
             Some((point, if inwards > 0.0 { -out } else { out }))

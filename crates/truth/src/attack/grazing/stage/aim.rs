@@ -8,6 +8,7 @@ use super::super::super::ops::turn;
 use super::super::outermost::outermost;
 use super::super::solid::{Solid, Start, exact};
 use super::{Graze, Place, Stage, Target, Witness};
+use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 
 /// Aims that no point in single precision is found for are given up after so many tries.
 const TRIES: u32 = 6;
@@ -82,7 +83,7 @@ impl Stage<'_> {
             11..=13 => {
                 let ball = Sphere::new((point - out * size).as_vec3(), size as f32);
                 let center = ball.center.as_dvec3();
-                (ball.into(), center + out * f64::from(ball.radius) * (1.0 - 1e-15))
+                (ball.into(), center + out * f64::from(ball.radius) * ON_BALL)
             }
             14 => {
                 let half = Vec3::splat(size as f32);
@@ -91,10 +92,10 @@ impl Stage<'_> {
                 let corner = DVec3::from_array(std::array::from_fn(|i| axes.col(i).dot(out).signum()));
                 let corner = axes * (corner * half.as_dvec3());
                 let center = (point - corner).as_vec3();
-                (Obb::new(center, half, rotation).into(), center.as_dvec3() + corner * (1.0 - 1e-12))
+                (Obb::new(center, half, rotation).into(), center.as_dvec3() + corner * ON_CORNER)
             }
             _ => {
-                let scale = Vec3::splat((size as f32).max(1e-6 * self.unit));
+                let scale = Vec3::splat((size as f32).max(LEAST_INSTANCE * self.unit));
                 let rotation = turn(dice);
                 let transform = Affine3A::from_scale_rotation_translation(scale, rotation, at);
                 let exact = exact(transform);
