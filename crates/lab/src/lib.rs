@@ -1,4 +1,5 @@
-//! Experiments, charts and pictures for casca, and the program `casca-lab`. Nothing here is part of the library's API.
+//! Experiments, charts and pictures for casca, and the program `casca-lab`. Nothing here is part of
+//! the library's API.
 //!
 //! - [`command_line`]: what the command lines share.
 //! - `experiments` (the feature `experiments`): the experiments of the report.

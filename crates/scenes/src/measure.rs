@@ -1,4 +1,5 @@
-//! What measurements share: the clock of a thread, the time of a call, settled scenes, and ratios of what criterion measured.
+//! What measurements share: the clock of a thread, the time of a call, settled scenes, and ratios
+//! of what criterion measured.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -8,11 +9,12 @@ use casca::{Error, Method, Query, View};
 use crate::drive::{Driver, grid_for, view_of};
 use crate::world::World;
 
-/// A moment on the clock of a thread: the processor time that the thread has used. Waiting for a processor, for
-/// other threads or for files is not part of it, so that other programs disturb a measurement less.
+/// A moment on the clock of a thread: the processor time that the thread has used. Waiting for a
+/// processor, for other threads or for files is not part of it, so that other programs disturb a
+/// measurement less.
 ///
-/// Reading it costs a call of the system, some hundred nanoseconds. Where a system tells no such time, it is the
-/// time that passes.
+/// Reading it costs a call of the system, some hundred nanoseconds. Where a system tells no such
+/// time, it is the time that passes.
 #[derive(Debug, Clone, Copy)]
 pub struct ThreadTime(Duration);
 
@@ -40,14 +42,16 @@ fn thread_clock() -> Duration {
     START.elapsed()
 }
 
-/// What a call gives, and the processor time that this thread spends on it. For calls that stay on this thread.
+/// What a call gives, and the processor time that this thread spends on it. For calls that stay on
+/// this thread.
 pub fn timed<T>(call: impl FnOnce() -> T) -> (T, Duration) {
     let start = ThreadTime::now();
     let value = call();
     (value, start.elapsed())
 }
 
-/// What a call gives, and the time that passes: for calls that several threads share, or that wait for files.
+/// What a call gives, and the time that passes: for calls that several threads share, or that wait
+/// for files.
 pub fn timed_by_wall<T>(call: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let value = call();

@@ -1,8 +1,10 @@
-//! Hidden point removal of `casca-points` for `crates/points/compare/compare.py`, which runs it beside Open3D and qhull.
+//! Hidden point removal of `casca-points` for `crates/points/compare/compare.py`, which runs it
+//! beside Open3D and qhull.
 //!
-//! - `cloud NAME COUNT FILE` writes the points of a cloud, relative to the eye: little-endian doubles, three for each point.
-//! - `time FILE LOG10_RADIUS ANSWER` reads them, removes hidden points once, prints the seconds of that alone, and writes a byte for each
-//!   point: 1 if it is visible.
+//! - `cloud NAME COUNT FILE` writes the points of a cloud, relative to the eye: little-endian
+//!   doubles, three for each point.
+//! - `time FILE LOG10_RADIUS ANSWER` reads them, removes hidden points once, prints the seconds of
+//!   that alone, and writes a byte for each point: 1 if it is visible.
 
 use std::error::Error;
 

@@ -1,5 +1,5 @@
-//! The default method against a vectorised occlusion buffer, as engines ship it, and its presets beside each other, on
-//! all scenes.
+//! The default method against a vectorised occlusion buffer, as engines ship it, and its presets
+//! beside each other, on all scenes.
 
 use super::buffer::{BufferCost, PRESETS, STEADY, Sampling, Score, measure};
 use super::worlds::Place;

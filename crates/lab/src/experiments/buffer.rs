@@ -1,4 +1,5 @@
-//! The cost of a sampled occlusion buffer, a triangle and a box, and how the default method compares with it.
+//! The cost of a sampled occlusion buffer, a triangle and a box, and how the default method
+//! compares with it.
 
 use casca::{Aabb, GridSpec, Method, PointOptions};
 
@@ -16,7 +17,8 @@ pub const PRESETS: [(&str, PointOptions); 3] = [
 ];
 /// The default among [`PRESETS`].
 const BALANCED: usize = 1;
-/// The most that the 99th percentile of the times should be over their median, where the sets vary by less.
+/// The most that the 99th percentile of the times should be over their median, where the sets vary
+/// by less.
 pub const STEADY: f64 = 3.0;
 /// Times that differ by less than this share count as equal: the machine is not quieter.
 const NOISE: f64 = 0.05;
@@ -90,7 +92,8 @@ impl BufferCost {
         &self.presets[BALANCED]
     }
 
-    /// Whether each of the presets is no faster and no looser than the one before it, but for noise.
+    /// Whether each of the presets is no faster and no looser than the one before it, but for
+    /// noise.
     pub fn keeps_order(&self) -> bool {
         self.presets.windows(2).all(|w| w[0].ms <= w[1].ms * (1.0 + NOISE) && w[0].ratio >= w[1].ratio)
     }

@@ -56,7 +56,8 @@ impl Contender {
         Self::new("hzb", format!("{width}x{height}"), Engine::Hzb(Box::new(Hzb::new(width, height))))
     }
 
-    /// A ray-cast depth buffer of `width` by `height` rays; it keeps the static ones of these objects.
+    /// A ray-cast depth buffer of `width` by `height` rays; it keeps the static ones of these
+    /// objects.
     pub fn rays(objects: &[Object], width: usize, height: usize) -> Self {
         let engine = Engine::Rays(Box::new(RayBuffer::new(objects, width, height)));
         Self::new("rays", format!("{width}x{height}"), engine)

@@ -11,8 +11,8 @@ pub struct Cost {
     pub safe: bool,
 }
 
-/// Which settings are on the front: they lost nothing, and no other one that lost nothing is as good
-/// in one respect and better in the other.
+/// Which settings are on the front: they lost nothing, and no other one that lost nothing is as
+/// good in one respect and better in the other.
 pub fn front(costs: &[Cost]) -> Vec<bool> {
     let beats = |a: &Cost, b: &Cost| {
         a.safe && a.ms <= b.ms && a.ratio <= b.ratio && (a.ms < b.ms || a.ratio < b.ratio)
@@ -20,8 +20,8 @@ pub fn front(costs: &[Cost]) -> Vec<bool> {
     costs.iter().map(|c| c.safe && !costs.iter().any(|o| beats(o, c))).collect()
 }
 
-/// How far a setting is from the front: the least share by which it would have to improve in time or in
-/// accuracy for no setting that lost nothing to be better in both. 0 is on the front.
+/// How far a setting is from the front: the least share by which it would have to improve in time
+/// or in accuracy for no setting that lost nothing to be better in both. 0 is on the front.
 pub fn distance(of: &Cost, costs: &[Cost]) -> f64 {
     let worse = |o: &Cost| (of.ms / o.ms).min(of.ratio / o.ratio) - 1.0;
     costs.iter().filter(|o| o.safe).map(worse).filter(|d| d.is_finite()).fold(0.0, f64::max)
@@ -47,7 +47,8 @@ mod tests {
         assert_eq!(front(&all), [true, true, false, false, false]);
         assert_eq!(distance(&all[0], &all), 0.0);
         assert!((distance(&all[2], &all) - 0.0).abs() < 1e-12, "as fast as the best");
-        // Twice as slow at the same accuracy: no faster, so accuracy would have to improve from 1.5.
+        // Twice as slow at the same accuracy: no faster, so accuracy would have to improve from
+        // 1.5.
         assert!((distance(&all[4], &all)).abs() < 1e-12);
         let worse = cost(2.2, 1.8, true);
         assert!((distance(&worse, &all) - 0.1).abs() < 1e-12);

@@ -48,7 +48,8 @@ pub const HEAD: &str = "# casca in the laboratory\n\n\
     finds visible. PVS/visible is its size over the number of objects that can be seen: 1 is exact.\n";
 
 /// Writes a report, and each table as CSV into the lab's folder, where the pictures are already.
-/// `head` is its title and introduction, [`HEAD`] for one; `command` is how to make it again; `settings` tells the seed and the like.
+/// `head` is its title and introduction, [`HEAD`] for one; `command` is how to make it again;
+/// `settings` tells the seed and the like.
 ///
 /// # Errors
 /// If a file cannot be written.

@@ -9,7 +9,8 @@ pub struct Section {
     pub title: String,
     /// The text, tables and pictures under it.
     pub blocks: Vec<Block>,
-    /// Whether a report of several sections has a page for it, and only its first paragraph on the front page.
+    /// Whether a report of several sections has a page for it, and only its first paragraph on the
+    /// front page.
     pub own_page: bool,
 }
 

@@ -13,7 +13,8 @@ use casca_scenes::measure::timed;
 /// Where the sun's light goes.
 const SUN: Vec3 = Vec3::new(0.4, -1.0, 0.3);
 
-/// The orthographic view along the sun's light that holds a region: what a shadow map over it would cull to.
+/// The orthographic view along the sun's light that holds a region: what a shadow map over it would
+/// cull to.
 fn over(min: Vec3, max: Vec3) -> Result<View, casca::Error> {
     let (middle, reach) = ((min + max) * 0.5, (max - min).length() * 0.5);
     let view = camera::rh::view::look_to_mat4(middle - SUN.normalize() * reach, SUN, Vec3::Z);

@@ -163,15 +163,16 @@ impl SceneTradeoff {
         costs.first().map_or(0.0, |own| distance(own, &costs))
     }
 
-    /// How much slower the automatic settings are than the fastest measured without losses that are as tight, as a share.
+    /// How much slower the automatic settings are than the fastest measured without losses that are
+    /// as tight, as a share.
     pub fn automatic_slowness(&self) -> f64 {
         let Some(own) = self.points.first() else { return 0.0 };
         let as_tight = self.points.iter().filter(|p| p.lost == 0.0 && p.ratio <= own.ratio);
         as_tight.map(|p| own.ms / p.ms - 1.0).filter(|s| s.is_finite()).fold(0.0, f64::max)
     }
 
-    /// The settings that lost nothing and make query and drawing together the fastest, if drawing an object takes so
-    /// many microseconds.
+    /// The settings that lost nothing and make query and drawing together the fastest, if drawing
+    /// an object takes so many microseconds.
     fn best_for(&self, draw_us: f64) -> Option<&TradeoffPoint> {
         let total = |p: &TradeoffPoint| p.ms + p.ratio * self.visible * draw_us * 1e-3;
         let safe = self.points.iter().filter(|p| p.lost == 0.0);
@@ -214,7 +215,8 @@ pub fn chart(path: &std::path::Path, scenes: &[SceneTradeoff]) -> Result<(), Lab
 /// Costs of drawing an object for which settings are recommended, in microseconds.
 const DRAWING: [f64; 3] = [1.0, 10.0, 100.0];
 
-/// All methods and settings on all scenes, with the Pareto front, and what settings that recommends.
+/// All methods and settings on all scenes, with the Pareto front, and what settings that
+/// recommends.
 ///
 /// # Errors
 /// If a scene cannot be read, or a picture not be written.

@@ -73,7 +73,8 @@ impl Nodes {
     }
 }
 
-/// The nodes of the scene that is shown: the default one, else the first; all nodes where there are no scenes.
+/// The nodes of the scene that is shown: the default one, else the first; all nodes where there are
+/// no scenes.
 pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
     let mut is_child = vec![false; all.len()];

@@ -1,4 +1,5 @@
-//! Solids in double precision, where rays meet them, and points on them. Shares no code with the library.
+//! Solids in double precision, where rays meet them, and points on them. Shares no code with the
+//! library.
 
 use casca::Plane;
 use glam::{DAffine3, DMat3, DVec3};
@@ -170,7 +171,8 @@ impl Body {
         (near <= far).then_some((near, far))
     }
 
-    /// Whether the body, moved by `drift`, may hide the target of a sight: false where it surely does not.
+    /// Whether the body, moved by `drift`, may hide the target of a sight: false where it surely
+    /// does not.
     pub fn hides(&self, drift: DVec3, sight: &Sight) -> bool {
         let (o, d) = (sight.eye - self.middle - drift, sight.way);
         let length = d.length();
@@ -191,12 +193,14 @@ impl Body {
         if near >= sight.start {
             return true;
         }
-        // The sight starts in the grown solid: one sees out of a solid, and is in doubt in its skin.
+        // The sight starts in the grown solid: one sees out of a solid, and is in doubt in its
+        // skin.
         let inside = self.span(o, d, -grow).is_some_and(|(a, b)| a < sight.start && sight.start < b);
         !inside && (far - sight.start) * length > SKINS * grow
     }
 
-    /// Half the edges of the box along the axes around its middle; not for polytopes, which are no bounds.
+    /// Half the edges of the box along the axes around its middle; not for polytopes, which are no
+    /// bounds.
     pub fn extent(&self) -> DVec3 {
         match &self.solid {
             Solid::Ball { radius } => DVec3::splat(*radius),
@@ -209,7 +213,8 @@ impl Body {
         }
     }
 
-    /// A point of the body, where an eye at `eye` (or infinitely far along `-towards`) first sees it.
+    /// A point of the body, where an eye at `eye` (or infinitely far along `-towards`) first sees
+    /// it.
     pub fn point(&self, towards: DVec3, distance: f64, dice: &mut Dice) -> DVec3 {
         let mut unit = || f64::from(dice.unit());
         match &self.solid {

@@ -90,7 +90,8 @@ impl Thing {
     }
 }
 
-/// Whether another thing on some layers hides the end of a sight; tries the one that did last first.
+/// Whether another thing on some layers hides the end of a sight; tries the one that did last
+/// first.
 fn hidden(things: &[Thing], target: usize, layers: u64, sight: &Sight, last: &mut usize) -> bool {
     let hides = |i: usize| {
         // A solid that hides points of itself is met at a point of itself before.

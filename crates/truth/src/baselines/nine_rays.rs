@@ -9,7 +9,8 @@ use super::rays::{Part, parts, tree};
 use crate::numeric::baselines::END;
 use casca_scenes::world::{Motion, Object};
 
-/// Answers whether a box is in sight by nine rays, to its corners and its centre, as games usually do.
+/// Answers whether a box is in sight by nine rays, to its corners and its centre, as games usually
+/// do.
 ///
 /// A box of which only other points are in sight is lost.
 pub struct NineRays {

@@ -76,7 +76,8 @@ impl Boxes {
         }
     }
 
-    /// Finds the rectangles. A box across the near plane covers the screen and is nearer than anything.
+    /// Finds the rectangles. A box across the near plane covers the screen and is nearer than
+    /// anything.
     #[inline(always)]
     pub(super) fn project<S: Simd>(&mut self, simd: S, screen: &Screen) {
         self.rects.clear();

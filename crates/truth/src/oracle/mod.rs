@@ -146,8 +146,8 @@ impl Oracle {
         self.judge(objects, camera, true, pvs)
     }
 
-    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as it was drawn for this
-    /// camera, and by rays, or by rays alone.
+    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as
+    /// it was drawn for this camera, and by rays, or by rays alone.
     fn judge(
         &mut self,
         objects: &[Object],

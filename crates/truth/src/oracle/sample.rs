@@ -2,11 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::frustum::Viewpoint;
 use super::geometry::{MeshCache, corners};
 use crate::numeric::oracle::{LEAST_AREA, OFF_RIM, OUTSIDE_SPHERE};
+use casca_scenes::random::Generator;
 use casca_scenes::world::{Mesh, Shape};
 
 /// Draws points on an object.
@@ -75,7 +75,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The next point; `attempt` counts up from 0. None if this one failed.
-    pub(super) fn point(&mut self, attempt: usize, random: &mut Pcg64Mcg) -> Option<DVec3> {
+    pub(super) fn point(&mut self, attempt: usize, random: &mut Generator) -> Option<DVec3> {
         match *self {
             Self::Sphere { center, radius, axis, across, rim } => {
                 let share: f64 = random.random();

@@ -1,4 +1,5 @@
-//! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one thread.
+//! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one
+//! thread.
 
 use casca_lab::command_line::{EXIT_CODES, FRAMES, Outcome, WIDTHS, say};
 use casca_lab::experiments::LabError;

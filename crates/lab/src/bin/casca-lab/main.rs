@@ -1,9 +1,9 @@
 //! The command line of casca's test scenes: walks checked against exact visibility, measurements,
 //! the report, prepared meshes and levels in files.
 //!
-//! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`,
-//! and `light` with `--features light`.
+//! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
+//! commands. `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and
+//! `report` are built with `--features experiments`, and `light` with `--features light`.
 
 mod arguments;
 #[cfg(feature = "experiments")]

@@ -1,8 +1,9 @@
-//! Errors and times of the operators on point clouds, as charts (SVG), pictures (PNG), tables (CSV) and a page.
+//! Errors and times of the operators on point clouds, as charts (SVG), pictures (PNG), tables (CSV)
+//! and a page.
 
 use std::path::PathBuf;
 
-use casca_lab::command_line::{EXIT_CODES, Outcome};
+use casca_lab::command_line::{EXIT_CODES, Outcome, say};
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::points::{HEAD, points};
 use clap::Parser;
@@ -36,7 +37,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         files
     });
     if files.is_empty() {
-        eprintln!("skipped: no files to sample");
+        say("skipped: no files to sample");
     }
     let command = options.sized.command("points");
     let page = Page { files, ..options.sized.page.page(HEAD, &command) };

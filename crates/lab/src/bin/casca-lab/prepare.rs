@@ -28,7 +28,8 @@ use crate::progress;
 pub struct Options {
     /// A glTF 2.0 file (.glb or .gltf) [default: a mesh made here]
     input: Option<PathBuf>,
-    /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's diagonal]
+    /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's
+    /// diagonal]
     #[arg(long, value_parser = parse_length)]
     tolerance: Option<f32>,
     #[command(flatten)]

@@ -18,14 +18,16 @@ use crate::report::files_in;
     mut_arg("full", |a| a.help("More frames, and an item buffer for every eye: takes an hour"))
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: all procedural ones and the files in ../shared/scenes]
+    /// Scenes: procedural ones or glTF files [default: all procedural ones and the files in
+    /// ../shared/scenes]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<SceneName>,
     #[command(flatten)]
     sized: SizedPage,
 }
 
-/// Measures, prints the tables, writes charts, tables and page, and tells whether a set lacked something.
+/// Measures, prints the tables, writes charts, tables and page, and tells whether a set lacked
+/// something.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let names = scenes_or(&options.scenes, &SceneKind::ALL, files_in("../shared/scenes"))?;
     let seed = options.sized.page.common.seed;

@@ -22,10 +22,12 @@ pub struct Options {
     /// Experiments to run, by their names [default: all]
     #[arg(long, value_delimiter = ',', value_parser = parse_experiment)]
     only: Vec<String>,
-    /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they are]
+    /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they
+    /// are]
     #[arg(long, value_delimiter = ',')]
     files: Option<Vec<PathBuf>>,
-    /// Where report.md and its folder go [default: docs, or target/report for a quick or partial run]
+    /// Where report.md and its folder go [default: docs, or target/report for a quick or partial
+    /// run]
     #[arg(long)]
     out: Option<PathBuf>,
     #[command(flatten)]

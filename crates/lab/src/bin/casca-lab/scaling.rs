@@ -1,4 +1,5 @@
-//! How times and memory grow with objects, triangles, pixels and threads, as charts (SVG), tables (CSV) and a page.
+//! How times and memory grow with objects, triangles, pixels and threads, as charts (SVG), tables
+//! (CSV) and a page.
 
 use casca_lab::command_line::{EXIT_CODES, Outcome};
 use casca_lab::experiments::{HEAD, LabError, scaling_to};

@@ -1,4 +1,5 @@
-//! Questions about boxes and points to the buffers of a query, beside exact rays and nine rays to each box, as a table (CSV).
+//! Questions about boxes and points to the buffers of a query, beside exact rays and nine rays to
+//! each box, as a table (CSV).
 
 use casca_lab::command_line::{EXIT_CODES, MOST_SAMPLES, Outcome, PathError, say, try_writing};
 use casca_lab::experiments::LabError;

@@ -28,7 +28,8 @@ pub struct Sampling {
     pub seed: u64,
 }
 
-/// Frames after a jump to another place that are not timed: hidden movers come into their volumes in them.
+/// Frames after a jump to another place that are not timed: hidden movers come into their volumes
+/// in them.
 const SETTLE: usize = 5;
 
 /// Milliseconds of a frame, or their ratios to those of another way.

@@ -1,4 +1,5 @@
-//! A walking camera: what the frames of a second cost that hardly differ, by each way to answer them.
+//! A walking camera: what the frames of a second cost that hardly differ, by each way to answer
+//! them.
 
 mod measure;
 mod ways;

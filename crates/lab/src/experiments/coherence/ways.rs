@@ -4,8 +4,8 @@ use casca::{KeptJob, KeptOptions, KeptQuery, KeptResult, Method, PointOptions, P
 
 use super::super::LabError;
 
-/// A way to know the visible objects of every frame. It has a scene of its own, which is kept up to date and gets its
-/// results back ([`Scene::end_frame`]).
+/// A way to know the visible objects of every frame. It has a scene of its own, which is kept up to
+/// date and gets its results back ([`Scene::end_frame`]).
 pub trait Way {
     /// Its name in tables.
     fn name(&self) -> String;
@@ -97,8 +97,8 @@ impl Way for Kept {
     }
 }
 
-/// A kept query whose results are found by another thread: one job after the other, each of which is done when the next frame
-/// begins.
+/// A kept query whose results are found by another thread: one job after the other, each of which
+/// is done when the next frame begins.
 struct KeptAside {
     kept: Kept,
     job: Option<KeptJob>,

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::case::{Case, LAST, Truth, milliseconds, order_name};
 use super::gather::Gather;
 use super::metric::{Difference, difference, flip_map};
-use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, chart, mean_of, table, tile};
+use super::rows::{BY_SIZE, CONES, ERROR, FLIP, Row, SIZES, WALKS, Words, chart, mean_of, table, tile};
 use super::voxels::Voxels;
 use crate::experiments::{Lab, LabError, Section};
 use crate::pictures::palette::other;
@@ -18,23 +18,32 @@ fn truths(lab: &Lab, case: &Case) -> Result<Vec<Truth>, LabError> {
     case.orders().map(|order| case.truth(lab, &Quantity::Radiance(order..=order))).collect()
 }
 
-/// Gathers all orders in a scene, whose voxels took some milliseconds, and compares them with the truths; also gives the pictures.
+/// The voxels of a scene, and the milliseconds that it took to make them.
+struct Made {
+    voxels: Voxels,
+    ms: f64,
+}
+
+/// Gathers all orders in a scene, whose voxels took some milliseconds, and compares them with the
+/// truths; also gives the pictures.
 fn measure(
     case: &Case,
     truths: &[Truth],
-    (voxels, mut made): (&Voxels, f64),
+    made: &Made,
     gather: Gather,
     rows: &mut Vec<Row>,
 ) -> Result<Vec<HdrImage>, LabError> {
+    let (voxels, mut ms) = (&made.voxels, made.ms);
     let (mut images, n) = (Vec::new(), voxels.n as u32);
     for ((order, truth), stage) in case.orders().zip(truths).zip(case.stages(voxels, gather)?) {
         let (image, gathered) = case.gathered(&stage.volume, gather)?;
         let difference = difference(&truth.image, &image)?;
         let [lit, pyramid] = stage.ms;
         let (scene, noise) = (case.scene.name.clone(), truth.noise);
-        rows.push(Row { scene, order, n, gather, difference, noise, ms: [made + lit, pyramid, gathered] });
+        rows.push(Row { scene, order, n, gather, difference, noise, ms: [ms + lit, pyramid, gathered] });
         images.push(image);
-        made = 0.0;
+        // Voxels are made once for all orders.
+        ms = 0.0;
     }
     Ok(images)
 }
@@ -47,12 +56,12 @@ pub(super) fn bounces(lab: &Lab, cases: &[Case], section: &mut Section) -> Resul
         (lab.progress)(&case.scene.name);
         let truths = truths(lab, case)?;
         for &n in sizes {
-            let (voxels, made) = milliseconds(|| Voxels::new(&case.scene, n));
-            let voxels = voxels?;
+            let (voxels, ms) = milliseconds(|| Voxels::new(&case.scene, n));
+            let made = Made { voxels: voxels?, ms };
             for gather in [CONES, WALKS] {
-                let images = measure(case, &truths, (&voxels, made), gather, &mut rows)?;
+                let images = measure(case, &truths, &made, gather, &mut rows)?;
                 if gather == CONES && Some(&n) == sizes.last() {
-                    tiles.push(whole(lab, case, &voxels, &truths, &images)?);
+                    tiles.push(whole(lab, case, &made.voxels, &truths, &images)?);
                 }
             }
         }
@@ -155,7 +164,7 @@ fn by_size(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabErro
             );
             let subtitle = "16 cones with steps of half a diameter, or 64 exact walks a pixel; voxels take a quarter of that.";
             let file = format!("light-size-{}-{measure}.svg", order_name(order).replace(' ', "-"));
-            chart(lab, section, &file, (&title, subtitle), (BY_SIZE, label), &all)?;
+            chart(lab, section, &file, &Words { title: &title, subtitle, across: BY_SIZE, up: label }, &all)?;
         }
     }
     Ok(())

@@ -1,4 +1,5 @@
-//! The scenes that are measured, with the path tracer's pictures of them, and the volumes of light in their voxels.
+//! The scenes that are measured, with the path tracer's pictures of them, and the volumes of light
+//! in their voxels.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -15,8 +16,8 @@ use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
 
 /// The shared scene that is measured where it is there.
 const SPONZA: &str = "../shared/scenes/sponza.glb";
-/// A sun that shines through the roof of Sponza, and half the angle that it is seen under: eight times that of the real one, so that
-/// its shadows are soft.
+/// A sun that shines through the roof of Sponza, and half the angle that it is seen under: eight
+/// times that of the real one, so that its shadows are soft.
 const SUN: LightKind = LightKind::Directional { direction: Vec3::new(0.25, -1.0, 0.12), half_angle: 0.04 };
 /// Samples a pixel of the path tracer, in scenes of fewer triangles than [`MANY`] and in others.
 const SAMPLES: [u32; 2] = [300, 150];
@@ -31,7 +32,8 @@ pub(super) struct Case {
     pub(super) size: (usize, usize),
     pub(super) surfaces: Vec<Option<Surface>>,
     pub(super) materials: Vec<Material>,
-    /// How often light is scattered before it is in the first volume: 0 if surfaces or the sky emit it, 1 if there are lights.
+    /// How often light is scattered before it is in the first volume: 0 if surfaces or the sky emit
+    /// it, 1 if there are lights.
     pub(super) held: u32,
 }
 
@@ -41,7 +43,8 @@ pub(super) struct Truth {
     pub(super) noise: f64,
 }
 
-/// The light of one order of scattering in voxels, and the milliseconds that this light and the pyramid took.
+/// The light of one order of scattering in voxels, and the milliseconds that this light and the
+/// pyramid took.
 pub(super) struct Stage<'a> {
     pub(super) volume: LightVolume<'a>,
     pub(super) ms: [f64; 2],
@@ -81,7 +84,8 @@ impl Case {
         Ok(HdrImage::new(self.size.0, self.size.1, pixels.map_err(Into::into)?)?)
     }
 
-    /// The picture of the light that surfaces scatter from a volume, and the milliseconds that it took.
+    /// The picture of the light that surfaces scatter from a volume, and the milliseconds that it
+    /// took.
     pub(super) fn gathered(&self, volume: &LightVolume, how: Gather) -> Result<(HdrImage, f64), LabError> {
         let scattered = |at: &Surface| volume.scattered(&self.spot(at), &self.materials[at.material], how);
         let (image, ms) = milliseconds(|| self.image(scattered));
@@ -98,7 +102,8 @@ impl Case {
         self.held + 1..=LAST
     }
 
-    /// The volumes of light that was scattered ever more often: one for each of [`Self::orders`], from which that light is gathered.
+    /// The volumes of light that was scattered ever more often: one for each of [`Self::orders`],
+    /// from which that light is gathered.
     pub(super) fn stages<'a>(&self, voxels: &'a Voxels, how: Gather) -> Result<Vec<Stage<'a>>, LabError> {
         let (sides, mut lit) = milliseconds(|| self.first(voxels, how));
         let (mut sides, mut sky) = (sides?, if self.held == 0 { self.scene.sky } else { Vec3::ZERO });
@@ -118,7 +123,8 @@ impl Case {
         Ok(stages)
     }
 
-    /// The light in the first volume: what surfaces emit, or, if there are lights, all that was scattered once.
+    /// The light in the first volume: what surfaces emit, or, if there are lights, all that was
+    /// scattered once.
     fn first(&self, voxels: &Voxels, how: Gather) -> Result<Sides, LabError> {
         let emission = voxels.emission();
         if self.held == 0 {
@@ -143,7 +149,8 @@ pub(super) fn size(lab: &Lab) -> (usize, usize) {
     lab.pick((96, 72), (16, 12))
 }
 
-/// Sponza under the sun alone, so that each order of scattering can be looked at; else why it is not there.
+/// Sponza under the sun alone, so that each order of scattering can be looked at; else why it is
+/// not there.
 pub(super) fn sponza() -> Result<LitScene, String> {
     if !Path::new(SPONZA).exists() {
         return Err(format!("skipped: {SPONZA} is not here"));
@@ -160,8 +167,8 @@ pub(super) fn generated(kind: Kind) -> LitScene {
     LitScene { name: kind.name().to_owned(), ..kind.build() }
 }
 
-/// The Cornell box with a ball of light in its upper half instead of the patch. A light as near to the ceiling as the patch would make a
-/// spot there that paths seldom find, and so much noise.
+/// The Cornell box with a ball of light in its upper half instead of the patch. A light as near to
+/// the ceiling as the patch would make a spot there that paths seldom find, and so much noise.
 pub(super) fn cornell_ball() -> LitScene {
     let mut scene = LitScene { name: "cornell-ball".to_owned(), ..Kind::CornellPoint.build() };
     for light in &mut scene.lights {
@@ -170,8 +177,8 @@ pub(super) fn cornell_ball() -> LitScene {
     scene
 }
 
-/// The scenes of the bounces: the Cornell box by its patch and by a ball of light, the room with a ball that emits, and Sponza if it is
-/// there.
+/// The scenes of the bounces: the Cornell box by its patch and by a ball of light, the room with a
+/// ball that emits, and Sponza if it is there.
 pub(super) fn cases(lab: &Lab) -> Result<(Vec<Case>, Option<String>), LabError> {
     let scenes = [generated(Kind::Cornell), cornell_ball(), generated(Kind::Emissive)];
     let mut cases = scenes.into_iter().map(|s| Case::new(s, size(lab))).collect::<Result<Vec<_>, _>>()?;

@@ -1,5 +1,5 @@
-//! Light gathered from voxels: by cones through a pyramid with six directional channels (Villegas 2016; Crassin et al. 2011), or by exact
-//! walks to single voxels.
+//! Light gathered from voxels: by cones through a pyramid with six directional channels (Villegas
+//! 2016; Crassin et al. 2011), or by exact walks to single voxels.
 
 use std::f32::consts::TAU;
 
@@ -22,7 +22,8 @@ pub enum Gather {
         /// Whether the opacity of a sample is that of a step's length, and not of a cell's.
         corrected: bool,
     },
-    /// By exact walks through the cells along so many directions, 1 to 4096, which are turned at random from place to place.
+    /// By exact walks through the cells along so many directions, 1 to 4096, which are turned at
+    /// random from place to place.
     Walks(u32),
 }
 
@@ -47,14 +48,17 @@ const LEAST_COS: f32 = 1e-3;
 const FIRST: f32 = 0.5;
 /// Steps are no shorter than this, in cells.
 const SHORTEST: f32 = 0.125;
-/// Cones end so many times the size of the grid away: beyond, those of a tangent of 1 would never leave it.
+/// Cones end so many times the size of the grid away: beyond, those of a tangent of 1 would never
+/// leave it.
 const FARTHEST: f32 = 2.0;
 /// Cones end where less light than this passes.
 const DARK: f32 = 1e-3;
-/// The angle between one direction and the next, as a share of the circle, that spreads any number of them evenly.
+/// The angle between one direction and the next, as a share of the circle, that spreads any number
+/// of them evenly.
 const GOLDEN: f32 = 0.381_966;
 
-/// A level of the pyramid: by direction of rays (axis times two, plus one for downwards), premultiplied colour and opacity.
+/// A level of the pyramid: by direction of rays (axis times two, plus one for downwards),
+/// premultiplied colour and opacity.
 struct Level {
     n: i32,
     faces: [Vec<Vec4>; 6],
@@ -72,7 +76,8 @@ pub struct LightVolume<'a> {
 }
 
 impl<'a> LightVolume<'a> {
-    /// Builds the pyramid: pairs of cells front to back in each direction, and the mean of four of them. O(n³).
+    /// Builds the pyramid: pairs of cells front to back in each direction, and the mean of four of
+    /// them. O(n³).
     pub fn new(voxels: &'a Voxels, sides: Sides, sky: Vec3) -> Self {
         let mut volume = Self { voxels, sides, sky, levels: Vec::new() };
         let mut n = voxels.n;
@@ -157,7 +162,8 @@ impl<'a> LightVolume<'a> {
         let n = self.voxels.n as f32;
         loop {
             let p = apex + d * t;
-            // A wide cone has cells beside it where its axis has left the grid. Also ends where numbers are not finite.
+            // A wide cone has cells beside it where its axis has left the grid. Also ends where
+            // numbers are not finite.
             let wide = tan * t;
             if !(p.min_element() >= -wide && p.max_element() <= n + wide && t < FARTHEST * n) {
                 return light + self.sky * passes;
@@ -183,7 +189,8 @@ impl<'a> LightVolume<'a> {
         }
     }
 
-    /// The cosine-weighted mean of the light that arrives at a surface; `turn`, 0 to 1, turns the directions.
+    /// The cosine-weighted mean of the light that arrives at a surface; `turn`, 0 to 1, turns the
+    /// directions.
     ///
     /// # Errors
     /// If the library refuses a walk: points must be finite.
@@ -193,7 +200,8 @@ impl<'a> LightVolume<'a> {
                 let count = count.clamp(1, MOST);
                 let apex = self.voxels.to_cells(point) + normal * OFF;
                 let cones = directions(normal, count, LAMBERT, 0.0).map(|d| {
-                    // As wide as its share of the hemisphere: the density of directions is cos / pi.
+                    // As wide as its share of the hemisphere: the density of directions is cos /
+                    // pi.
                     let cos = 1.0 - (0.5 / (count as f32 * d.dot(normal).max(LEAST_COS))).min(1.0);
                     let tan = ((1.0 - cos * cos).sqrt() / cos.max(LEAST_COS)).min(WIDEST);
                     self.cone(apex, d, tan, step, corrected)
@@ -219,7 +227,8 @@ impl<'a> LightVolume<'a> {
         Ok(light)
     }
 
-    /// The light that a surface scatters towards the eye: the diffuse part, and the lobe around the mirror direction.
+    /// The light that a surface scatters towards the eye: the diffuse part, and the lobe around the
+    /// mirror direction.
     ///
     /// # Errors
     /// As [`Self::gather`].
@@ -232,10 +241,11 @@ impl<'a> LightVolume<'a> {
         Ok(diffuse + self.glossy(at, material, how, turn)?)
     }
 
-    /// The light of the lobe of the path tracer (Lafortune & Willems 1994), by a single cone or by walks as dense as the lobe.
+    /// The light of the lobe of the path tracer (Lafortune & Willems 1994), by a single cone or by
+    /// walks as dense as the lobe.
     ///
-    /// The cone has an even density of directions and the mean cosine to the axis of a lobe of exponent n, which is (n + 1) / (n + 2):
-    /// the cosine of half its angle is n / (n + 2).
+    /// The cone has an even density of directions and the mean cosine to the axis of a lobe of
+    /// exponent n, which is (n + 1) / (n + 2): the cosine of half its angle is n / (n + 2).
     fn glossy(&self, at: &Spot, material: &Material, how: Gather, turn: f32) -> Lit {
         let mirror = at.look - at.normal * (2.0 * at.look.dot(at.normal));
         let facing = mirror.dot(at.normal);
@@ -263,8 +273,9 @@ impl<'a> LightVolume<'a> {
         Ok(material.specular * light)
     }
 
-    /// The light of the next bounce: that which each side of each voxel gathers and reflects diffusely, with a quarter of the
-    /// cones or walks, since pixels take the mean of many voxels. Voxels have no lobes: how bright these are depends on the eye.
+    /// The light of the next bounce: that which each side of each voxel gathers and reflects
+    /// diffusely, with a quarter of the cones or walks, since pixels take the mean of many voxels.
+    /// Voxels have no lobes: how bright these are depends on the eye.
     ///
     /// # Errors
     /// As [`Self::gather`].
@@ -293,7 +304,8 @@ fn turn_of(point: Vec3) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Directions around a unit axis with a density in proportion to a power of the cosine to it, evenly spread.
+/// Directions around a unit axis with a density in proportion to a power of the cosine to it,
+/// evenly spread.
 fn directions(axis: Vec3, count: u32, exponent: f32, turn: f32) -> impl Iterator<Item = Vec3> {
     let (x, y) = axis.any_orthonormal_pair();
     (0..count).map(move |k| {

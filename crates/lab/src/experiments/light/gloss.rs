@@ -17,7 +17,8 @@ const GLOSSES: [f32; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
 /// Light of the lamp that the room scattered once, and the floor once more.
 const REFLECTED: u32 = 2;
 
-/// The Cornell box without blocks, with a black floor that reflects eight tenths in a lobe. The camera sees the floor alone.
+/// The Cornell box without blocks, with a black floor that reflects eight tenths in a lobe. The
+/// camera sees the floor alone.
 pub(super) fn scene(gloss: f32) -> LitScene {
     let mut scene = generated(Kind::Cornell);
     scene.objects.retain(|o| !o.name.contains("block"));
@@ -47,7 +48,8 @@ pub(super) fn gloss(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
     let mut all: Vec<Line> = Vec::new();
     for (i, &n) in sizes.iter().enumerate() {
         let Some((_, any, _)) = cases.first() else { continue };
-        // Voxels do not know of gloss. Walks light them for both ways, so that only the reflection differs.
+        // Voxels do not know of gloss. Walks light them for both ways, so that only the reflection
+        // differs.
         let voxels = Voxels::new(&any.scene, n)?;
         let stages = any.stages(&voxels, WALKS)?;
         let Some(stage) = stages.get((REFLECTED - 1) as usize) else { continue };

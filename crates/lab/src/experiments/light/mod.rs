@@ -1,5 +1,6 @@
-//! Light by voxels against the path tracer: bounces, reflections, soft shadows and ambient occlusion, by resolution and cone step. All on
-//! the processor, so that the errors of the method are measured without those of a graphics device.
+//! Light by voxels against the path tracer: bounces, reflections, soft shadows and ambient
+//! occlusion, by resolution and cone step. All on the processor, so that the errors of the method
+//! are measured without those of a graphics device.
 
 mod bounces;
 mod case;

@@ -36,17 +36,27 @@ pub(super) fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
     known.iter().sum::<f64>() / known.len().max(1) as f64
 }
 
+/// What a chart says.
+pub(super) struct Words<'a> {
+    pub(super) title: &'a str,
+    pub(super) subtitle: &'a str,
+    /// What the axis below counts.
+    pub(super) across: &'a str,
+    /// What the axis on the left counts.
+    pub(super) up: &'a str,
+}
+
 /// Draws a chart with logarithmic numbers below and adds it to a section.
 pub(super) fn chart(
     lab: &Lab,
     section: &mut Section,
     file: &str,
-    (title, subtitle): (&str, &str),
-    (across, up): (&str, &str),
+    words: &Words,
     all: &[Line],
 ) -> Result<(), LabError> {
-    lines(&lab.folder.join(file), title, subtitle, (&Axis::log(across), &Axis::linear(up)), all)?;
-    section.picture(file, title);
+    let axes = (&Axis::log(words.across), &Axis::linear(words.up));
+    lines(&lab.folder.join(file), words.title, words.subtitle, axes, all)?;
+    section.picture(file, words.title);
     Ok(())
 }
 

@@ -1,4 +1,5 @@
-//! Soft shadows of lights with a size, and ambient occlusion, by the library's marches: by resolution, by step, and against time.
+//! Soft shadows of lights with a size, and ambient occlusion, by the library's marches: by
+//! resolution, by step, and against time.
 
 use casca::soft::{Cone, March};
 use glam::Vec3;
@@ -6,7 +7,7 @@ use glam::Vec3;
 use super::case::{Case, Truth, cornell_ball, generated, milliseconds, size, sponza};
 use super::metric::{Difference, difference, less_noise};
 use super::rows::{
-    BY_SIZE, BY_STEP, BY_TIME, ERROR, FLIP, MIDDLE, SIZES, STEPS, chart, digits, mean_of, tile,
+    BY_SIZE, BY_STEP, BY_TIME, ERROR, FLIP, MIDDLE, SIZES, STEPS, Words, chart, digits, mean_of, tile,
 };
 use super::voxels::{OFF, Voxels};
 use crate::experiments::{Lab, LabError, Section, Table};
@@ -36,7 +37,8 @@ fn marches() -> [(&'static str, March); 4] {
     ]
 }
 
-/// The ways at one resolution: groups with their names, and for each march its step or number of rays.
+/// The ways at one resolution: groups with their names, and for each march its step or number of
+/// rays.
 fn groups() -> [(&'static str, Vec<(f32, March)>); 4] {
     let rays = [4, 16, 64, 256];
     [
@@ -85,7 +87,8 @@ impl Question {
     }
 }
 
-/// The share of the first light that a cone lets through to a surface; 0 for surfaces that face away, and without lights.
+/// The share of the first light that a cone lets through to a surface; 0 for surfaces that face
+/// away, and without lights.
 pub(super) fn shadow(case: &Case, voxels: &Voxels, at: &Surface, march: &March) -> Result<f32, casca::Error> {
     let (point, normal) = (at.point.as_vec3(), at.normal.as_vec3());
     let Some(light) = case.scene.lights.first().and_then(|l| l.incident(point)) else { return Ok(0.0) };
@@ -107,7 +110,8 @@ fn ambient(voxels: &Voxels, at: &Surface, reach: f32, march: &March) -> Result<f
     Ok(1.0 - hidden)
 }
 
-/// The scenes: a thin block, the Cornell box by a ball of light, and Sponza if it is there; then ambient occlusion.
+/// The scenes: a thin block, the Cornell box by a ball of light, and Sponza if it is there; then
+/// ambient occlusion.
 fn questions(lab: &Lab) -> Result<Vec<Question>, LabError> {
     let mut scenes = vec![generated(Kind::Plane), cornell_ball()];
     if let (false, Ok(scene)) = (lab.quick, sponza()) {
@@ -171,7 +175,7 @@ pub(super) fn shadows(lab: &Lab, section: &mut Section) -> Result<(), LabError> 
         let subtitle =
             format!("The share of the light, or of the directions free for {REACH} m, that is not hidden.");
         let file = format!("light-shadows-size-{name}.svg");
-        chart(lab, section, &file, (&title, &subtitle), (BY_SIZE, up), all)?;
+        chart(lab, section, &file, &Words { title: &title, subtitle: &subtitle, across: BY_SIZE, up }, all)?;
     }
     let title = format!("Soft shadows and ambient occlusion at N = {middle}");
     let subtitle = "Left the path tracer. White where all of the light, or of the directions, is free.";
@@ -230,7 +234,7 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
         );
         let file = format!("light-shadows-step-{name}.svg");
         let subtitle = format!("N = {n}; one cone for a shadow, six for ambient occlusion.");
-        chart(lab, section, &file, (&title, &subtitle), (BY_STEP, up), all)?;
+        chart(lab, section, &file, &Words { title: &title, subtitle: &subtitle, across: BY_STEP, up }, all)?;
     }
     for (q, all) in questions.iter().zip(&by_time) {
         let least = |l: &Line| {
@@ -249,7 +253,13 @@ fn steps(lab: &Lab, section: &mut Section, questions: &[Question], n: u32) -> Re
             rayon::current_num_threads()
         );
         let file = format!("light-shadows-time-{}.svg", q.name.replace(", ", "-").replace(' ', "-"));
-        chart(lab, section, &file, (&title, &subtitle), (BY_TIME, ERROR), all)?;
+        chart(
+            lab,
+            section,
+            &file,
+            &Words { title: &title, subtitle: &subtitle, across: BY_TIME, up: ERROR },
+            all,
+        )?;
     }
     section.rows("Shadows by march, as CSV", table);
     Ok(())

@@ -1,9 +1,10 @@
-//! Bounces by the step of cones, their number and that of walks, at one resolution: errors by step, and against time.
+//! Bounces by the step of cones, their number and that of walks, at one resolution: errors by step,
+//! and against time.
 
 use super::case::{Case, Truth, order_name};
 use super::gather::Gather;
 use super::metric::difference;
-use super::rows::{BY_STEP, BY_TIME, CONES, ERROR, FLIP, Row, STEPS, chart, table};
+use super::rows::{BY_STEP, BY_TIME, CONES, ERROR, FLIP, Row, STEPS, Words, chart, table};
 use super::voxels::Voxels;
 use crate::experiments::{Lab, LabError, Section};
 use crate::pictures::Line;
@@ -31,7 +32,8 @@ pub(super) fn sweep(
     for (case, truths) in cases {
         (lab.progress)(&format!("{}, steps", case.scene.name));
         let voxels = Voxels::new(&case.scene, n)?;
-        // The light in the voxels is the same for all settings, so that only the gathering for pixels differs.
+        // The light in the voxels is the same for all settings, so that only the gathering for
+        // pixels differs.
         let stages = case.stages(&voxels, CONES)?;
         for (group, (_, settings)) in groups().iter().enumerate() {
             for &gather in settings {
@@ -91,7 +93,13 @@ fn by_step(lab: &Lab, section: &mut Section, rows: &[(usize, Row)]) -> Result<()
         let n = rows.first().map_or(0, |(_, r)| r.n);
         let subtitle = format!("16 cones a pixel, N = {n}. The light in the voxels is the same for all.");
         let file = format!("light-step-{measure}.svg");
-        chart(lab, section, &file, (&title, &subtitle), (BY_STEP, label), &all)?;
+        chart(
+            lab,
+            section,
+            &file,
+            &Words { title: &title, subtitle: &subtitle, across: BY_STEP, up: label },
+            &all,
+        )?;
     }
     Ok(())
 }
@@ -131,5 +139,11 @@ fn by_time(
         rayon::current_num_threads()
     );
     let file = format!("light-time-{scene}-{}.svg", name.replace(' ', "-"));
-    chart(lab, section, &file, (&title, &subtitle), (BY_TIME, ERROR), &lines)
+    chart(
+        lab,
+        section,
+        &file,
+        &Words { title: &title, subtitle: &subtitle, across: BY_TIME, up: ERROR },
+        &lines,
+    )
 }

@@ -189,7 +189,8 @@ fn shadows_of_a_sun_that_grazes_a_wall_err_by_the_start_of_rays_not_by_voxels() 
         let share = |at: &Surface| shadow(&case, &voxels, at, &March::Rays(1)).map(Vec3::splat);
         let (found, start) = (error(&case.image(share).unwrap()), error(&exact(OFF * voxels.cell)));
         println!("N = {n}: voxels err by {found:.2}, exact rays from the same start by {start:.2}");
-        // Cells make the ledge wider by less than a cell, which mends a part of what the start errs.
+        // Cells make the ledge wider by less than a cell, which mends a part of what the start
+        // errs.
         assert!(
             start > 0.5 && start < before && (0.6..1.1).contains(&(found / start)),
             "{n}: {found} {start}"

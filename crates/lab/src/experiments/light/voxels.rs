@@ -1,4 +1,5 @@
-//! The voxels of a lit scene: occupied cells of the library's soft grid, with the mean colour, emission and normal of the surface in each.
+//! The voxels of a lit scene: occupied cells of the library's soft grid, with the mean colour,
+//! emission and normal of the surface in each.
 
 use std::sync::Arc;
 
@@ -11,7 +12,8 @@ use crate::experiments::LabError;
 use casca_scenes::lit::{Incident, Light, LitScene, LitTriangle, Material};
 use casca_scenes::world::Mesh;
 
-/// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would lie on the sides of cells and fill two.
+/// Cells between the scene and the side of the grid. Not a whole number: walls along the axes would
+/// lie on the sides of cells and fill two.
 const MARGIN: f32 = 2.5;
 /// Triangles are taken as points, so many to the edge of a cell.
 const POINTS: f32 = 3.0;
@@ -29,7 +31,8 @@ pub struct Voxel {
     pub emission: Vec3,
     /// Mean normal of the one side; the surface has another side.
     pub normal: Vec3,
-    /// Mean point, in world units; `None` where no surface is in the cell or beside it, such as deep in a solid. Such a voxel is black.
+    /// Mean point, in world units; `None` where no surface is in the cell or beside it, such as
+    /// deep in a solid. Such a voxel is black.
     pub point: Option<Vec3>,
 }
 
@@ -67,7 +70,8 @@ struct Sums {
 }
 
 impl Voxels {
-    /// Voxels of a cube of `n` cells along each axis, 8 to 256. Triangles and values that the path tracer leaves out are left out.
+    /// Voxels of a cube of `n` cells along each axis, 8 to 256. Triangles and values that the path
+    /// tracer leaves out are left out.
     ///
     /// # Errors
     /// If `n` is out of range, or the library refuses the grid or a mesh.
@@ -125,7 +129,8 @@ impl Voxels {
             if !self.soft.is_occupied(Layer::Fixed, cell) {
                 continue;
             }
-            // A cell that the surface only touches takes after its neighbours. Areas may be as good as none, too.
+            // A cell that the surface only touches takes after its neighbours. Areas may be as good
+            // as none, too.
             let mut all = *sum;
             if all.weight <= 0.0 {
                 let around = (0..27).map(|k| cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
@@ -168,8 +173,8 @@ impl Voxels {
         usize::from(self.voxels[voxel].normal.dot(direction) > 0.0)
     }
 
-    /// The light that a function says leaves each side of each voxel with a surface, from its point and the normal of the side; the other
-    /// voxels are black.
+    /// The light that a function says leaves each side of each voxel with a surface, from its point
+    /// and the normal of the side; the other voxels are black.
     pub fn sides(&self, of: impl Fn(&Voxel, Vec3, Vec3) -> Lit + Sync) -> Result<Sides, casca::Error> {
         let both = |v: &Voxel| match v.point {
             Some(point) => Ok([of(v, point, v.normal)?, of(v, point, -v.normal)?]),
@@ -206,8 +211,9 @@ impl Voxels {
         Ok(sum)
     }
 
-    /// Whether nothing hides a light from a point in front of a surface. Cells near the surface, and near a light, may be those of the
-    /// surface or of its lamp: nothing hides a light whose distance is no more than both parts of the way that are left out.
+    /// Whether nothing hides a light from a point in front of a surface. Cells near the surface,
+    /// and near a light, may be those of the surface or of its lamp: nothing hides a light whose
+    /// distance is no more than both parts of the way that are left out.
     fn open(&self, point: Vec3, from: Vec3, light: &Incident, far: f32) -> Result<bool, casca::Error> {
         let off = OFF * self.cell;
         if light.distance <= 2.0 * off {
@@ -223,8 +229,8 @@ impl Voxels {
     }
 }
 
-/// A mesh, or open parts of it. The library fills closed meshes; one that faces inwards is a room, which must not be filled. A closed mesh
-/// is open without one of its triangles that has an area.
+/// A mesh, or open parts of it. The library fills closed meshes; one that faces inwards is a room,
+/// which must not be filled. A closed mesh is open without one of its triangles that has an area.
 fn parts(mesh: &Mesh) -> Result<Vec<TriMesh>, casca::Error> {
     let outward = mesh.is_closed();
     let (mut parts, mut rest) = (Vec::new(), &mesh.triangles[..]);

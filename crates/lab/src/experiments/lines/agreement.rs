@@ -8,7 +8,8 @@ use super::case::{Case, SAMPLES, Sampling, Way};
 use super::score::{Score, mean};
 use crate::experiments::{LabError, Table};
 
-/// The rows of a grid that is coarser than the picture: less noise where lines are thin, less detail where they are dense.
+/// The rows of a grid that is coarser than the picture: less noise where lines are thin, less
+/// detail where they are dense.
 pub const FEW_ROWS: u32 = 192;
 
 /// The sets that are compared.

@@ -135,7 +135,8 @@ impl Case {
         Ok(SampleSets::new(samples, SETS.min(8192 / samples.max(1)).max(1), seed)?)
     }
 
-    /// Estimates at receivers, and the microseconds that one takes on one thread; measured for some seconds at least.
+    /// Estimates at receivers, and the microseconds that one takes on one thread; measured for some
+    /// seconds at least.
     ///
     /// # Errors
     /// If an option is out of its range.

@@ -5,10 +5,11 @@ use casca_scenes::measure::ThreadTime;
 /// Parts of a measurement; the fastest counts.
 const PARTS: u32 = 5;
 
-/// The seconds that some work takes on this thread, and its result; it is done once if `least` is 0.
+/// The seconds that some work takes on this thread, and its result; it is done once if `least` is
+/// 0.
 ///
-/// It is that of [`ThreadTime`]. Other programs still slow caches and memory down, so the fastest of some parts
-/// counts. Each part repeats the work for a share of `least` seconds.
+/// It is that of [`ThreadTime`]. Other programs still slow caches and memory down, so the fastest
+/// of some parts counts. Each part repeats the work for a share of `least` seconds.
 pub fn timed<T>(least: f64, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut part = || {
         let start = ThreadTime::now();

@@ -51,29 +51,27 @@ fn frame(lines: u32, canvas: u32, sampling: &Sampling) -> Result<Frame, LabError
     })
 }
 
-/// Adds a table of times by vertices and by pixels, and charts.
-///
-/// # Errors
-/// If the library refuses a value, or a chart cannot be written.
-pub fn costs(lab: &Lab, sampling: &Sampling, section: &mut Section) -> Result<(), LabError> {
-    let columns = [
-        "lines",
-        "vertices",
-        "picture",
-        "pixels with lines",
-        "grid, ms",
-        "grid of few rows, ms",
-        "buffer, ms",
-        "occlusion, ms",
-    ];
-    let mut table = Table::new("lines_cost", &columns);
-    let sizes = lab.pick(vec![2000, 5000, 10_000, 15_000, 20_000], vec![200, 400]);
-    let canvases = lab.pick(vec![256, 384, 512, 768, 1024], vec![64, 96]);
-    let (usual, usual_lines) = (sampling.canvas, lab.pick(5000, 400));
-    let mut runs: Vec<(u32, u32)> = sizes.into_iter().map(|n| (n, usual)).collect();
-    runs.extend(canvases.into_iter().map(|c| (usual_lines, c)).filter(|r| r.1 != usual));
+/// The heads of the table.
+const COLUMNS: [&str; 8] = [
+    "lines",
+    "vertices",
+    "picture",
+    "pixels with lines",
+    "grid, ms",
+    "grid of few rows, ms",
+    "buffer, ms",
+    "occlusion, ms",
+];
+
+/// Measures frames of so many lines in pictures of so many rows.
+fn measure(
+    lab: &Lab,
+    sampling: &Sampling,
+    runs: &[(u32, u32)],
+    table: &mut Table,
+) -> Result<Vec<(u32, u32, Frame)>, LabError> {
     let mut frames = Vec::new();
-    for (lines, canvas) in runs {
+    for &(lines, canvas) in runs {
         (lab.progress)(&format!("{lines} lines in {canvas} x {canvas} pixels"));
         let f = frame(lines, canvas, sampling)?;
         let times = [f.grid, f.few, f.buffer, f.occlusion].map(|t| format!("{t:.1}"));
@@ -81,6 +79,21 @@ pub fn costs(lab: &Lab, sampling: &Sampling, section: &mut Section) -> Result<()
         table.row(std::iter::once(lines.to_string()).chain(sizes).chain(times));
         frames.push((lines, canvas, f));
     }
+    Ok(frames)
+}
+
+/// Adds a table of times by vertices and by pixels, and charts.
+///
+/// # Errors
+/// If the library refuses a value, or a chart cannot be written.
+pub fn costs(lab: &Lab, sampling: &Sampling, section: &mut Section) -> Result<(), LabError> {
+    let mut table = Table::new("lines_cost", &COLUMNS);
+    let sizes = lab.pick(vec![2000, 5000, 10_000, 15_000, 20_000], vec![200, 400]);
+    let canvases = lab.pick(vec![256, 384, 512, 768, 1024], vec![64, 96]);
+    let (usual, usual_lines) = (sampling.canvas, lab.pick(5000, 400));
+    let mut runs: Vec<(u32, u32)> = sizes.into_iter().map(|n| (n, usual)).collect();
+    runs.extend(canvases.into_iter().map(|c| (usual_lines, c)).filter(|r| r.1 != usual));
+    let frames = measure(lab, sampling, &runs, &mut table)?;
     let of_sizes = || frames.iter().filter(|(_, c, _)| *c == usual).map(|(.., f)| f);
     let mut of_canvases: Vec<_> = frames.iter().filter(|(n, ..)| *n == usual_lines).collect();
     of_canvases.sort_by_key(|(_, canvas, _)| *canvas);
@@ -110,29 +123,46 @@ pub fn costs(lab: &Lab, sampling: &Sampling, section: &mut Section) -> Result<()
         Line::new(format!("{usual_lines} lines, pictures of several sizes"), palette::other(3), by_pixels),
         Line::dots(format!("sets of several sizes, {usual} rows"), palette::other(4), by_size),
     ];
-    let vertex_title =
-        format!("Grid and buffer: {:.1} ms and {:.1} ms a million vertices, r² {:.4}", a.0, a.1, a.2);
-    let pixel_title =
-        format!("Occlusion: {:.1} ms and {:.2} ms a thousand pixels with lines, r² {:.4}", b.0, b.1, b.2);
+    let several = format!("Reservoir of several sizes. One thread, {SAMPLES} samples.");
     let about = format!("Reservoir of {usual_lines} lines. One thread, {SAMPLES} samples.");
-    let charts = [
-        ("lines_time_by_vertices.svg", vertex_title, "million vertices", vertices.as_slice()),
-        ("lines_time_by_pixels.svg", pixel_title, "thousand pixels with lines", &pixels),
-        (
-            "lines_time_by_resolution.svg",
-            "The occlusion grows with the pixels that lines cover, the other stages less".to_owned(),
-            "rows of the picture",
-            &resolution,
-        ),
-    ];
-    for (file, title, across, drawn) in charts {
-        let subtitle = match across {
-            "rows of the picture" => about.clone(),
-            _ => format!("Reservoir of several sizes. One thread, {SAMPLES} samples."),
-        };
-        let axes = (&Axis::linear(across), &Axis::linear("ms"));
-        line_chart(&lab.folder.join(file), &title, &subtitle, axes, drawn)?;
-        section.picture(file, &format!("Times against {across}."));
-    }
+    let title = format!("Grid and buffer: {:.1} ms and {:.1} ms a million vertices, r² {:.4}", a.0, a.1, a.2);
+    draw(
+        lab,
+        section,
+        "lines_time_by_vertices.svg",
+        &Words { title: &title, subtitle: &several, across: "million vertices" },
+        &vertices,
+    )?;
+    let title =
+        format!("Occlusion: {:.1} ms and {:.2} ms a thousand pixels with lines, r² {:.4}", b.0, b.1, b.2);
+    draw(
+        lab,
+        section,
+        "lines_time_by_pixels.svg",
+        &Words { title: &title, subtitle: &several, across: "thousand pixels with lines" },
+        &pixels,
+    )?;
+    let title = "The occlusion grows with the pixels that lines cover, the other stages less";
+    draw(
+        lab,
+        section,
+        "lines_time_by_resolution.svg",
+        &Words { title, subtitle: &about, across: "rows of the picture" },
+        &resolution,
+    )
+}
+
+/// What a chart of times says.
+struct Words<'a> {
+    title: &'a str,
+    subtitle: &'a str,
+    across: &'a str,
+}
+
+/// Draws times and puts the chart into the section.
+fn draw(lab: &Lab, section: &mut Section, file: &str, words: &Words, drawn: &[Line]) -> Result<(), LabError> {
+    let axes = (&Axis::linear(words.across), &Axis::linear("ms"));
+    line_chart(&lab.folder.join(file), words.title, words.subtitle, axes, drawn)?;
+    section.picture(file, &format!("Times against {}.", words.across));
     Ok(())
 }

@@ -20,7 +20,8 @@ pub const HEAD: &str = "# Ambient occlusion of lines\n\n\
     How near the occlusion that `casca-lines` estimates from a grid of bits comes to that of rays at capsules around the lines, and in which \
     time. The source is Benevides, PUC-Rio 2015. Occlusion is from 0 to 1; errors are those of visible pixels.\n";
 
-/// The later experiments take every third of the receivers: they compare estimates with each other, many times.
+/// The later experiments take every third of the receivers: they compare estimates with each other,
+/// many times.
 const THIN: usize = 3;
 
 /// All comparisons, as a section.

@@ -8,6 +8,56 @@ use super::score::{rmse, straight_line};
 use crate::experiments::{Lab, LabError, Section, Table};
 use crate::pictures::{Axis, Line, lines as line_chart, palette};
 
+/// One estimator by the number of samples.
+struct Series {
+    /// Samples and the root of the mean square of the differences from very many samples.
+    errors: Vec<(f64, f64)>,
+    /// Microseconds of a pixel and the error to rays.
+    truths: Vec<(f64, f64)>,
+    /// Samples and microseconds of a pixel.
+    times: Vec<(f64, f64)>,
+    /// The error to rays with the usual number of samples, in words.
+    nearest: String,
+}
+
+/// Numbers of samples: those that are tried, and the one that they are compared with.
+struct Numbers<'a> {
+    few: &'a [u32],
+    most: u32,
+}
+
+/// Measures an estimator with several numbers of samples.
+fn measure(
+    case: &Case,
+    way: Way,
+    sampling: &Sampling,
+    numbers: &Numbers,
+    table: &mut Table,
+) -> Result<Series, LabError> {
+    let name = way.name();
+    let rows = if way == Way::OpticalDepth { FEW_ROWS.min(sampling.canvas) } else { sampling.canvas };
+    let grid = case.grid(rows, Slices::S128)?;
+    let options = case.fitted(&grid, &Case::samples(SAMPLES, sampling.seed)?, way)?;
+    let many = Case::samples(numbers.most, sampling.seed + 1)?;
+    let (reference, _) = Case::estimate(&grid, &many, options, &case.receivers, 0.0)?;
+    let (mut errors, mut truths, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    let mut nearest = String::new();
+    for &n in numbers.few {
+        let samples = Case::samples(n, sampling.seed)?;
+        let (values, micros) = Case::estimate(&grid, &samples, options, &case.receivers, sampling.seconds)?;
+        let (own, true_one) = (rmse(&values, &reference), rmse(&values, &case.truth));
+        let numbers = [format!("{own:.4}"), format!("{true_one:.4}"), format!("{micros:.1}")];
+        table.row([name.to_owned(), n.to_string()].into_iter().chain(numbers));
+        if n == SAMPLES {
+            nearest = format!("{name} {true_one:.3}");
+        }
+        errors.push((f64::from(n), own));
+        truths.push((micros, true_one));
+        times.push((f64::from(n), micros));
+    }
+    Ok(Series { errors, truths, times, nearest })
+}
+
 /// Errors and times by the number of samples, as a table and three charts.
 ///
 /// # Errors
@@ -28,26 +78,9 @@ pub fn by_samples(
     let (mut words, mut nearest, mut powers, mut slopes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (number, way) in [Way::MeanOfRatios, Way::Extinction, Way::OpticalDepth].into_iter().enumerate() {
         let (name, style) = (way.name(), palette::other(number));
-        let rows = if way == Way::OpticalDepth { FEW_ROWS.min(sampling.canvas) } else { sampling.canvas };
-        let grid = case.grid(rows, Slices::S128)?;
-        let options = case.fitted(&grid, &Case::samples(SAMPLES, sampling.seed)?, way)?;
-        let many = Case::samples(most, sampling.seed + 1)?;
-        let (reference, _) = Case::estimate(&grid, &many, options, &case.receivers, 0.0)?;
-        let (mut errors, mut truths, mut times) = (Vec::new(), Vec::new(), Vec::new());
-        for &n in numbers {
-            let samples = Case::samples(n, sampling.seed)?;
-            let (values, micros) =
-                Case::estimate(&grid, &samples, options, &case.receivers, sampling.seconds)?;
-            let (own, true_one) = (rmse(&values, &reference), rmse(&values, &case.truth));
-            let numbers = [format!("{own:.4}"), format!("{true_one:.4}"), format!("{micros:.1}")];
-            table.row([name.to_owned(), n.to_string()].into_iter().chain(numbers));
-            if n == SAMPLES {
-                nearest.push(format!("{name} {true_one:.3}"));
-            }
-            errors.push((f64::from(n), own));
-            truths.push((micros, true_one));
-            times.push((f64::from(n), micros));
-        }
+        let Series { errors, truths, times, nearest: near } =
+            measure(case, way, sampling, &Numbers { few: numbers, most }, &mut table)?;
+        nearest.push(near);
         let logs: Vec<(f64, f64)> = errors.iter().map(|(n, e)| (n.ln(), e.max(1e-9).ln())).collect();
         let (offset, slope, share) = straight_line(&times);
         let power = straight_line(&logs).1;

@@ -55,7 +55,8 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// The parameter, on a fine scale of equal ratios within a range, whose estimates are nearest to the truth.
+/// The parameter, on a fine scale of equal ratios within a range, whose estimates are nearest to
+/// the truth.
 pub fn fit(raw: &[f64], truth: &[f64], [from, to]: [f64; 2], estimate: impl Fn(f64, f64) -> f64) -> f64 {
     const STEPS: usize = 240;
     let parameter = |i: usize| from * (to / from).powf(i as f64 / STEPS as f64);
@@ -64,7 +65,8 @@ pub fn fit(raw: &[f64], truth: &[f64], [from, to]: [f64; 2], estimate: impl Fn(f
     errors.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(from, |best| best.0)
 }
 
-/// Offset and slope of the straight line nearest to some points, and the share of the variance that it explains.
+/// Offset and slope of the straight line nearest to some points, and the share of the variance that
+/// it explains.
 pub fn straight_line(points: &[(f64, f64)]) -> (f64, f64, f64) {
     let (x, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
     let (mx, my) = (mean(&x), mean(&y));

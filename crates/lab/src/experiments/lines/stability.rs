@@ -1,4 +1,5 @@
-//! How much an estimate changes when nothing changes but the grid, the zoom, or the place of the picture.
+//! How much an estimate changes when nothing changes but the grid, the zoom, or the place of the
+//! picture.
 
 use casca_lines::occlusion::{AoOptions, SetChoice};
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};

@@ -1,10 +1,12 @@
-//! The occlusion of lines by rays, for comparison: lines as tubes with round ends in a bounding volume hierarchy, and
-//! cosine-weighted rays of limited length. Shares no code with the estimators.
+//! The occlusion of lines by rays, for comparison: lines as tubes with round ends in a bounding
+//! volume hierarchy, and cosine-weighted rays of limited length. Shares no code with the
+//! estimators.
 
 use std::f64::consts::TAU;
 use std::time::Duration;
 
 use casca_lines::LineSet;
+use casca_scenes::random::generator;
 use glam::{DMat3, DVec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -12,15 +14,16 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::Ray;
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 
-/// Boxes of the hierarchy are wider than the tubes by this share of the greatest coordinate, so that rays in f32 lose no tube.
+/// Boxes of the hierarchy are wider than the tubes by this share of the greatest coordinate, so
+/// that rays in f32 lose no tube.
 const WIDER: f64 = 4e-6;
-/// Rays in the hierarchy are longer by this share: the ends of rays in f32 are off by a few units of 6e-8.
+/// Rays in the hierarchy are longer by this share: the ends of rays in f32 are off by a few units
+/// of 6e-8.
 const LONGER: f64 = 1e-5;
 
-/// Rays start this many radii above the middle of the receiver's tube, so that rounding does not put them into it.
+/// Rays start this many radii above the middle of the receiver's tube, so that rounding does not
+/// put them into it.
 const LIFT: f64 = 1.01;
 
 /// Tubes around the segments of lines.
@@ -50,7 +53,8 @@ impl Tubes {
         Self { ends, radius, bvh, scale }
     }
 
-    /// Whether a tube that does not hold the start lies on a ray of a length; `direction` is a unit vector.
+    /// Whether a tube that does not hold the start lies on a ray of a length; `direction` is a unit
+    /// vector.
     pub fn hit(&self, start: DVec3, direction: DVec3, length: f64) -> bool {
         if self.ends.is_empty() {
             return false;
@@ -65,10 +69,10 @@ impl Tubes {
         found
     }
 
-    /// The share of cosine-weighted rays of a length, around `pole`, that tubes stop: `side * side` rays, one in each cell of the
-    /// square that they come from.
+    /// The share of cosine-weighted rays of a length, around `pole`, that tubes stop: `side * side`
+    /// rays, one in each cell of the square that they come from.
     pub fn occlusion(&self, at: DVec3, pole: DVec3, length: f64, side: usize, seed: u64) -> f64 {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = generator(seed, 0);
         let start = at + pole * self.radius * LIFT;
         let right = pole.any_orthonormal_vector();
         let turn = DMat3::from_cols(right, pole.cross(right), pole);
@@ -140,7 +144,7 @@ mod tests {
 
     #[test]
     fn rays_enter_tubes_where_small_steps_do() {
-        let mut random = Pcg64Mcg::seed_from_u64(7);
+        let mut random = generator(7, 0);
         let mut hits = 0;
         for _ in 0..2000 {
             let mut point = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
@@ -160,7 +164,8 @@ mod tests {
 
     #[test]
     fn half_of_the_sky_behind_a_wall_of_tubes_is_hidden() {
-        // A dense wall at x = 0.5 that is endless for rays of length 1: it takes the directions with x > 0.5 of the way.
+        // A dense wall at x = 0.5 that is endless for rays of length 1: it takes the directions
+        // with x > 0.5 of the way.
         let wall = (-400..400).map(|i| {
             let z = i as f32 * 0.005;
             [Vec3::new(0.51, -2.0, z), Vec3::new(0.51, 2.0, z)]

@@ -1,4 +1,5 @@
-//! Clouds whose visible points are known: by rays at the mesh that they are samples of, or by formulas.
+//! Clouds whose visible points are known: by rays at the mesh that they are samples of, or by
+//! formulas.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,14 +7,14 @@ use std::sync::Arc;
 use bitvec::vec::BitVec;
 use casca_points::Camera;
 use glam::{Affine3A, DVec3, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 use rayon::prelude::*;
 
 use super::hare::hare;
 use super::sample::{Sample, Sampler};
 use crate::experiments::LabError;
 use casca_scenes::import;
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
 use casca_truth::oracle::RayOracle;
 
@@ -31,7 +32,8 @@ pub struct Look {
 }
 
 impl Look {
-    /// From `eye` to the middle of something far away, with the angles of the thesis' cameras: near and far at half and twice the distance.
+    /// From `eye` to the middle of something far away, with the angles of the thesis' cameras: near
+    /// and far at half and twice the distance.
     pub fn at(eye: Vec3, target: Vec3) -> Self {
         let distance = eye.distance(target);
         Self { eye, target, fov: 45.0, depths: (distance / 2.0, distance * 2.0) }
@@ -81,7 +83,8 @@ impl Cloud {
         Self::of_vertices("hare", hare(cells), look)
     }
 
-    /// The vertices of a mesh, judged by rays at its triangles; those around a vertex do not hide it.
+    /// The vertices of a mesh, judged by rays at its triangles; those around a vertex do not hide
+    /// it.
     pub fn of_vertices(name: &str, mesh: Mesh, look: Look) -> Self {
         let (points, area) = (mesh.positions.clone(), Sampler::new(&mesh).map_or(0.0, |s| s.area()));
         let triangles = mesh.triangles.clone();
@@ -148,7 +151,8 @@ impl Cloud {
         Ok(Self::by_formula("cube", (points_of(&samples), spacing), look, |p| p.max_element() > 1.0 - 1e-6))
     }
 
-    /// A square of side 2 and the same 0.4 below it. The upper one hides all of the lower one but what shows past its border.
+    /// A square of side 2 and the same 0.4 below it. The upper one hides all of the lower one but
+    /// what shows past its border.
     ///
     /// # Errors
     /// Never: squares have an area.
@@ -194,9 +198,10 @@ impl Cloud {
         low.distance(high)
     }
 
-    /// The same with points that are moved by Gaussian noise; `sigma` is a part of the diagonal. The truth is that of the unmoved points.
+    /// The same with points that are moved by Gaussian noise; `sigma` is a part of the diagonal.
+    /// The truth is that of the unmoved points.
     pub fn noisy(&self, sigma: f32, seed: u64) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x9015e);
+        let mut random = generator(seed, 0x9015e);
         let scale = sigma * self.diagonal();
         // Box & Muller 1958.
         let mut normal = || {
@@ -209,8 +214,8 @@ impl Cloud {
     }
 
     /// The points that a function keeps, told by place.
-    pub fn filtered(&self, seed: u64, mut keep: impl FnMut(Vec3, &mut Pcg64Mcg) -> bool) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0xde15);
+    pub fn filtered(&self, seed: u64, mut keep: impl FnMut(Vec3, &mut Generator) -> bool) -> Self {
+        let mut random = generator(seed, 0xde15);
         let kept: Vec<bool> = self.points.iter().map(|&p| keep(p, &mut random)).collect();
         let points = self.points.iter().zip(&kept).filter(|(_, k)| **k).map(|(p, _)| *p).collect();
         let truth = self.truth.iter().by_vals().zip(&kept).filter(|(_, k)| **k).map(|(t, _)| t).collect();
@@ -235,7 +240,8 @@ fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
     Mesh { positions, triangles: mesh.triangles.clone() }
 }
 
-/// Whether the eye sees each point of a mesh: no triangle is between them but those that are the point's own.
+/// Whether the eye sees each point of a mesh: no triangle is between them but those that are the
+/// point's own.
 fn seen_on_mesh(mesh: Mesh, points: &[Vec3], eye: Vec3, own: impl Fn(usize, usize) -> bool + Sync) -> BitVec {
     let shape = Shape::Mesh { mesh: Arc::new(mesh), transform: Affine3A::IDENTITY };
     let object = Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
@@ -286,7 +292,8 @@ mod tests {
             both.filter(|(p, truth)| p.y < -0.2 && **truth == seen).count()
         };
         assert_eq!(cloud.truth.count_zeros(), of_lower(false));
-        // The shadow of the upper square on the height of the lower one, by hand: from -1 to 0.76 and from -1 to 0.653.
+        // The shadow of the upper square on the height of the lower one, by hand: from -1 to 0.76
+        // and from -1 to 0.653.
         let share = of_lower(true) as f64 / (of_lower(true) + of_lower(false)) as f64;
         assert!((share - (1.0 - 1.76 * 1.653 / 4.0)).abs() < 0.015, "{share}");
     }
@@ -302,7 +309,8 @@ mod tests {
         assert!((0.36..0.46).contains(&share), "{share}");
         let cloud = Cloud::of_mesh("hare", mesh, 3000, 1, Cloud::hare(100).look).unwrap();
         assert!((2900..=3000).contains(&cloud.points.len()), "{}", cloud.points.len());
-        // A convex body shows less than half of itself; one with hollows shows still less, and hides parts that face the eye.
+        // A convex body shows less than half of itself; one with hollows shows still less, and
+        // hides parts that face the eye.
         let seen = cloud.truth.count_ones();
         assert!((900..1400).contains(&seen), "{seen}");
         let nearest = |p: &Vec3| {

@@ -3,7 +3,7 @@
 use casca_points::cluster::{Clustering, Passes, Radius, cluster_count};
 
 use super::judge::{COLUMNS, Confusion};
-use super::study::{Study, best, by_clusters, by_hull, spherical, steps, sweep};
+use super::study::{ByClusters, Study, best, by_clusters, by_hull, spherical, steps, sweep};
 use crate::experiments::{LabError, Table, median};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
@@ -37,7 +37,10 @@ pub(super) fn clusters(study: &mut Study, radius: f64) -> Result<(), LabError> {
         (study.lab.progress)(&format!("clusters: {name}"));
         let count = cluster_count(&points, clustering)?;
         for (i, (way, scale, passes)) in WAYS.into_iter().enumerate() {
-            let ask = |log| by_clusters(hare, spherical(log), (clustering, scale, passes));
+            let ask = |log| {
+                let how = ByClusters { clustering, radius: scale, passes };
+                by_clusters(hare, spherical(log), how)
+            };
             let (log, counts) = match i {
                 3 => best(&sweep(hare, &values, ask)?),
                 _ => (radius, Confusion::of(&hare.truth, &ask(radius)?)),

@@ -4,8 +4,6 @@ use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius, visible
 use casca_points::hpr::visible_points;
 use casca_points::splat::{Filter, Radius, SplatOptions};
 use glam::{DVec3, Vec3};
-use rand::SeedableRng;
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::cloud::Cloud;
@@ -16,6 +14,7 @@ use crate::experiments::{Effort, LabError, Table, grouped, median};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
 use casca_scenes::measure::timed_by_wall;
+use casca_scenes::random::generator;
 
 /// The size of pictures.
 const SIZE: (u32, u32) = (1024, 768);
@@ -30,13 +29,14 @@ fn random(count: usize, seed: u64) -> Result<(Vec<Vec3>, f32), LabError> {
     let sampler = Sampler::new(&mesh).ok_or("the hare has no area")?;
     let mut points = vec![Vec3::ZERO; count];
     points.par_chunks_mut(CHUNK).enumerate().for_each(|(i, chunk)| {
-        let mut random = Pcg64Mcg::seed_from_u64(seed.wrapping_add(i as u64) ^ 0xc057);
+        let mut random = generator(seed.wrapping_add(i as u64), 0xc057);
         chunk.iter_mut().for_each(|p| *p = sampler.draw(&mut random).point);
     });
     Ok((points, (sampler.area() / count as f64).sqrt() as f32))
 }
 
-/// Nanoseconds for each point: the median of some runs, after one that does not count if there are several.
+/// Nanoseconds for each point: the median of some runs, after one that does not count if there are
+/// several.
 fn nanoseconds(
     count: usize,
     mut call: impl FnMut() -> Result<usize, LabError>,
@@ -53,6 +53,39 @@ fn nanoseconds(
     Ok((median(&mut times), found))
 }
 
+/// The operators that are timed.
+const OPERATORS: [&str; 4] = ["HPR", "clusters (octree 17)", "splats, no filter", "splats, max filter"];
+
+/// Nanoseconds for each point, and the points found visible, by operator; `None` for hulls if they
+/// are not asked for.
+fn operators(
+    count: usize,
+    hulls: bool,
+    seed: u64,
+    radius: f64,
+) -> Result<[Option<(f64, usize)>; 4], LabError> {
+    let look = Cloud::hare(1000).look;
+    let (camera, eye) = (look.camera(SIZE)?, look.eye.as_dvec3());
+    let (points, spacing) = random(count, seed)?;
+    // A random surface has gaps: its spacing is no bound for them.
+    let splat = |filter| {
+        let options = SplatOptions { radius: Radius::Same(spacing), bias: THESIS_BIAS, filter };
+        Ok(casca_points::splat::visible_points(&points, &camera, &options)?.visible.count_ones())
+    };
+    let splats =
+        [Some(nanoseconds(count, || splat(Filter::None))?), Some(nanoseconds(count, || splat(Filter::Max))?)];
+    if !hulls {
+        return Ok([None, None, splats[0], splats[1]]);
+    }
+    let places: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
+    let kernel = spherical(radius);
+    let hull = nanoseconds(count, || Ok(visible_points(&places, eye, kernel)?.count_ones()))?;
+    let octree = Clustering::Octree { max_points: 17 };
+    let ask = || visible_clusters(&places, eye, kernel, octree, ClusterRadius::Rescaled, Passes::One);
+    let clusters = nanoseconds(count, || Ok(ask()?.count_ones()))?;
+    Ok([Some(hull), Some(clusters), splats[0], splats[1]])
+}
+
 /// Charts the time of a point.
 pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(), LabError> {
     let (hulls, splats) = match effort {
@@ -60,9 +93,6 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
         Effort::Short => (1_000_000, 10_000_000),
         Effort::Full => (10_000_000, 100_000_000),
     };
-    let look = Cloud::hare(1000).look;
-    let (camera, eye) = (look.camera(SIZE)?, look.eye.as_dvec3());
-    let names = ["HPR", "clusters (octree 17)", "splats, no filter", "splats, max filter"];
     let mut table = Table::new(
         "points-cost",
         &["points", "operator", "ns a point", "million points a second", "found visible"],
@@ -72,41 +102,12 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
         (0..).map(|i| [10_000, 30_000][i % 2] * 10_usize.pow(i as u32 / 2)).take_while(|&n| n <= splats);
     for count in sizes {
         (study.lab.progress)(&format!("cost: {} points", grouped(count)));
-        let (points, spacing) = random(count, study.lab.seed)?;
-        // A random surface has gaps: its spacing is no bound for them.
-        let splat = |filter| {
-            let options = SplatOptions { radius: Radius::Same(spacing), bias: THESIS_BIAS, filter };
-            Ok(casca_points::splat::visible_points(&points, &camera, &options)?.visible.count_ones())
-        };
-        let mut measured = vec![
-            None,
-            None,
-            Some(nanoseconds(count, || splat(Filter::None))?),
-            Some(nanoseconds(count, || splat(Filter::Max))?),
-        ];
-        if count <= hulls {
-            let places: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-            measured[0] = Some(nanoseconds(count, || {
-                Ok(visible_points(&places, eye, spherical(radius))?.count_ones())
-            })?);
-            let octree = Clustering::Octree { max_points: 17 };
-            let ask = || {
-                visible_clusters(
-                    &places,
-                    eye,
-                    spherical(radius),
-                    octree,
-                    ClusterRadius::Rescaled,
-                    Passes::One,
-                )
-            };
-            measured[1] = Some(nanoseconds(count, || Ok(ask()?.count_ones()))?);
-        }
+        let measured = operators(count, count <= hulls, study.lab.seed, radius)?;
         for (i, measured) in measured.into_iter().enumerate() {
             let Some((time, found)) = measured else { continue };
             table.row([
                 count.to_string(),
-                names[i].to_owned(),
+                OPERATORS[i].to_owned(),
                 format!("{time:.2}"),
                 format!("{:.1}", 1e3 / time),
                 found.to_string(),
@@ -124,7 +125,7 @@ pub(super) fn cost(study: &mut Study, effort: Effort, radius: f64) -> Result<(),
     );
     let drawn: Vec<Line> = series
         .into_iter()
-        .zip(names)
+        .zip(OPERATORS)
         .enumerate()
         .map(|(i, (s, name))| Line::new(name, other(i), s))
         .collect();

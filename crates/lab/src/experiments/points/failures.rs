@@ -1,15 +1,14 @@
 //! Where operators fail: noise, changes of density, an eye among the points, tiny and huge radii.
 
 use bitvec::vec::BitVec;
-use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius};
 use casca_points::spacing::automatic_radius;
-use casca_points::splat::{Bias, Filter, Radius};
+use casca_points::splat::{Bias, Filter, Radius, SplatOptions};
 use glam::Vec3;
 
 use super::cloud::{Cloud, Look, MIDDLE};
 use super::judge::{COLUMNS, Confusion};
 use super::splat::thinned;
-use super::study::{RADII, SIZE, Study, by_clusters, by_hull, by_splats, spherical};
+use super::study::{ByClusters, RADII, SIZE, Study, by_clusters, by_hull, by_splats, spherical};
 use crate::experiments::{LabError, Table};
 use crate::pictures::{CloudPanel, CloudView, Fate, cloud as draw};
 use casca_scenes::world::Camera;
@@ -20,9 +19,20 @@ struct Case {
     name: &'static str,
     title: &'static str,
     cloud: Cloud,
-    /// What is added to log10 R, and the factor of the splats' radius.
-    radius: (f64, f32),
+    radius: Changed,
 }
+
+/// How the radii differ from the usual ones.
+#[derive(Clone, Copy)]
+struct Changed {
+    /// What is added to log10 R.
+    log10: f64,
+    /// The factor of the splats' radius.
+    splats: f32,
+}
+
+/// The usual radii.
+const SAME: Changed = Changed { log10: 0.0, splats: 1.0 };
 
 fn cases(study: &Study) -> Result<Vec<Case>, LabError> {
     let (lab, calm) = (study.lab, study.hare());
@@ -35,35 +45,35 @@ fn cases(study: &Study) -> Result<Vec<Case>, LabError> {
     let among = Cloud::hare_from(calm.points.len(), inside);
     let case = |file, name, title, cloud, radius| Case { file, name, title, cloud, radius };
     Ok(vec![
-        case("calm", "none", "Without stress", calm.clone(), (0.0, 1.0)),
+        case("calm", "none", "Without stress", calm.clone(), SAME),
         case(
             "noise",
             "noise of 0.3% of the diagonal",
             "Noise of 0.3% of the diagonal",
             calm.noisy(3e-3, lab.seed),
-            (0.0, 1.0),
+            SAME,
         ),
         case(
             "density",
             "one half thinned to a tenth of its points",
             "One half thinned to a tenth",
             calm.filtered(lab.seed, thinned),
-            (0.0, 1.0),
+            SAME,
         ),
-        case("inside", "the eye inside the body", "The eye inside the body", among, (0.0, 1.0)),
+        case("inside", "the eye inside the body", "The eye inside the body", among, SAME),
         case(
             "tiny",
             "tiny radius: 10^-2.5 of the best for HPR, a fifth for splats",
             "Tiny radius (HPR: 1/300 of the best, splats: a fifth)",
             calm.clone(),
-            (-2.5, 0.2),
+            Changed { log10: -2.5, splats: 0.2 },
         ),
         case(
             "huge",
             "huge radius: 10^2 of the best for HPR, ten times for splats",
             "Huge radius (HPR: 100 times the best, splats: 10 times)",
             calm.clone(),
-            (2.0, 10.0),
+            Changed { log10: 2.0, splats: 10.0 },
         ),
     ])
 }
@@ -73,14 +83,17 @@ const OPERATORS: [&str; 3] = ["HPR", "clusters (octree 17, rescaled)", "splats (
 
 fn answers(case: &Case, log: f64) -> Result<[BitVec; 3], LabError> {
     let cloud = &case.cloud;
-    let kernel = spherical((log + case.radius.0).max(0.0));
-    let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
+    let kernel = spherical((log + case.radius.log10).max(0.0));
     let size = automatic_radius(&cloud.points)?;
-    let (radius, splats) = (Radius::Same(size * case.radius.1), (Bias::World(RADII * size), Filter::Max));
+    let splats = SplatOptions {
+        radius: Radius::Same(size * case.radius.splats),
+        bias: Bias::World(RADII * size),
+        filter: Filter::Max,
+    };
     Ok([
         by_hull(cloud, kernel)?,
-        by_clusters(cloud, kernel, clusters)?,
-        by_splats(cloud, SIZE, radius, splats)?,
+        by_clusters(cloud, kernel, ByClusters::OCTREE)?,
+        by_splats(cloud, SIZE, &splats)?,
     ])
 }
 

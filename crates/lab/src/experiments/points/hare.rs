@@ -1,6 +1,8 @@
-//! A hare: a closed surface with ears, legs and hollows between them, for clouds whose truth is known.
+//! A hare: a closed surface with ears, legs and hollows between them, for clouds whose truth is
+//! known.
 //!
-//! A distance function of rounded parts becomes a mesh by naive surface nets (Gibson 1998, "Constrained Elastic Surface Nets").
+//! A distance function of rounded parts becomes a mesh by naive surface nets (Gibson 1998,
+//! "Constrained Elastic Surface Nets").
 
 use std::collections::HashMap;
 
@@ -33,7 +35,8 @@ const SINGLE: [([f32; 3], [f32; 3], f32); 5] = [
     ([-1.12, 0.72, 0.0], [-1.2, 0.8, 0.0], 0.22),
 ];
 
-/// The distance from the hare's surface, negative inside; exact but where parts flow into each other.
+/// The distance from the hare's surface, negative inside; exact but where parts flow into each
+/// other.
 fn distance(p: Vec3) -> f32 {
     let part = |p: Vec3, (from, to, radius): ([f32; 3], [f32; 3], f32)| {
         let (from, to) = (Vec3::from(from), Vec3::from(to));
@@ -48,12 +51,14 @@ fn distance(p: Vec3) -> f32 {
     })
 }
 
-/// The hare as a closed mesh with `cells` cells along its height of 3.2: about `3.7 cells^2` triangles of even size.
+/// The hare as a closed mesh with `cells` cells along its height of 3.2: about `3.7 cells^2`
+/// triangles of even size.
 pub fn hare(cells: u32) -> Mesh {
     surface(distance, LOW, HIGH, (HIGH.y - LOW.y) / cells.clamp(8, 1000) as f32)
 }
 
-/// The surface where a function is 0, with a vertex for each cell that it passes; counter-clockwise where the function is positive.
+/// The surface where a function is 0, with a vertex for each cell that it passes; counter-clockwise
+/// where the function is positive.
 fn surface(function: impl Fn(Vec3) -> f32, low: Vec3, high: Vec3, cell: f32) -> Mesh {
     let size = ((high - low) / cell).ceil().as_uvec3() + 1;
     let number = |at: UVec3| ((at.z * size.y + at.y) * size.x + at.x) as usize;

@@ -1,15 +1,15 @@
 //! Hidden point removal: its radius, its kernels, and noise.
 
 use bitvec::vec::BitVec;
-use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius};
 use casca_points::hpr::Kernel;
 use casca_points::spacing::automatic_radius;
-use casca_points::splat::{Bias, Filter, Radius};
+use casca_points::splat::{Bias, Filter, Radius, SplatOptions};
 
 use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
 use super::study::{
-    RADII, SIZE, Study, Sweep, best, by_clusters, by_hull, by_splats, line, spherical, steps, sweep,
+    ByClusters, RADII, SIZE, Study, Sweep, best, by_clusters, by_hull, by_splats, line, spherical, steps,
+    sweep,
 };
 use crate::experiments::{LabError, Table};
 use crate::pictures::palette::other;
@@ -119,14 +119,14 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         let noisy = hare.noisy(sigma as f32, study.lab.seed);
         let judge = |found: BitVec| Confusion::of(&noisy.truth, &found);
         let tuned = best(&sweep(&noisy, &values, |r| by_hull(&noisy, spherical(r)))?);
-        let clusters = (Clustering::Octree { max_points: 17 }, ClusterRadius::Rescaled, Passes::One);
         let size = automatic_radius(&noisy.points)?;
-        let tolerance = Bias::World(RADII * size);
+        let splats =
+            SplatOptions { radius: Radius::Same(size), bias: Bias::World(RADII * size), filter: Filter::Max };
         let answers = [
             (radius, judge(by_hull(&noisy, spherical(radius))?)),
             tuned,
-            (radius, judge(by_clusters(&noisy, spherical(radius), clusters)?)),
-            (f64::from(size), judge(by_splats(&noisy, SIZE, Radius::Same(size), (tolerance, Filter::Max))?)),
+            (radius, judge(by_clusters(&noisy, spherical(radius), ByClusters::OCTREE)?)),
+            (f64::from(size), judge(by_splats(&noisy, SIZE, &splats)?)),
         ];
         for (i, (parameter, counts)) in answers.iter().enumerate() {
             let cells = [format!("{sigma}"), names[i].to_owned(), format!("{parameter:.4}")];

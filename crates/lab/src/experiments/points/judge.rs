@@ -28,7 +28,8 @@ impl Confusion {
         counts
     }
 
-    /// The thesis' single number, in percent: half of all errors over the truly visible points. Not finite if there are none.
+    /// The thesis' single number, in percent: half of all errors over the truly visible points. Not
+    /// finite if there are none.
     pub fn error(&self) -> f64 {
         self.percent(self.false_visible + self.false_hidden) / 2.0
     }
@@ -38,7 +39,8 @@ impl Confusion {
         100.0 * count as f64 / self.visible as f64
     }
 
-    /// Truly visible, found, false visible, false hidden and the error in percent, as cells of a table.
+    /// Truly visible, found, false visible, false hidden and the error in percent, as cells of a
+    /// table.
     pub fn cells(&self) -> [String; 5] {
         let [visible, found, fv, fh] =
             [self.visible, self.found, self.false_visible, self.false_hidden].map(|n| n.to_string());

@@ -1,7 +1,8 @@
 //! Point clouds whose truth is known, and the operators of `casca-points` beside it.
 //!
-//! Every table has two kinds of errors apart: points found visible that are hidden, and points found hidden that are visible. E is the
-//! single number of the thesis (Tavares 2009): half of their sum over the truly visible points.
+//! Every table has two kinds of errors apart: points found visible that are hidden, and points
+//! found hidden that are visible. E is the single number of the thesis (Tavares 2009): half of
+//! their sum over the truly visible points.
 
 mod clusters;
 mod cost;
@@ -29,8 +30,9 @@ pub const HEAD: &str = "# Point clouds whose truth is known\n\n\
     - `log10 R` is the parameter of hidden point removal (HPR): the radius of the sphere around the eye over the largest distance of a point.\n\
     - A *spacing* is the side of the square of surface that a point stands for. Radii of splats are half sides.\n";
 
-/// All experiments on points; `effort` chooses the numbers of points whose cost is measured: up to a million by
-/// hulls and ten million by splats in a short run, ten times as many in a full one. Writes charts and pictures into the lab's folder.
+/// All experiments on points; `effort` chooses the numbers of points whose cost is measured: up to
+/// a million by hulls and ten million by splats in a short run, ten times as many in a full one.
+/// Writes charts and pictures into the lab's folder.
 ///
 /// # Errors
 /// If a file of the lab cannot be read, or a picture cannot be written.

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::Mesh;
 
 /// A point of a mesh.
@@ -17,12 +17,14 @@ pub struct Sample {
     pub triangle: u32,
 }
 
-/// Random discs that do not overlap fill 0.547 of a plane at most. At this share most tries succeed, and no large holes are left.
+/// Random discs that do not overlap fill 0.547 of a plane at most. At this share most tries
+/// succeed, and no large holes are left.
 const FILL: f64 = 0.45;
 /// Tries for each point, before evenly spaced points are given up.
 const TRIES: usize = 15;
 
-/// Draws points from the triangles of a mesh, each piece of area as likely as any other of its size.
+/// Draws points from the triangles of a mesh, each piece of area as likely as any other of its
+/// size.
 pub struct Sampler<'a> {
     mesh: &'a Mesh,
     /// The area of the triangles up to and with each.
@@ -48,7 +50,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// A random point.
-    pub fn draw(&self, random: &mut Pcg64Mcg) -> Sample {
+    pub fn draw(&self, random: &mut Generator) -> Sample {
         let at = random.random::<f64>() * self.area();
         let triangle = self.areas.partition_point(|&area| area <= at).min(self.areas.len() - 1);
         let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.mesh.positions[v as usize].as_dvec3());
@@ -59,14 +61,17 @@ impl<'a> Sampler<'a> {
         Sample { point: (a + (b - a) * u + (c - a) * v).as_vec3(), triangle: triangle as u32 }
     }
 
-    /// `count` points that keep a distance from each other, as by a careful scan; fewer where the mesh has no room for so many.
+    /// `count` points that keep a distance from each other, as by a careful scan; fewer where the
+    /// mesh has no room for so many.
     ///
-    /// Random points are thrown, and those too near to an earlier one are dropped (Cook 1986, "Stochastic Sampling in Computer Graphics").
+    /// Random points are thrown, and those too near to an earlier one are dropped (Cook 1986,
+    /// "Stochastic Sampling in Computer Graphics").
     pub fn evenly(&self, count: usize, seed: u64) -> Vec<Sample> {
-        let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5a3_b1e5);
+        let mut random = generator(seed, 0x5a3_b1e5);
         // Discs of half the distance around the points fill the given share.
         let distance = (4.0 * FILL * self.area() / (std::f64::consts::PI * count.max(1) as f64)).sqrt();
-        // Cells twice as wide: the neighbours of a point are in the eight around the nearest corner of cells.
+        // Cells twice as wide: the neighbours of a point are in the eight around the nearest corner
+        // of cells.
         let place = |p: Vec3| p.as_dvec3() / (2.0 * distance);
         let mut cells: HashMap<IVec3, Vec<Vec3>> = HashMap::new();
         let mut samples = Vec::with_capacity(count);

@@ -6,7 +6,7 @@ use bitvec::slice::BitSlice;
 use bitvec::vec::BitVec;
 use casca_points::Camera;
 use casca_points::spacing::{automatic_radius, radii};
-use casca_points::splat::{Bias, Filter, Radius};
+use casca_points::splat::{Bias, Filter, Radius, SplatOptions};
 
 use super::cloud::Cloud;
 use super::judge::{COLUMNS, Confusion};
@@ -14,6 +14,7 @@ use super::study::{RADII, SIZE, Study, Sweep, THESIS_BIAS, TOLERANCE, best, by_s
 use crate::experiments::{LabError, Table};
 use crate::pictures::palette::other;
 use crate::pictures::{Axis, Line, lines};
+use casca_scenes::random::Generator;
 
 const FILTERS: [(&str, Filter); 4] =
     [("none", Filter::None), ("max", Filter::Max), ("plain max", Filter::PlainMax), ("min", Filter::Min)];
@@ -56,7 +57,7 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
             let (mut all, mut single) = (Sweep::new(), Sweep::new());
             for &value in &values {
                 let radius = Radius::Same(value as f32 * hare.spacing);
-                let found = by_splats(hare, size, radius, (THESIS_BIAS, filter))?;
+                let found = by_splats(hare, size, &SplatOptions { radius, bias: THESIS_BIAS, filter })?;
                 all.push((value, Confusion::of(&hare.truth, &found)));
                 single.push((value, Confusion::of(&truth, &one_per_pixel(hare, &camera, &found))));
             }
@@ -144,7 +145,10 @@ pub(super) fn bias(study: &mut Study) -> Result<(), LabError> {
                 "window" => Bias::Window(part as f32),
                 _ => Bias::World(length as f32 * hare.spacing),
             };
-            let ask = |r: f64| by_splats(hare, SIZE, Radius::Same(r as f32 * hare.spacing), (bias, filter));
+            let ask = |r: f64| {
+                let radius = Radius::Same(r as f32 * hare.spacing);
+                by_splats(hare, SIZE, &SplatOptions { radius, bias, filter })
+            };
             let (radius, counts) = best(&sweep(hare, &values, ask)?);
             let value = if way == "window" { format!("window {part}") } else { "world".to_owned() };
             let cells = [value, name.to_owned(), format!("{length:.2}"), format!("{radius:.2}")];
@@ -198,17 +202,17 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
     let mut ratios = Vec::new();
     for cloud in &clouds {
         (study.lab.progress)(&format!("automatic radius, {}", cloud.name));
-        // Near and far planes of rooms are far apart: a tolerance in the world is the one to compare with.
+        // Near and far planes of rooms are far apart: a tolerance in the world is the one to
+        // compare with.
         let bias = Bias::World(TOLERANCE * cloud.spacing);
-        let ask = |radius| by_splats(cloud, SIZE, radius, (bias, Filter::Max));
+        let ask = |radius, bias| by_splats(cloud, SIZE, &SplatOptions { radius, bias, filter: Filter::Max });
         let judge = |found: BitVec| Confusion::of(&cloud.truth, &found);
-        let by_hand = best(&sweep(cloud, &values, |r| ask(Radius::Same(r as f32 * cloud.spacing)))?);
+        let by_hand = best(&sweep(cloud, &values, |r| ask(Radius::Same(r as f32 * cloud.spacing), bias))?);
         let size = automatic_radius(&cloud.points)?;
-        let own = judge(ask(Radius::Same(size))?);
-        let alone =
-            judge(by_splats(cloud, SIZE, Radius::Same(size), (Bias::World(RADII * size), Filter::Max))?);
+        let own = judge(ask(Radius::Same(size), bias)?);
+        let alone = judge(ask(Radius::Same(size), Bias::World(RADII * size))?);
         let each = radii(&cloud.points)?;
-        let local = judge(ask(Radius::Each(&each))?);
+        let local = judge(ask(Radius::Each(&each), bias)?);
         let spacings = format!("{:.2}", size / cloud.spacing);
         for (way, at, counts) in [
             ("by hand", format!("{:.2}", by_hand.0), by_hand.1),
@@ -232,7 +236,7 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
 }
 
 /// Keeps one in ten of the points of one half.
-pub(super) fn thinned(p: glam::Vec3, random: &mut rand_pcg::Pcg64Mcg) -> bool {
+pub(super) fn thinned(p: glam::Vec3, random: &mut Generator) -> bool {
     use rand::RngExt;
     p.x < 0.2 || random.random::<f32>() < 0.1
 }

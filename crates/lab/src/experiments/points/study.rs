@@ -3,7 +3,7 @@
 use bitvec::vec::BitVec;
 use casca_points::cluster::{Clustering, Passes, Radius as ClusterRadius, visible_clusters};
 use casca_points::hpr::{Kernel, visible_points};
-use casca_points::splat::{Bias, Filter, Radius, SplatOptions};
+use casca_points::splat::{Bias, SplatOptions};
 
 use super::cloud::Cloud;
 use super::hare::hare;
@@ -100,24 +100,33 @@ pub(super) fn by_hull(cloud: &Cloud, kernel: Kernel) -> Result<BitVec, LabError>
     Ok(visible_points(&cloud.places(), cloud.look.eye.as_dvec3(), kernel)?)
 }
 
+/// A way to remove hidden points by clusters.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ByClusters {
+    pub clustering: Clustering,
+    pub radius: ClusterRadius,
+    pub passes: Passes,
+}
+
+impl ByClusters {
+    /// The one of the thesis with the radius that suits clusters: leaves of an octree with at most
+    /// 17 points, once.
+    pub const OCTREE: Self = Self {
+        clustering: Clustering::Octree { max_points: 17 },
+        radius: ClusterRadius::Rescaled,
+        passes: Passes::One,
+    };
+}
+
 /// The same by clusters.
-pub(super) fn by_clusters(
-    cloud: &Cloud,
-    kernel: Kernel,
-    (clustering, radius, passes): (Clustering, ClusterRadius, Passes),
-) -> Result<BitVec, LabError> {
+pub(super) fn by_clusters(cloud: &Cloud, kernel: Kernel, how: ByClusters) -> Result<BitVec, LabError> {
+    let ByClusters { clustering, radius, passes } = how;
     Ok(visible_clusters(&cloud.places(), cloud.look.eye.as_dvec3(), kernel, clustering, radius, passes)?)
 }
 
 /// The splat operator.
-pub(super) fn by_splats(
-    cloud: &Cloud,
-    size: (u32, u32),
-    radius: Radius,
-    (bias, filter): (Bias, Filter),
-) -> Result<BitVec, LabError> {
-    let options = SplatOptions { radius, bias, filter };
-    Ok(casca_points::splat::visible_points(&cloud.points, &cloud.look.camera(size)?, &options)?.visible)
+pub(super) fn by_splats(cloud: &Cloud, size: (u32, u32), options: &SplatOptions) -> Result<BitVec, LabError> {
+    Ok(casca_points::splat::visible_points(&cloud.points, &cloud.look.camera(size)?, options)?.visible)
 }
 
 /// The spherical kernel with a radius that is told by its logarithm.

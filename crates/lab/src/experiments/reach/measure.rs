@@ -23,8 +23,8 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// One frame of a scene in a smoke run; a short run takes seconds for each scene, and a full one minutes: it has more
-    /// frames, and an item buffer for every eye.
+    /// One frame of a scene in a smoke run; a short run takes seconds for each scene, and a full
+    /// one minutes: it has more frames, and an item buffer for every eye.
     pub fn new(effort: Effort, seed: u64) -> Self {
         match effort {
             Effort::Quick => Self { frames: 1, repeats: 1, balls: balls((160, 90), 8, 2, seed) },

@@ -83,7 +83,8 @@ impl<'a> Turn<'a> {
     }
 }
 
-/// Runs contenders on the same world in turns: from each camera so many times, of which the least counts.
+/// Runs contenders on the same world in turns: from each camera so many times, of which the least
+/// counts.
 pub(super) fn take_turns(
     turns: &mut [Turn],
     world: &World,

@@ -4,9 +4,9 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Animation, Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 const FRAMES: usize = 150;
@@ -26,14 +26,16 @@ fn fixed(shape: Shape, occludes: bool) -> Object {
     Object { name: String::new(), shape, motion: Motion::Static, occludes, tested: true }
 }
 
-/// The shell: its distance from the eye, and half its height and width as tangents, a little less than the view's.
+/// The shell: its distance from the eye, and half its height and width as tangents, a little less
+/// than the view's.
 const DISTANCE: f32 = 60.0;
 const OPENING: Vec2 = Vec2::new(0.95, 0.53);
 const FOV: f32 = 60.0;
 
-/// Spheres side by side on a shell around the eye, so that all of them are visible. They are occluders.
+/// Spheres side by side on a shell around the eye, so that all of them are visible. They are
+/// occluders.
 pub(super) fn shell(count: usize, seed: u64) -> World {
-    let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x5e11);
+    let mut dice = generator(seed, 0x5e11);
     let rows = (count as f32 * OPENING.y / OPENING.x).sqrt().round().max(1.0) as usize;
     let columns = count.div_ceil(rows);
     let pitch = OPENING * 2.0 / Vec2::new(columns as f32, rows as f32);
@@ -41,7 +43,8 @@ pub(super) fn shell(count: usize, seed: u64) -> World {
     let ball = |i: usize| {
         let place = Vec2::new((i % columns) as f32 + 0.5, (i / columns) as f32 + 0.5) * pitch - OPENING;
         let distance = DISTANCE * (0.95 + 0.1 * dice.random::<f32>());
-        // Of the pitch as it appears off the axis, a sphere takes less than half: none covers another.
+        // Of the pitch as it appears off the axis, a sphere takes less than half: none covers
+        // another.
         let way = Vec3::new(1.0, place.y, place.x);
         let radius = 0.3 * pitch.min_element() * distance / way.length_squared();
         fixed(Shape::Sphere { center: eye + way.normalize() * distance, radius }, true)
@@ -61,7 +64,7 @@ pub(super) fn shell(count: usize, seed: u64) -> World {
 
 /// Small static spheres that hide others, one in 8 cubic metres.
 pub(super) fn scatter(count: usize, seed: u64) -> World {
-    let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x5ca7);
+    let mut dice = generator(seed, 0x5ca7);
     let side = (8.0 * count as f32).cbrt().max(2.0);
     let mut number = |lo: f32, hi: f32| lo + (hi - lo) * dice.random::<f32>();
     let ball = |_| {
@@ -95,7 +98,7 @@ const EYE: f32 = 1.7;
 struct Hills([(Vec2, f32, f32); 12]);
 
 impl Hills {
-    fn new(dice: &mut Pcg64Mcg) -> Self {
+    fn new(dice: &mut Generator) -> Self {
         Self(std::array::from_fn(|i| {
             let length = 90.0 * 0.75f32.powi(i as i32);
             let way = Vec2::from_angle(TAU * dice.random::<f32>()) * TAU / length;
@@ -126,9 +129,10 @@ fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     }
 }
 
-/// Rolling ground of about so many triangles, and boxes on it. The hills are the same for any number.
+/// Rolling ground of about so many triangles, and boxes on it. The hills are the same for any
+/// number.
 pub(super) fn ground(triangles: usize, seed: u64) -> World {
-    let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x6e0d);
+    let mut dice = generator(seed, 0x6e0d);
     let hills = Hills::new(&mut dice);
     let squares = ((triangles as f64 / (2 * TILES * TILES) as f64).sqrt().round() as usize).max(1);
     let tile = |i: usize| {
@@ -158,9 +162,10 @@ pub(super) fn ground(triangles: usize, seed: u64) -> World {
     }
 }
 
-/// Triangles of about a tenth of a metre, each with vertices of its own, anywhere in a cube of 10 m.
+/// Triangles of about a tenth of a metre, each with vertices of its own, anywhere in a cube of 10
+/// m.
 pub(super) fn soup(triangles: usize, seed: u64) -> Mesh {
-    let mut dice = Pcg64Mcg::seed_from_u64(seed ^ 0x50a9);
+    let mut dice = generator(seed, 0x50a9);
     let mut point = |size: f32| Vec3::new(dice.random(), dice.random(), dice.random()) * size;
     let positions = (0..triangles).flat_map(|_| {
         let at = point(10.0);

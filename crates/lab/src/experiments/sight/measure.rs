@@ -32,7 +32,8 @@ pub struct Sampling {
 pub struct SightCost {
     /// The scene's name.
     pub scene: String,
-    /// Milliseconds of the query whose buffers are asked: the least of some runs, the median of the frames.
+    /// Milliseconds of the query whose buffers are asked: the least of some runs, the median of the
+    /// frames.
     pub query_ms: f64,
     /// Nanoseconds of a question about a box, likewise.
     pub box_ns: f64,
@@ -122,8 +123,8 @@ struct Times {
     rays: Vec<f64>,
 }
 
-/// Walks through a world, asks in some frames, and compares the answers with exact rays. `progress` is told how many frames
-/// are done.
+/// Walks through a world, asks in some frames, and compares the answers with exact rays. `progress`
+/// is told how many frames are done.
 ///
 /// # Errors
 /// As the library's, if the world is refused.

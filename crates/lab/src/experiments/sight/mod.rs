@@ -1,5 +1,5 @@
-//! Questions about boxes and points to one set of occlusion buffers, compared with exact rays and with the nine rays that
-//! games usually cast.
+//! Questions about boxes and points to one set of occlusion buffers, compared with exact rays and
+//! with the nine rays that games usually cast.
 
 mod measure;
 mod questions;

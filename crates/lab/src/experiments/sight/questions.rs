@@ -2,13 +2,14 @@
 
 use casca::Aabb;
 use glam::Vec3;
-use rand::{Rng, RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::{Rng, RngExt};
 
+use casca_scenes::random::generator;
 use casca_scenes::world::{Camera, GridHint};
 use casca_truth::oracle::Frustum;
 
-/// The longest edge of a box, as a share of the diagonal of the scene's region: from small things to large rooms.
+/// The longest edge of a box, as a share of the diagonal of the scene's region: from small things
+/// to large rooms.
 const EDGES: (f32, f32) = (0.001, 0.05);
 
 /// The shortest edge of a box over its longest one, at least.
@@ -17,15 +18,15 @@ const FLATTEST: f32 = 0.3;
 /// Places tried for one question. A camera that looks out of the region would have none.
 const TRIES: usize = 10_000;
 
-/// So many boxes and as many points in a scene's region, the middles of the boxes and the points inside the frustum. Fewer if the
-/// frustum holds next to nothing of the region.
+/// So many boxes and as many points in a scene's region, the middles of the boxes and the points
+/// inside the frustum. Fewer if the frustum holds next to nothing of the region.
 pub(super) fn questions(
     region: &GridHint,
     camera: &Camera,
     count: usize,
     seed: u64,
 ) -> (Vec<Aabb>, Vec<Vec3>) {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut random = generator(seed, 0);
     let frustum = Frustum::new(camera);
     let diagonal = (region.max - region.min).length();
     let boxes = (0..count).filter_map(|_| {

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use casca::{Aabb, GridSpec};
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera::rh::view::look_to_mat4};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 pub(super) use crate::experiments::ASPECT;
 use crate::experiments::LabError;
+use casca_scenes::random::{Generator, generator, spread};
 use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
-/// A point of an object that the case was built to show; judged beside the points that the oracle picks.
+/// A point of an object that the case was built to show; judged beside the points that the oracle
+/// picks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub(super) object: usize,
@@ -39,7 +40,8 @@ pub(super) struct Case {
     pub(super) known: Vec<Known>,
     /// Whether moving objects are reported only while they are seen, and when their volumes expire.
     pub(super) unreported: bool,
-    /// Pixels across the picture, or a side of the view cube, for all methods; `None` for their usual settings.
+    /// Pixels across the picture, or a side of the view cube, for all methods; `None` for their
+    /// usual settings.
     pub(super) resolution: Option<usize>,
 }
 
@@ -83,13 +85,11 @@ pub(super) fn still(cameras: impl IntoIterator<Item = Camera>) -> Vec<Shot> {
 }
 
 /// Seeded random numbers.
-pub(super) struct Dice(Pcg64Mcg);
+pub(super) struct Dice(Generator);
 
 impl Dice {
     pub(super) fn new(seed: u64, case: u64) -> Self {
-        Self(Pcg64Mcg::seed_from_u64(
-            seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ case.wrapping_mul(0x2545_f491),
-        ))
+        Self(generator(spread(seed), case.wrapping_mul(0x2545_f491)))
     }
 
     /// A number from `lo` to `hi`.
@@ -144,7 +144,8 @@ pub(super) fn quad(corners: [Vec3; 4]) -> Shape {
     mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
 }
 
-/// The closed surface of a solid with eight corners, by bits: 1 the greater x, 2 the greater y, 4 the greater z.
+/// The closed surface of a solid with eight corners, by bits: 1 the greater x, 2 the greater y, 4
+/// the greater z.
 pub(super) fn hexahedron(corners: [Vec3; 8]) -> Shape {
     mesh(corners.to_vec(), BOX_TRIANGLES.to_vec())
 }

@@ -3,8 +3,10 @@
 //! Each case is a small world with the cameras of its frames. Exact visibility comes from the
 //! [oracle](casca_truth::oracle), and from points that a case was built to show.
 
+mod arena;
 mod case;
 mod charts;
+mod degenerate;
 mod gaps;
 mod jitter;
 mod motion;
@@ -89,7 +91,7 @@ const GROUPS: &[Group] = &[
         "grazing",
         "Grazing walls",
         "The eye looks along a wall, from 4 m off its face to exactly on its plane; small objects stick to both sides.",
-        shapes::grazing,
+        degenerate::grazing,
     ),
     group(
         "touching",
@@ -116,7 +118,7 @@ const GROUPS: &[Group] = &[
         "Degenerate meshes",
         "Meshes have triangles without area, needles, repeated and turned triangles, T-junctions, holes, no thickness, or \
          are inside out or open; closed ones rest and turn.",
-        shapes::meshes,
+        degenerate::meshes,
     ),
     group(
         "motion",
@@ -147,7 +149,8 @@ fn findings(lab: &Lab, group: &Group) -> Result<Vec<Finding>, LabError> {
     (group.cases)(lab)?.iter().map(|case| run::run(lab, case)).collect()
 }
 
-/// The suite: lost objects, PVS/visible and time of every method in each case, and why objects are lost.
+/// The suite: lost objects, PVS/visible and time of every method in each case, and why objects are
+/// lost.
 ///
 /// Writes its charts into the lab's folder. Takes some minutes, a quick run some seconds.
 ///

@@ -1,4 +1,5 @@
-//! Eyes where rounding and special cases lurk: on planes of the grid, at its border, beyond it and in solids.
+//! Eyes where rounding and special cases lurk: on planes of the grid, at its border, beyond it and
+//! in solids.
 
 use glam::{BVec3, Quat, Vec3};
 
@@ -26,6 +27,13 @@ fn on_planes(cameras: &[Camera], axes: BVec3, nudge: f32) -> Vec<Camera> {
 /// All cases.
 pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     let frames = lab.pick(8, 2);
+    let mut cases = around_spheres(lab, frames)?;
+    cases.extend(among_buildings(lab, frames)?);
+    Ok(cases)
+}
+
+/// Eyes in and around the hall of spheres.
+fn around_spheres(lab: &Lab, frames: usize) -> Result<Vec<Case>, LabError> {
     let spheres = Walk::new(SceneKind::Spheres, lab.seed, frames)?;
     let axes = [
         ("eye on faces of cells", BVec3::new(true, false, false)),
@@ -71,9 +79,13 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
         }
         cases.push(spheres.still(format!("spheres, eye {metres} m outside the grid"), cameras));
     }
+    Ok(cases)
+}
 
+/// Eyes in the streets of the city, in its buildings and on their walls.
+fn among_buildings(lab: &Lab, frames: usize) -> Result<Vec<Case>, LabError> {
     let city = Walk::new(SceneKind::City, lab.seed, frames)?;
-    cases.push(city.still("city, eye in the streets", city.cameras.clone()).calm());
+    let mut cases = vec![city.still("city, eye in the streets", city.cameras.clone()).calm()];
     let buildings: Vec<(Vec3, Vec3)> = city
         .objects
         .iter()

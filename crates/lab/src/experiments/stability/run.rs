@@ -8,8 +8,8 @@ use glam::DVec3;
 use super::case::{ASPECT, Case};
 use crate::experiments::{Contender, FrameInput, Lab, LabError, median};
 use casca_scenes::drive::Driver;
-use casca_scenes::world::{Motion, Object, Shape};
-use casca_truth::oracle::{Frustum, ItemBuffer, Oracle, OracleOptions};
+use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_truth::oracle::{FrameVerdict, Frustum, ItemBuffer, Oracle, OracleOptions};
 
 /// Rows of the baselines' buffers for a number of columns.
 pub(super) fn rows(columns: usize) -> usize {
@@ -67,7 +67,8 @@ pub(super) struct Finding {
     pub(super) exact: Vec<Vec<usize>>,
     /// Tested objects in the frustum, summed over the frames.
     pub(super) in_frustum: usize,
-    /// Objects visible beyond the doubt of rounding, summed over the frames: those that can be lost.
+    /// Objects visible beyond the doubt of rounding, summed over the frames: those that can be
+    /// lost.
     pub(super) sure: usize,
     /// Points that the case was built to show, summed over the frames that hold them.
     pub(super) known: usize,
@@ -88,8 +89,15 @@ impl Finding {
     }
 }
 
+/// A method at a setting.
+struct Entrant {
+    contender: Contender,
+    /// Columns of its samples; 0 for the library's methods.
+    columns: usize,
+}
+
 /// The methods at the settings of a case; the frustum first, `point` next.
-fn contenders(case: &Case) -> Result<Vec<(Contender, usize)>, LabError> {
+fn entrants(case: &Case) -> Result<Vec<Entrant>, LabError> {
     let (mut points, mut cells) = (PointOptions::default(), CellOptions::default());
     let (mut point, mut cell) = ("default".to_owned(), "default".to_owned());
     if let Some(n) = case.resolution {
@@ -97,33 +105,41 @@ fn contenders(case: &Case) -> Result<Vec<(Contender, usize)>, LabError> {
         cells = cells.mask_resolution(n.clamp(64, 4096).next_power_of_two() as u32);
         (point, cell) = (format!("{n} pixels a side"), format!("mask {}", cells.mask_resolution));
     }
-    let casca = |method, setting: String| Contender::casca(setting, method).map(|c| (c, 0));
+    let casca = |method, setting: String| {
+        Contender::casca(setting, method).map(|contender| Entrant { contender, columns: 0 })
+    };
     let (hzb, rays) = (case.resolution.unwrap_or(HZB), case.resolution.unwrap_or(RAYS));
     Ok(vec![
         casca(Method::Frustum, String::new())?,
         casca(Method::Point(points), point)?,
         casca(Method::Cell(cells), cell)?,
-        (Contender::hzb(hzb, rows(hzb)), hzb),
-        (Contender::rays(&case.objects, rays, rows(rays)), rays),
+        Entrant { contender: Contender::hzb(hzb, rows(hzb)), columns: hzb },
+        Entrant { contender: Contender::rays(&case.objects, rays, rows(rays)), columns: rays },
     ])
 }
 
-/// Says why a baseline lost an object.
+/// Says why a baseline lost an object in a frame.
 struct Judge<'a> {
     oracle: &'a Oracle,
-    /// The objects that its samples show.
-    samples: ItemBuffer,
     in_frustum: &'a [usize],
-    eye: DVec3,
+    objects: &'a [Object],
+    camera: &'a Camera,
 }
 
 impl Judge<'_> {
-    fn cause(&self, object: usize, origin: DVec3) -> usize {
-        if self.in_frustum.binary_search(&object).is_err() {
+    /// What so many columns of samples show.
+    fn samples(&self, columns: usize) -> ItemBuffer {
+        let mut samples = ItemBuffer::new(columns, rows(columns));
+        samples.render(self.objects, self.camera);
+        samples
+    }
+
+    fn cause(&self, lost: &Sure, samples: &ItemBuffer) -> usize {
+        if self.in_frustum.binary_search(&lost.object).is_err() {
             0
-        } else if self.samples.visible()[object] == 0 {
+        } else if samples.visible()[lost.object] == 0 {
             2
-        } else if self.oracle.rays().occluded(self.eye, origin, usize::MAX) {
+        } else if self.oracle.rays().occluded(self.camera.eye.as_dvec3(), lost.origin, usize::MAX) {
             1
         } else {
             3
@@ -169,6 +185,134 @@ fn advance(
     Ok(moved)
 }
 
+/// What nothing is known of yet.
+fn unknown(case: &Case, entrants: &[Entrant]) -> Finding {
+    let outcome = |Entrant { contender, .. }: &Entrant| Outcome {
+        method: contender.method,
+        setting: contender.setting.clone(),
+        safe: contender.is_safe(),
+        found: Vec::new(),
+        lost: 0,
+        lost_known: 0,
+        first_lost: None,
+        causes: [0; 4],
+        ms: 0.0,
+    };
+    Finding {
+        case: case.name.clone(),
+        calm: case.calm,
+        exact: Vec::new(),
+        in_frustum: 0,
+        sure: 0,
+        known: 0,
+        refuted: 0,
+        outcomes: entrants.iter().map(outcome).collect(),
+    }
+}
+
+/// A frame as it stands.
+struct Now<'a> {
+    driver: &'a Driver,
+    objects: &'a [Object],
+    camera: &'a Camera,
+    frustum: Frustum,
+}
+
+/// An object that is seen beyond doubt.
+struct Sure {
+    object: usize,
+    /// Where the ray starts that sees it.
+    origin: DVec3,
+    /// Whether the case says so.
+    known: bool,
+}
+
+/// Runs all contenders on a frame, and gives the objects that may be in the frustum.
+fn ask(
+    lab: &Lab,
+    now: &Now,
+    entrants: &mut [Entrant],
+    times: &mut [Vec<f64>],
+    finding: &mut Finding,
+) -> Result<Vec<usize>, LabError> {
+    let Now { driver, objects, camera, .. } = *now;
+    let mut in_frustum = Vec::new();
+    for (k, Entrant { contender, .. }) in entrants.iter_mut().enumerate() {
+        let frame = FrameInput { driver, objects, in_frustum: &in_frustum, camera };
+        let mut best = contender.run(&frame)?;
+        let mut spent = best;
+        // Slow methods need no repeats to be measured well.
+        for _ in 1..lab.pick(3, 1) {
+            if spent < Duration::from_millis(40) {
+                let time = contender.run(&frame)?;
+                (best, spent) = (best.min(time), spent + time);
+            }
+        }
+        times[k].push(best.as_secs_f64() * 1e3);
+        if let (0, Some(query)) = (k, contender.query()) {
+            // Objects whose place the library does not know count as seen; the baselines know it.
+            in_frustum = (0..objects.len())
+                .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&now.frustum, &objects[i].shape))
+                .collect();
+        }
+        finding.outcomes[k].found.push(contender.found().to_vec());
+    }
+    Ok(in_frustum)
+}
+
+/// The objects that the oracle sees and those that the case knows of; the exact set goes into the
+/// finding.
+fn surely_seen(
+    case: &Case,
+    now: &Now,
+    oracle: &Oracle,
+    verdict: FrameVerdict,
+    finding: &mut Finding,
+) -> Vec<Sure> {
+    let mut sure: Vec<Sure> = verdict
+        .false_negatives
+        .iter()
+        .map(|f| Sure { object: f.object, origin: f.origin, known: false })
+        .collect();
+    let mut exact = verdict.exact;
+    for known in &case.known {
+        if !now.frustum.surely_contains(known.point) {
+            continue;
+        }
+        finding.known += 1;
+        let origin = now.frustum.start(known.point);
+        if oracle.rays().occluded(origin, known.point, known.object) {
+            finding.refuted += 1;
+            continue;
+        }
+        match sure.iter_mut().find(|s| s.object == known.object) {
+            Some(s) => s.known = true,
+            None => sure.push(Sure { object: known.object, origin, known: true }),
+        }
+        exact.push(known.object);
+    }
+    exact.sort_unstable();
+    exact.dedup();
+    finding.exact.push(exact);
+    finding.sure += sure.len();
+    sure
+}
+
+/// Counts what a method lost in a frame.
+fn count_losses(number: usize, entrant: &Entrant, sure: &[Sure], judge: &Judge, outcome: &mut Outcome) {
+    let mut samples: Option<ItemBuffer> = None;
+    for lost in sure.iter().filter(|s| !entrant.contender.sees(s.object)) {
+        outcome.lost += 1;
+        outcome.lost_known += usize::from(lost.known);
+        outcome.first_lost.get_or_insert((number, lost.object));
+        if outcome.safe {
+            continue;
+        }
+        let samples = samples.get_or_insert_with(|| judge.samples(entrant.columns));
+        outcome.causes[judge.cause(lost, samples)] += 1;
+    }
+}
+
 /// Runs all frames of a case.
 ///
 /// # Errors
@@ -181,7 +325,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         _ => desc,
     };
     let mut driver = Driver::with(&objects, &case.grid, adapt, |_| ())?;
-    let mut contenders = contenders(case)?;
+    let mut entrants = entrants(case)?;
     let options = OracleOptions {
         width: item_width(lab),
         height: rows(item_width(lab)),
@@ -190,101 +334,24 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         ..OracleOptions::default()
     };
     let mut oracle = Oracle::new(&objects, options);
-    let mut finding = Finding {
-        case: case.name.clone(),
-        calm: case.calm,
-        exact: Vec::new(),
-        in_frustum: 0,
-        sure: 0,
-        known: 0,
-        refuted: 0,
-        outcomes: Vec::new(),
-    };
-    for (contender, _) in &contenders {
-        finding.outcomes.push(Outcome {
-            method: contender.method,
-            setting: contender.setting.clone(),
-            safe: contender.is_safe(),
-            found: Vec::new(),
-            lost: 0,
-            lost_known: 0,
-            first_lost: None,
-            causes: [0; 4],
-            ms: 0.0,
-        });
-    }
-    let mut times = vec![Vec::new(); contenders.len()];
+    let mut finding = unknown(case, &entrants);
+    let mut times = vec![Vec::new(); entrants.len()];
     let mut seen = Vec::new();
-    for number in 0..case.shots.len() {
-        let camera = &case.shots[number].camera;
+    for (number, shot) in case.shots.iter().enumerate() {
+        let camera = &shot.camera;
         let moved = advance(case, number, &mut objects, &mut driver, &seen)?;
-        let frustum = Frustum::new(camera);
-        let mut in_frustum = Vec::new();
-        for (k, (contender, _)) in contenders.iter_mut().enumerate() {
-            let frame = FrameInput { driver: &driver, objects: &objects, in_frustum: &in_frustum, camera };
-            let mut best = contender.run(&frame)?;
-            let mut spent = best;
-            // Slow methods need no repeats to be measured well.
-            for _ in 1..lab.pick(3, 1) {
-                if spent < Duration::from_millis(40) {
-                    let time = contender.run(&frame)?;
-                    (best, spent) = (best.min(time), spent + time);
-                }
-            }
-            times[k].push(best.as_secs_f64() * 1e3);
-            if let (0, Some(query)) = (k, contender.query()) {
-                // Objects whose place the library does not know count as seen; the baselines know it.
-                in_frustum = (0..objects.len())
-                    .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&frustum, &objects[i].shape))
-                    .collect();
-            }
-            finding.outcomes[k].found.push(contender.found().to_vec());
-        }
+        let now = Now { driver: &driver, objects: &objects, camera, frustum: Frustum::new(camera) };
+        let in_frustum = ask(lab, &now, &mut entrants, &mut times, &mut finding)?;
+        finding.in_frustum += in_frustum.iter().filter(|&&i| objects[i].tested).count();
         // Nothing is taken for granted: the oracle looks for every object in view.
         let verdict = oracle.frame(&objects, &moved, camera, &|_| false);
-        let mut sure: Vec<(usize, DVec3, bool)> =
-            verdict.false_negatives.iter().map(|f| (f.object, f.origin, false)).collect();
-        let mut exact = verdict.exact;
-        for known in &case.known {
-            if !frustum.surely_contains(known.point) {
-                continue;
-            }
-            finding.known += 1;
-            let origin = frustum.start(known.point);
-            if oracle.rays().occluded(origin, known.point, known.object) {
-                finding.refuted += 1;
-                continue;
-            }
-            match sure.iter_mut().find(|s| s.0 == known.object) {
-                Some(s) => s.2 = true,
-                None => sure.push((known.object, origin, true)),
-            }
-            exact.push(known.object);
+        let sure = surely_seen(case, &now, &oracle, verdict, &mut finding);
+        let judge = Judge { oracle: &oracle, in_frustum: &in_frustum, objects: &objects, camera };
+        for (entrant, outcome) in entrants.iter().zip(&mut finding.outcomes) {
+            count_losses(number, entrant, &sure, &judge, outcome);
         }
-        exact.sort_unstable();
-        exact.dedup();
-        finding.sure += sure.len();
-        finding.in_frustum += in_frustum.iter().filter(|&&i| objects[i].tested).count();
-        for ((contender, columns), outcome) in contenders.iter().zip(&mut finding.outcomes) {
-            let mut judge: Option<Judge> = None;
-            for &(object, origin, known) in sure.iter().filter(|s| !contender.sees(s.0)) {
-                outcome.lost += 1;
-                outcome.lost_known += usize::from(known);
-                outcome.first_lost.get_or_insert((number, object));
-                if outcome.safe {
-                    continue;
-                }
-                let judge = judge.get_or_insert_with(|| {
-                    let mut samples = ItemBuffer::new(*columns, rows(*columns));
-                    samples.render(&objects, camera);
-                    Judge { oracle: &oracle, samples, in_frustum: &in_frustum, eye: camera.eye.as_dvec3() }
-                });
-                outcome.causes[judge.cause(object, origin)] += 1;
-            }
-        }
-        finding.exact.push(exact);
         // Only `point` says what is hidden, so that as much as possible is.
-        if let Some(query) = contenders.get(1).and_then(|c| c.0.query()) {
+        if let Some(query) = entrants.get(1).and_then(|e| e.contender.query()) {
             seen = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
             driver.scene.end_frame([query.pvs()])?;
         }

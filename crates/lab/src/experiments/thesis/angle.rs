@@ -27,8 +27,8 @@ fn opening(eye: Vec3, degrees: f64) -> Result<View, casca::Error> {
 /// How far the view along +x from the eye is free, in metres.
 const FREE: f32 = 10.0;
 
-/// A point on the face of the scene where x is least, in no object and with none close before it, as near to
-/// the middle of the face as is found.
+/// A point on the face of the scene where x is least, in no object and with none close before it,
+/// as near to the middle of the face as is found.
 fn free_eye(world: &World) -> Vec3 {
     let (min, max) = (world.grid.min, world.grid.max);
     let middle = Vec3::new(min.x + 0.3, (min.y + max.y) * 0.5, (min.z + max.z) * 0.5);

@@ -48,8 +48,8 @@ impl Cost {
     }
 }
 
-/// The part of a query that is walk and tests, by what these cost where nothing hides: `empty` without
-/// objects, `open` with objects that hide nothing. At most all of it.
+/// The part of a query that is walk and tests, by what these cost where nothing hides: `empty`
+/// without objects, `open` with objects that hide nothing. At most all of it.
 fn walk_part(run: Cost, empty: Cost, open: Cost) -> f64 {
     let step = ratio(empty.time, empty.steps);
     // Without steps to charge it by, the empty run is what every query costs.

@@ -21,7 +21,8 @@ const THESIS_BEST: (f64, f64) = (70.0, 3.6);
 const THESIS_FINE: (f64, f64) = (100.0, 3.2);
 const THESIS_COARSE: f64 = 25.0;
 
-/// A method on a grid of `cells` along the longest axis; milliseconds and objects of each viewpoint.
+/// A method on a grid of `cells` along the longest axis; milliseconds and objects of each
+/// viewpoint.
 struct Run {
     cells: u32,
     method: usize,

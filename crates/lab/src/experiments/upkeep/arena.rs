@@ -3,9 +3,9 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
+use casca_scenes::random::generator;
 use casca_scenes::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, World};
 
 /// The hall in metres. The eye stands near the face where x is 0 and looks along x.
@@ -78,7 +78,7 @@ impl Arena {
     }
 
     pub(in crate::experiments) fn build(&self) -> World {
-        let mut dice = Pcg64Mcg::seed_from_u64(self.seed ^ 0x00a2_e4a0_0000);
+        let mut dice = generator(self.seed, 0x00a2_e4a0_0000);
         let mut range = |lo: f32, hi: f32| lo + (hi - lo) * dice.random::<f32>();
         let (reach, speed) = if self.fast { (5.0, 20.0) } else { (1.0, 0.5) };
         let mut balls = Vec::with_capacity(self.count);

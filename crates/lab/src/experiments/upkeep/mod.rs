@@ -16,8 +16,8 @@ use crate::pictures::palette::{self, Marker, Style};
 use crate::pictures::{Axis, Line, lines};
 use arena::Arena;
 use casca_scenes::drive::view_of;
-use casca_scenes::measure::ThreadTime;
-use casca_scenes::world::{FRAME_SECONDS, Object, Shape, World};
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape, World};
 use casca_truth::oracle::ItemBuffer;
 use frustum::Frustum;
 use octree::LooseOctree;
@@ -44,8 +44,8 @@ struct Sampling {
     judged: usize,
     /// Pixels of a row of the item buffer.
     width: usize,
-    /// Milliseconds that one of the library's ways may take in one arena before it settles no further
-    /// and is measured in one frame only.
+    /// Milliseconds that one of the library's ways may take in one arena before it settles no
+    /// further and is measured in one frame only.
     patience: f64,
 }
 
@@ -102,6 +102,48 @@ fn others(boxes: &[Box3], world: &World) -> Vec<Box<dyn Structure>> {
     ]
 }
 
+/// The moving objects that are exactly visible in a frame, where it is judged.
+struct Seen<'a> {
+    /// The index of the first moving object in the world.
+    first: usize,
+    seen: Option<&'a [usize]>,
+}
+
+/// Updates and asks all structures but the library's ways.
+fn measure_others(
+    structures: &mut [Box<dyn Structure>],
+    records: &mut [Record],
+    now: &[Box3],
+    camera: &Camera,
+    truth: &Seen,
+) -> Result<(), LabError> {
+    let frustum = Frustum::of(camera);
+    let mut expected: Option<Vec<u32>> = None;
+    for (structure, record) in structures.iter_mut().zip(records) {
+        let ((), time) = timed(|| structure.update(now));
+        record.update.push(ms(time));
+        let mut found = Vec::new();
+        let ((), time) = timed(|| structure.query(&frustum, &mut found));
+        record.query.push(ms(time));
+        found.sort_unstable();
+        if let Some(seen) = truth.seen {
+            record.judged += 1;
+            record.returned += found.len();
+            let lost = |&&i: &&usize| found.binary_search(&((i - truth.first) as u32)).is_err();
+            record.lost += seen.iter().filter(lost).count();
+        }
+        match &expected {
+            None => expected = Some(found),
+            Some(linear) if *linear != found => {
+                let name = structure.name();
+                return Err(format!("{name} finds other boxes than the linear array").into());
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(())
+}
+
 /// Measures all structures in one arena, in turns.
 fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<Vec<Row>, LabError> {
     let mut world = arena.build();
@@ -139,31 +181,8 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
         visible += seen.len();
         if measured {
             let now = boxes(&world.objects[first..]);
-            let frustum = Frustum::of(&camera);
-            let mut expected: Option<Vec<u32>> = None;
-            for (structure, record) in structures.iter_mut().zip(&mut records) {
-                let start = ThreadTime::now();
-                structure.update(&now);
-                record.update.push(ms(start.elapsed()));
-                let mut found = Vec::new();
-                let start = ThreadTime::now();
-                structure.query(&frustum, &mut found);
-                record.query.push(ms(start.elapsed()));
-                record.judged += usize::from(judge);
-                record.returned += if judge { found.len() } else { 0 };
-                found.sort_unstable();
-                record.lost +=
-                    seen.iter().filter(|&&i| found.binary_search(&((i - first) as u32)).is_err()).count();
-                match &expected {
-                    None => expected = Some(found),
-                    Some(linear) if *linear != found => {
-                        return Err(
-                            format!("{} finds other boxes than the linear array", structure.name()).into()
-                        );
-                    }
-                    Some(_) => {}
-                }
-            }
+            let seen = judge.then_some(&seen[..]);
+            measure_others(&mut structures, &mut records, &now, &camera, &Seen { first, seen })?;
         }
         let others = structures.len();
         for (i, stage) in stages.iter_mut().enumerate() {
@@ -210,8 +229,8 @@ fn kind(arena: &Arena) -> String {
 /// Measures upkeep and query of moving objects in the library and in other structures.
 ///
 /// # Errors
-/// If a structure finds other boxes in the frustum than a linear array, a picture cannot be written, or a
-/// scene is refused.
+/// If a structure finds other boxes in the frustum than a linear array, a picture cannot be
+/// written, or a scene is refused.
 pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
     let counts = lab.pick(vec![1000, 10_000, 100_000], vec![300, 2000]);
     let mut rows = Vec::new();

@@ -30,7 +30,8 @@ pub fn play(mut stage: Stage) -> Stage {
     let (unit, middle) = (stage.unit, stage.middle);
     let along = direction(&mut stage.dice);
     let at = middle + direction(&mut stage.dice) * unit * stage.dice.between(2.0, 20.0);
-    // A light lights nothing out of its range. Parallel rays start before all occluders only to places that are not far.
+    // A light lights nothing out of its range. Parallel rays start before all occluders only to
+    // places that are not far.
     let (light, start, middle, range) = match stage.dice.below(3) {
         0 => {
             let start = Start::Before(along.as_dvec3().normalize(), f64::from(unit) * 500.0);
@@ -74,7 +75,8 @@ pub fn play(mut stage: Stage) -> Stage {
     stage
 }
 
-/// A lit point closely past an occluder, as seen from the light or from the camera, with a caster on the ray.
+/// A lit point closely past an occluder, as seen from the light or from the camera, with a caster
+/// on the ray.
 fn ray(stage: &mut Stage, from: &Start, light: &Start, inside: impl Fn(DVec3) -> bool) -> Option<Ray> {
     let (near, out, shape) = stage.graze(from)?;
     let lit = stage.behind(from, near, out);

@@ -1,5 +1,5 @@
-//! Solids and surfaces in double precision: which segments they cut, and where eyes look past them. Shares no code with
-//! the library.
+//! Solids and surfaces in double precision: which segments they cut, and where eyes look past them.
+//! Shares no code with the library.
 
 mod rims;
 

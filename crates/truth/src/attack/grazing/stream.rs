@@ -1,4 +1,5 @@
-//! Frames: coherent and kept queries, while the camera goes by tiny and by large steps, and objects come and go.
+//! Frames: coherent and kept queries, while the camera goes by tiny and by large steps, and objects
+//! come and go.
 
 use casca::{CameraQuery, KeptOptions, KeptQuery, Method, PointOptions, Query};
 use glam::{DQuat, DVec3, Vec3};
@@ -14,7 +15,8 @@ const FRAMES: u32 = 12;
 /// Points that are asked for beside the objects.
 const POINTS: usize = 6000;
 
-/// The places of a camera: one, then outermost ones that its kept sets hold for, then others close by and far off.
+/// The places of a camera: one, then outermost ones that its kept sets hold for, then others close
+/// by and far off.
 fn places(stage: &mut Stage, around: bool, mask: u64, reach: f32, angle: f32) -> Vec<Camera> {
     let limits = limits(stage, around);
     let (eye, forward) = (stage.eye(), direction(&mut stage.dice));

@@ -154,7 +154,8 @@ impl Wall {
         desc.occluder(self.occluder.clone()).layers(layers)
     }
 
-    /// Occluders of one kind, about `size` large: one, or several with gaps between them. `snap` rounds coordinates.
+    /// Occluders of one kind, about `size` large: one, or several with gaps between them. `snap`
+    /// rounds coordinates.
     pub fn some(
         dice: &mut Dice,
         meshes: &Meshes,
@@ -296,7 +297,8 @@ impl Wall {
     }
 }
 
-/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a grid that begins at `min`.
+/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a
+/// grid that begins at `min`.
 pub fn thick(dice: &mut Dice, meshes: &Meshes, center: Vec3, size: f32, cell: f32, begin: Vec3) -> Vec<Wall> {
     let to_cells = |p: Vec3| begin + ((p - begin) / cell).round() * cell;
     let mut side = || (size * dice.between(0.5, 1.5)).max(cell);

@@ -10,7 +10,8 @@ use super::{KEPT, Kind, Origin, Played, Player, World, refused};
 use crate::numeric::attack::OUT_OF_VOLUME;
 
 impl Player {
-    /// The direction to the wall of its volume that the middle of a hidden object is nearest to, and how far that is.
+    /// The direction to the wall of its volume that the middle of a hidden object is nearest to,
+    /// and how far that is.
     pub(super) fn wall(&self, i: usize) -> Option<(DVec3, f64)> {
         let world = &self.worlds[self.active];
         let (min, max) = world.scene.tbv(world.things[i].id).ok()??;
@@ -34,7 +35,8 @@ impl Player {
         self.tell(i, bounds, occluder)
     }
 
-    /// Moves an unreported object through the wall of its volume that it is nearest to, as far as it can.
+    /// Moves an unreported object through the wall of its volume that it is nearest to, as far as
+    /// it can.
     pub(super) fn leave(&mut self, i: usize) {
         if let Some((way, _)) = self.wall(i) {
             let thing = &mut self.world().things[i];

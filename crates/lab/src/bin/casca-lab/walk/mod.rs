@@ -1,5 +1,5 @@
-//! The main job: an observer walks through a dynamic scene, and the library finds the visible objects
-//! of each frame, which are checked against exact visibility.
+//! The main job: an observer walks through a dynamic scene, and the library finds the visible
+//! objects of each frame, which are checked against exact visibility.
 
 mod options;
 mod pictures;

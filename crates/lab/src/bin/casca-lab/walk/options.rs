@@ -51,8 +51,8 @@ impl MethodName {
     mut_arg("out", about("target/walk", "Where the pictures go"))
 )]
 pub struct Options {
-    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes, spheres-16, city-10 or a
-    /// glTF 2.0 file (.glb)
+    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
+    /// spheres-16, city-10 or a glTF 2.0 file (.glb)
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided

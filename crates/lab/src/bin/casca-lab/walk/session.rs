@@ -1,4 +1,5 @@
-//! A walk in progress: the scene, the queries and the exact visibility that they are checked against.
+//! A walk in progress: the scene, the queries and the exact visibility that they are checked
+//! against.
 
 use std::collections::HashSet;
 use std::time::Duration;

@@ -11,8 +11,9 @@ impl Solid {
         (!self.edges.is_empty()).then(|| &self.edges[dice.below(self.edges.len() as u32) as usize])
     }
 
-    /// A point of it where a line touches it and a ball of eyes on the other side, and the direction from the middle of the
-    /// ball to the eye that looks along that line, of length 1: no eye of the ball sees more past that point.
+    /// A point of it where a line touches it and a ball of eyes on the other side, and the
+    /// direction from the middle of the ball to the eye that looks along that line, of length 1: no
+    /// eye of the ball sees more past that point.
     pub fn rim_of_ball(&self, eye: DVec3, reach: f64, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
         // The unit vector `n` across the line, with `n . (middle - eye) = reach - radius`.
         let across = |ahead: DVec3, aside: DVec3, radius: f64| {
@@ -27,7 +28,8 @@ impl Solid {
             let out = across(ahead, aside, self.radius)?;
             return Some((self.middle + out * self.radius, out));
         }
-        // Across the edge, which is at right angles to `aside` and to the part of the ray across it.
+        // Across the edge, which is at right angles to `aside` and to the part of the ray across
+        // it.
         let near = self.edges.iter().min_by(|p, q| {
             let far = |e: &Edge| {
                 let along = (e.ends[1] - e.ends[0]).normalize();
@@ -40,7 +42,8 @@ impl Solid {
         Some((point, out))
     }
 
-    /// A point of its outline, as seen from a start, and the direction away from it across the ray, of length 1.
+    /// A point of its outline, as seen from a start, and the direction away from it across the ray,
+    /// of length 1.
     pub fn rim(&self, start: &Start, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
         if matches!(self.body, Body::Ball) {
             let toward = start.toward(self.middle).normalize();

@@ -14,14 +14,15 @@ use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 const TRIES: u32 = 6;
 
 impl Stage<'_> {
-    /// A place closely past the outline of a wall, as seen from a start, the direction away from it, and the wall's shape.
+    /// A place closely past the outline of a wall, as seen from a start, the direction away from
+    /// it, and the wall's shape.
     pub fn graze(&mut self, start: &Start) -> Option<Graze> {
         let (point, out, shape) = self.rim(|solid, dice| solid.rim(start, dice))?;
         Some((point + out * self.gap(start, point), out, shape))
     }
 
-    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely past that edge as
-    /// [`Stage::graze`] tells it.
+    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely
+    /// past that edge as [`Stage::graze`] tells it.
     pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<(DVec3, Graze)> {
         let (point, out, shape) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
         let at = outermost(eye, out, reach);
@@ -111,7 +112,8 @@ impl Stage<'_> {
         seen
     }
 
-    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are aimed at.
+    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are
+    /// aimed at.
     pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
         for _ in 0..TRIES {
             if let Some(past) = self.graze(&start)
