@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 14] = [
+const ROOTS: [&str; 16] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -27,6 +27,8 @@ const ROOTS: [&str; 14] = [
     "crates/fur-gpu/src",
     "crates/fur-view/src",
     "crates/lines-view/src",
+    "crates/lab/src",
+    "crates/lab/src/bin/casca-lab",
 ];
 
 /// More sources whose files are checked for their length.
@@ -142,8 +144,8 @@ fn sources(folder: &Path, module: &Module, out: &mut BTreeMap<Module, PathBuf>) 
     for path in entries {
         let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let child = [module.clone(), vec![stem.clone()]].concat();
-        // `tests` belongs to the tests, as a `mod tests` inside a file does.
-        if stem == "tests" {
+        // `tests` belongs to the tests, as a `mod tests` inside a file does. Each program in `bin` is a crate of its own.
+        if stem == "tests" || stem == "bin" {
             continue;
         }
         if path.is_dir() {
@@ -151,6 +153,8 @@ fn sources(folder: &Path, module: &Module, out: &mut BTreeMap<Module, PathBuf>) 
         } else if path.extension().is_some_and(|e| e == "rs") {
             match stem.as_str() {
                 "lib" | "mod" => out.insert(module.clone(), path),
+                // The root of a program without a library.
+                "main" if !folder.join("lib.rs").exists() => out.insert(module.clone(), path),
                 _ => out.insert(child, path),
             };
         }
