@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 10] = [
+const ROOTS: [&str; 12] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -25,6 +25,8 @@ const ROOTS: [&str; 10] = [
     "crates/lines/src",
     "crates/fur/src",
     "crates/viewer/src",
+    "crates/lab/src",
+    "crates/lab/src/bin/casca-lab",
 ];
 
 /// More sources whose files are checked for their length.
@@ -149,8 +151,8 @@ fn sources(folder: &Path, module: &Module, out: &mut BTreeMap<Module, PathBuf>) 
     for path in entries {
         let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let child = [module.clone(), vec![stem.clone()]].concat();
-        // `tests` belongs to the tests, as a `mod tests` inside a file does.
-        if stem == "tests" {
+        // `tests` belongs to the tests, as a `mod tests` inside a file does. Each program in `bin` is a crate of its own.
+        if stem == "tests" || stem == "bin" {
             continue;
         }
         if path.is_dir() {
@@ -158,6 +160,8 @@ fn sources(folder: &Path, module: &Module, out: &mut BTreeMap<Module, PathBuf>) 
         } else if path.extension().is_some_and(|e| e == "rs") {
             match stem.as_str() {
                 "lib" | "mod" => out.insert(module.clone(), path),
+                // The root of a program without a library.
+                "main" if !folder.join("lib.rs").exists() => out.insert(module.clone(), path),
                 _ => out.insert(child, path),
             };
         }

@@ -1,11 +1,12 @@
-//! Experiments, charts and pictures for casca, and the program `casca-lab`. Nothing here is part of the library's API.
+//! Experiments, charts and pictures for casca, and the program `casca-lab`. Nothing here is part of
+//! the library's API.
 //!
-//! - `lab` (the feature `experiments`): the experiments of the report.
+//! - `experiments` (the feature `experiments`): the experiments of the report.
 //! - `pictures` (a feature): charts and views from above.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "experiments")]
-pub mod lab;
+pub mod experiments;
 #[cfg(feature = "pictures")]
 pub mod pictures;

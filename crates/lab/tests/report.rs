@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use casca_lab::lab::{EXPERIMENTS, HEAD, Lab, Section, write};
+use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, Section, write};
 
 const MOST_LINES: usize = 300;
 
@@ -97,7 +97,8 @@ fn the_front_page_quotes_the_table_of_walking_cameras() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let read = |file: &str| std::fs::read_to_string(root.join(file)).unwrap();
     let (readme, rows) = (read("README.md"), read("docs/report/coherence-summary.csv"));
-    // Still scenes, a result kept for 5 cm and 5 degrees: mean time, slowest frames and size of the set.
+    // Still scenes, a result kept for 5 cm and 5 degrees: mean time, slowest frames and size of the
+    // set.
     let still = rows.lines().filter(|row| row.split(',').nth(1) == Some("0"));
     let kept = still.map(|row| {
         let way = row.split('"').nth(3).unwrap();

@@ -24,10 +24,12 @@ pub struct Driver {
 /// Outlines of patches may leave those of static triangles by this share of a cell.
 const TOLERANCE: f32 = 1.0 / 60.0;
 
-/// How static objects that share a mesh are put into the library. Objects that move are always instances.
+/// How static objects that share a mesh are put into the library. Objects that move are always
+/// instances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sharing {
-    /// As instances of one prepared mesh, as a game does it. Transforms that stretch it a lot make a mesh of its own.
+    /// As instances of one prepared mesh, as a game does it. Transforms that stretch it a lot make
+    /// a mesh of its own.
     #[default]
     Instances,
     /// Each as a mesh of its own, in world space.
@@ -48,16 +50,16 @@ struct Users {
 /// Makes shapes of the library.
 #[derive(Clone)]
 struct Shaper {
-    /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by address, and kept so that
-    /// no other mesh gets the same address.
+    /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by
+    /// address, and kept so that no other mesh gets the same address.
     prepared: HashMap<(*const Mesh, bool), Prepared>,
     users: HashMap<*const Mesh, Users>,
     sharing: Sharing,
     how: MeshOptions,
 }
 
-/// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a game are, but not
-/// walls made of a unit cube.
+/// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a
+/// game are, but not walls made of a unit cube.
 const STRETCH: f32 = 4.0;
 
 /// The lengths of the axes of a transform, from the least to the greatest.

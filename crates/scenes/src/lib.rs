@@ -1,4 +1,5 @@
-//! Test scenes for casca's tests, benches, laboratory and viewer. Nothing here is part of the library's API.
+//! Test scenes for casca's tests, benches, laboratory and viewer. Nothing here is part of the
+//! library's API.
 //!
 //! - [`world`]: test scenes: objects, their motion, a camera path.
 //! - `fur`, behind the feature of that name: furry animals, and fields of them.
@@ -9,6 +10,7 @@
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`measure`]: what benches and the laboratory share.
 //! - [`name`]: a scene on a command line, by its name or file.
+//! - [`random`]: random numbers from a seed.
 
 pub mod drive;
 pub mod export;
@@ -19,4 +21,6 @@ pub mod import;
 pub mod lit;
 pub mod measure;
 pub mod name;
+mod numeric;
+pub mod random;
 pub mod world;

@@ -21,7 +21,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The triangles of a box by the numbers of its [`box_corners`], counter-clockwise seen from outside.
+/// The triangles of a box by the numbers of its [`box_corners`], counter-clockwise seen from
+/// outside.
 pub const BOX_TRIANGLES: [[u32; 3]; 12] = [
     [0, 4, 6],
     [0, 6, 2],
@@ -37,7 +38,8 @@ pub const BOX_TRIANGLES: [[u32; 3]; 12] = [
     [4, 7, 6],
 ];
 
-/// The corners of a box; the bits of a corner's number say where it has the greater x (1), y (2) and z (4).
+/// The corners of a box; the bits of a corner's number say where it has the greater x (1), y (2)
+/// and z (4).
 pub fn box_corners(min: Vec3, max: Vec3) -> [Vec3; 8] {
     std::array::from_fn(|i| {
         let side = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
@@ -64,9 +66,9 @@ impl Mesh {
         points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
     }
 
-    /// Whether it bounds solids and its triangles face outwards: vertices of equal positions taken as one, each edge
-    /// is run along as often in one direction as in the other, and the volume inside is positive. A mesh whose triangles name vertices
-    /// that it lacks does not.
+    /// Whether it bounds solids and its triangles face outwards: vertices of equal positions taken
+    /// as one, each edge is run along as often in one direction as in the other, and the volume
+    /// inside is positive. A mesh whose triangles name vertices that it lacks does not.
     pub fn is_closed(&self) -> bool {
         if self.triangles.iter().flatten().any(|&v| v as usize >= self.positions.len()) {
             return false;
@@ -87,7 +89,8 @@ impl Mesh {
         volume > 0.0 && balance.values().all(|&n| n == 0)
     }
 
-    /// An icosahedron cut into 4^`cuts` times its triangles, with vertices at distance 1 from the origin.
+    /// An icosahedron cut into 4^`cuts` times its triangles, with vertices at distance 1 from the
+    /// origin.
     pub fn ball(cuts: u32) -> Self {
         let g = (1.0 + 5f32.sqrt()) / 2.0;
         let mut positions: Vec<Vec3> = Vec::new();

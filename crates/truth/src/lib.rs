@@ -1,12 +1,14 @@
 //! What casca is judged by. Nothing here is part of the library's API.
 //!
-//! - [`oracle`]: exact visibility, and light by a path tracer, which share no code with the library.
+//! - [`oracle`]: exact visibility, and light by a path tracer, which share no code with the
+//!   library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - `attack` (a feature): random operations on small scenes, against a model of the truth.
 
 #[cfg(feature = "attack")]
 pub mod attack;
 pub mod baselines;
+mod numeric;
 pub mod oracle;
 
 /// The configuration of a property test of `n` cases: the same cases in every

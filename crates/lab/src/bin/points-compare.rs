@@ -1,15 +1,17 @@
-//! Hidden point removal of `casca-points` for `crates/points/compare/compare.py`, which runs it beside Open3D and qhull.
+//! Hidden point removal of `casca-points` for `crates/points/compare/compare.py`, which runs it
+//! beside Open3D and qhull.
 //!
-//! - `cloud NAME COUNT FILE` writes the points of a cloud, relative to the eye: little-endian doubles, three for each point.
-//! - `time FILE LOG10_RADIUS ANSWER` reads them, removes hidden points once, prints the seconds of that alone, and writes a byte for each
-//!   point: 1 if it is visible.
+//! - `cloud NAME COUNT FILE` writes the points of a cloud, relative to the eye: little-endian
+//!   doubles, three for each point.
+//! - `time FILE LOG10_RADIUS ANSWER` reads them, removes hidden points once, prints the seconds of
+//!   that alone, and writes a byte for each point: 1 if it is visible.
 
 use std::error::Error;
-use std::time::Instant;
 
-use casca_lab::lab::points::cloud::Cloud;
-use casca_lab::lab::points::hare::hare;
+use casca_lab::experiments::points::cloud::Cloud;
+use casca_lab::experiments::points::hare::hare;
 use casca_points::hpr::{Kernel, visible_points};
+use casca_scenes::measure::timed_by_wall;
 use glam::DVec3;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -23,9 +25,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["time", file, log10_radius, answer] => {
             let points = read(&std::fs::read(file)?);
             let kernel = Kernel::Relative { log10_radius: log10_radius.parse()? };
-            let start = Instant::now();
-            let visible = visible_points(&points, DVec3::ZERO, kernel)?;
-            println!("{}", start.elapsed().as_secs_f64());
+            // As the programs beside it are timed, whose threads are not known.
+            let (visible, time) = timed_by_wall(|| visible_points(&points, DVec3::ZERO, kernel));
+            let visible = visible?;
+            println!("{}", time.as_secs_f64());
             Ok(std::fs::write(answer, visible.iter().map(|bit| u8::from(*bit)).collect::<Vec<_>>())?)
         }
         _ => Err("usage: cloud sphere|hare|scan COUNT FILE, or time FILE LOG10_RADIUS ANSWER".into()),

@@ -1,7 +1,7 @@
 //! Test scenes written as glTF 2.0 files, which [`crate::import`] reads back.
 //!
-//! Each object is a node: a box is scaled from one unit cube, a sphere is a ball of 320 triangles. The
-//! positions of moving objects and of the camera are stored for every frame of the path.
+//! Each object is a node: a box is scaled from one unit cube, a sphere is a ball of 320 triangles.
+//! The positions of moving objects and of the camera are stored for every frame of the path.
 
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,7 @@ use super::dice::Dice;
 use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
-use crate::world::{GridHint, Shape, World};
+use crate::world::{GridHint, Object, Shape, World};
 
 pub(super) const SIZE: f32 = 200.0;
 const HEIGHT: f32 = 40.0;
@@ -36,9 +36,8 @@ pub(super) fn path() -> Path {
     Path::new(&corners)
 }
 
-pub(super) fn build(options: &SceneOptions) -> World {
-    let mut dice = Dice::new(options.seed, 2);
-    let mut objects = vec![solid_box("ground", Vec3::ZERO, Vec3::new(SIZE, GROUND, SIZE))];
+/// Buildings around courtyards, and open squares.
+fn blocks(dice: &mut Dice, objects: &mut Vec<Object>) {
     for bz in 0..BLOCKS {
         for bx in 0..BLOCKS {
             let corner = Vec3::new(bx as f32 * PITCH + STREET, GROUND, bz as f32 * PITCH + STREET);
@@ -64,14 +63,16 @@ pub(super) fn build(options: &SceneOptions) -> World {
             }
         }
     }
-    for _ in 0..(SMALL * options.scale) as usize {
+}
+
+/// Small things in courtyards and on pavements.
+fn small_things(dice: &mut Dice, count: usize, objects: &mut Vec<Object>) {
+    for _ in 0..count {
         let size = dice.point(Vec3::splat(0.2), Vec3::splat(1.0));
         let block = Vec3::new(dice.range(0.0, 4.99).floor(), 0.0, dice.range(0.0, 4.99).floor()) * PITCH;
         let base = if dice.chance(0.4) {
             // In a courtyard.
-            block
-                + Vec3::new(dice.range(21.6, 30.4), GROUND, dice.range(21.6, 30.4))
-                + Vec3::new(0.0, 0.0, 0.0)
+            block + Vec3::new(dice.range(21.6, 30.4), GROUND, dice.range(21.6, 30.4))
         } else {
             // On a pavement, along x or along z.
             let across = if dice.chance(0.5) { dice.range(0.6, 1.9) } else { dice.range(10.1, 11.4) };
@@ -86,9 +87,12 @@ pub(super) fn build(options: &SceneOptions) -> World {
             objects.push(standing_box("crate", base, size));
         }
     }
+}
+
+/// Cars, each of which goes to and fro on its lane between two crossings.
+fn cars(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
     let mut sliding = Vec::new();
     for i in 0..CARS {
-        // Each car goes to and fro on its lane between two crossings.
         let lane = if i % 2 == 0 { 3.9 } else { 8.1 };
         let across = dice.range(0.0, 4.99).floor() * PITCH + lane;
         let start = dice.range(0.0, 4.99).floor() * PITCH + STREET + 2.5;
@@ -101,8 +105,17 @@ pub(super) fn build(options: &SceneOptions) -> World {
         };
         objects.push(standing_box("car", base, size));
         let (rate, phase) = (dice.range(0.3, 1.0), dice.range(0.0, TAU));
-        sliding.push(Sliding::last(&mut objects, way, rate, phase));
+        sliding.push(Sliding::last(objects, way, rate, phase));
     }
+    sliding
+}
+
+pub(super) fn build(options: &SceneOptions) -> World {
+    let mut dice = Dice::new(options.seed, 2);
+    let mut objects = vec![solid_box("ground", Vec3::ZERO, Vec3::new(SIZE, GROUND, SIZE))];
+    blocks(&mut dice, &mut objects);
+    small_things(&mut dice, (SMALL * options.scale) as usize, &mut objects);
+    let sliding = cars(&mut dice, &mut objects);
     World {
         name: "city".to_owned(),
         objects,

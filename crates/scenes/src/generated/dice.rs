@@ -1,15 +1,15 @@
 //! Random numbers from a seed.
 
+use crate::random::{Generator, generator, spread};
 use glam::Vec3;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 /// The random numbers of a scene.
-pub(super) struct Dice(pub(super) Pcg64Mcg);
+pub(super) struct Dice(pub(super) Generator);
 
 impl Dice {
     pub(super) fn new(seed: u64, scene: u64) -> Self {
-        Self(Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ scene))
+        Self(generator(spread(seed), scene))
     }
 
     /// A number from `lo` to `hi`.

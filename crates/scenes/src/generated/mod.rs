@@ -9,11 +9,13 @@
 //! These are [`SceneKind::SOLIDS`], of spheres and boxes. Those of triangle meshes are:
 //!
 //! - [`SceneKind::Terrain`]: rolling ground, one mesh, with trees, houses and small things.
-//! - [`SceneKind::Town`]: buildings of panels that share no vertices, thin railings, 20,000 small things.
+//! - [`SceneKind::Town`]: buildings of panels that share no vertices, thin railings, 20,000 small
+//!   things.
 //! - [`SceneKind::Rocks`]: closed meshes of high curvature.
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
-//! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and small things.
+//! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and
+//! small things.
 //!
 //! [`walking()`] puts a walker at 60 frames a second and floating spheres into any scene.
 

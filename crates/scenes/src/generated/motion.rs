@@ -5,10 +5,8 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::dice::Dice;
+use crate::numeric::{SPEED_ROOM, SPEED_ROUNDING};
 use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
-
-/// Rounding of coordinates of some hundred metres, seen as speed.
-const ROUNDING: f32 = 2e-3;
 
 /// Seconds from the start of the path.
 pub(super) fn seconds(frame: usize) -> f32 {
@@ -41,7 +39,7 @@ impl Swing {
 
     /// No point moves faster.
     pub(super) fn max_speed(&self) -> f32 {
-        (self.reach * self.rate).length() * 1.0001 + ROUNDING
+        (self.reach * self.rate).length() * SPEED_ROOM + SPEED_ROUNDING
     }
 }
 
@@ -143,7 +141,7 @@ pub(super) struct Sliding {
 impl Sliding {
     pub(super) fn last(objects: &mut [Object], way: Vec3, rate: f32, phase: f32) -> Self {
         let index = objects.len() - 1;
-        let max_speed = way.length() * 0.5 * rate * 1.0001 + ROUNDING;
+        let max_speed = way.length() * 0.5 * rate * SPEED_ROOM + SPEED_ROUNDING;
         objects[index].motion = Motion::Dynamic { max_speed };
         let sliding = Self { index, rest: objects[index].shape.clone(), way, rate, phase };
         objects[index].shape = sliding.shape(0.0);

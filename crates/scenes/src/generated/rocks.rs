@@ -1,4 +1,5 @@
-//! Boulders: closed meshes of high curvature, a few models turned and scaled, and small things between them.
+//! Boulders: closed meshes of high curvature, a few models turned and scaled, and small things
+//! between them.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;

@@ -51,20 +51,9 @@ fn wall_box(name: &str, along_z: bool, along: (f32, f32), up: (f32, f32), across
     solid_box(name, point(along.0, up.0, across.0), point(along.1, up.1, across.1))
 }
 
-pub(super) fn build(options: &SceneOptions) -> World {
-    let mut dice = Dice::new(options.seed, 3);
-    let path = path();
-    let samples: Vec<Vec3> = (0..=2000).map(|i| path.at(path.length() * i as f32 / 2000.0)).collect();
-    let mut objects = vec![
-        solid_box("floor", Vec3::ZERO, Vec3::new(SIZE, FLOOR, SIZE)),
-        solid_box("ceiling", Vec3::new(0.0, CEILING, 0.0), Vec3::new(SIZE, CEILING + 0.2, SIZE)),
-    ];
+/// The walls between rooms, with doorways and doors.
+fn inner_walls(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
     let full = (FLOOR, CEILING);
-    for along_z in [false, true] {
-        for border in [(0.0, 0.2), (SIZE - 0.2, SIZE)] {
-            objects.push(wall_box("outer wall", along_z, (0.0, SIZE), full, border));
-        }
-    }
     let mut sliding = Vec::new();
     for along_z in [false, true] {
         for line in 1..ROOMS {
@@ -89,21 +78,26 @@ pub(super) fn build(options: &SceneOptions) -> World {
                 let way = if along_z { Vec3::Z } else { Vec3::X } * (DOOR_WIDTH + 0.1);
                 let (rate, phase) =
                     if on_route(a, b) { (0.0, PI) } else { (dice.range(0.4, 2.0), dice.range(0.0, TAU)) };
-                sliding.push(Sliding::last(&mut objects, way, rate, phase));
+                sliding.push(Sliding::last(objects, way, rate, phase));
             }
         }
     }
+    sliding
+}
+
+/// Furniture in all rooms, but where the walk goes.
+fn furniture(dice: &mut Dice, scale: f32, walk: &[Vec3], objects: &mut Vec<Object>) {
     for rz in 0..ROOMS {
         for rx in 0..ROOMS {
             let corner = Vec3::new(rx as f32 * PITCH, FLOOR, rz as f32 * PITCH);
-            let pieces = (dice.range(8.0, 20.99) * options.scale) as usize;
+            let pieces = (dice.range(8.0, 20.99) * scale) as usize;
             for _ in 0..pieces {
                 let size = dice.point(Vec3::new(0.2, 0.2, 0.2), Vec3::new(1.2, 1.8, 1.2));
                 let offset = Vec3::new(dice.range(0.9, PITCH - 0.9), 0.0, dice.range(0.9, PITCH - 0.9));
                 let base = corner + offset;
                 let reach = size.x.max(size.z) + 0.3;
                 let flat = |p: &Vec3| (*p - base) * Vec3::new(1.0, 0.0, 1.0);
-                if samples.iter().any(|p| flat(p).length() < reach) {
+                if walk.iter().any(|p| flat(p).length() < reach) {
                     continue;
                 }
                 if dice.chance(0.25) {
@@ -116,6 +110,24 @@ pub(super) fn build(options: &SceneOptions) -> World {
             }
         }
     }
+}
+
+pub(super) fn build(options: &SceneOptions) -> World {
+    let mut dice = Dice::new(options.seed, 3);
+    let path = path();
+    let samples: Vec<Vec3> = (0..=2000).map(|i| path.at(path.length() * i as f32 / 2000.0)).collect();
+    let mut objects = vec![
+        solid_box("floor", Vec3::ZERO, Vec3::new(SIZE, FLOOR, SIZE)),
+        solid_box("ceiling", Vec3::new(0.0, CEILING, 0.0), Vec3::new(SIZE, CEILING + 0.2, SIZE)),
+    ];
+    let full = (FLOOR, CEILING);
+    for along_z in [false, true] {
+        for border in [(0.0, 0.2), (SIZE - 0.2, SIZE)] {
+            objects.push(wall_box("outer wall", along_z, (0.0, SIZE), full, border));
+        }
+    }
+    let sliding = inner_walls(&mut dice, &mut objects);
+    furniture(&mut dice, options.scale, &samples, &mut objects);
     let max = Vec3::new(SIZE, CEILING + 0.2, SIZE);
     World {
         name: "rooms".to_owned(),

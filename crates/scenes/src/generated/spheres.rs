@@ -25,6 +25,59 @@ fn path() -> Path {
     ])
 }
 
+/// Six boxes between two boxes, one of which holds the other.
+fn shell(name: &str, inner: [Vec3; 2], outer: [Vec3; 2]) -> Vec<Object> {
+    let mut walls = Vec::new();
+    for axis in 0..3 {
+        for (from, to) in [(outer[0][axis], inner[0][axis]), (inner[1][axis], outer[1][axis])] {
+            let [mut a, mut b] = outer;
+            (a[axis], b[axis]) = (from, to);
+            walls.push(solid_box(name, a, b));
+        }
+    }
+    walls
+}
+
+/// A closed bunker beside the hall, with small spheres that move in it.
+fn bunker(dice: &mut Dice, hidden: usize, objects: &mut Vec<Object>, swinging: &mut Vec<Swinging>) {
+    let (lo, hi) = (Vec3::new(102.0, 2.0, 20.0), Vec3::new(130.0, 30.0, 80.0));
+    objects.extend(shell("bunker", [lo + 2.0, hi - 2.0], [lo, hi]));
+    for _ in 0..hidden {
+        let reach = dice.point(Vec3::splat(0.1), Vec3::splat(1.0));
+        let center = dice.point(lo + 2.0 + reach + 0.3, hi - 2.0 - reach - 0.3);
+        objects.push(object("hidden sphere", Shape::Sphere { center, radius: 0.3 }));
+        swinging.push(Swinging::last(objects, Swing::random(dice, reach, 1.0)));
+    }
+}
+
+/// Walls around a box, and spheres beyond them, as densely as `density` of them in the box. Gives
+/// the extent of all.
+fn beyond_walls(
+    dice: &mut Dice,
+    [min, max]: [Vec3; 2],
+    extra: usize,
+    density: f32,
+    objects: &mut Vec<Object>,
+) -> (Vec3, Vec3) {
+    const WALL: f32 = 2.0;
+    let (lo, hi) = (min - WALL, max + WALL);
+    objects.extend(shell("wall", [min, max], [lo, hi]));
+    // The same number in each unit of volume, in a box of the same shape.
+    let grown = (1.0 + extra as f32 / density).cbrt();
+    let (middle, half) = ((lo + hi) * 0.5, (hi - lo) * 0.5 * grown);
+    let mut left = extra;
+    while left > 0 {
+        let radius = 0.5 + 5.0 * dice.range(0.0, 1.0).powi(7);
+        let center = dice.point(middle - half, middle + half);
+        if center.cmpgt(lo - radius).all() && center.cmplt(hi + radius).all() {
+            continue;
+        }
+        objects.push(object("sphere beyond", Shape::Sphere { center, radius }));
+        left -= 1;
+    }
+    ((middle - half - 6.0).min(lo), (middle + half + 6.0).max(hi))
+}
+
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 1);
     let path = path();
@@ -64,46 +117,12 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let mut max = SIZE;
     if options.bunker || options.hidden_extra > 0 {
         max.x = 132.0;
-        let (lo, hi) = (Vec3::new(102.0, 2.0, 20.0), Vec3::new(130.0, 30.0, 80.0));
-        for axis in 0..3 {
-            for (from, to) in [(lo[axis], lo[axis] + 2.0), (hi[axis] - 2.0, hi[axis])] {
-                let (mut a, mut b) = (lo, hi);
-                (a[axis], b[axis]) = (from, to);
-                objects.push(solid_box("bunker", a, b));
-            }
-        }
-        for _ in 0..options.hidden_extra {
-            let reach = dice.point(Vec3::splat(0.1), Vec3::splat(1.0));
-            let center = dice.point(lo + 2.0 + reach + 0.3, hi - 2.0 - reach - 0.3);
-            objects.push(object("hidden sphere", Shape::Sphere { center, radius: 0.3 }));
-            swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.0)));
-        }
+        bunker(&mut dice, options.hidden_extra, &mut objects, &mut swinging);
     }
     let mut min = Vec3::ZERO;
     if let Some(extra) = options.beyond_walls {
-        const WALL: f32 = 2.0;
-        let (lo, hi) = (min - WALL, max + WALL);
-        for axis in 0..3 {
-            for (from, to) in [(lo[axis], min[axis]), (max[axis], hi[axis])] {
-                let (mut a, mut b) = (lo, hi);
-                (a[axis], b[axis]) = (from, to);
-                objects.push(solid_box("wall", a, b));
-            }
-        }
-        // The same number in each unit of volume, in a box of the same shape.
-        let grown = (1.0 + extra as f32 / (STATIC * options.scale)).cbrt();
-        let (middle, half) = ((lo + hi) * 0.5, (hi - lo) * 0.5 * grown);
-        let mut left = extra;
-        while left > 0 {
-            let radius = 0.5 + 5.0 * dice.range(0.0, 1.0).powi(7);
-            let center = dice.point(middle - half, middle + half);
-            if center.cmpgt(lo - radius).all() && center.cmplt(hi + radius).all() {
-                continue;
-            }
-            objects.push(object("sphere beyond", Shape::Sphere { center, radius }));
-            left -= 1;
-        }
-        (min, max) = ((middle - half - 6.0).min(lo), (middle + half + 6.0).max(hi));
+        let density = STATIC * options.scale;
+        (min, max) = beyond_walls(&mut dice, [min, max], extra, density, &mut objects);
     }
     World {
         name: "spheres".to_owned(),

@@ -1,4 +1,5 @@
-//! Rolling ground, one mesh, with trees, houses and small things on it, seen from the height of a walker.
+//! Rolling ground, one mesh, with trees, houses and small things on it, seen from the height of a
+//! walker.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! A town of modules: buildings put together from panels that abut without sharing vertices, thin railings, and
-//! thousands of small things on streets, floors and roofs.
+//! A town of modules: buildings put together from panels that abut without sharing vertices, thin
+//! railings, and thousands of small things on streets, floors and roofs.
 
 use std::sync::Arc;
 
@@ -47,7 +47,8 @@ fn sides(corner: Vec3) -> [Side; 4] {
     ]
 }
 
-/// A wall of panels. Those of one storey are wider than those of the next, so that corners abut on edges.
+/// A wall of panels. Those of one storey are wider than those of the next, so that corners abut on
+/// edges.
 fn facade(dice: &mut Dice, side: &Side, storeys: usize) -> Mesh {
     let mut wall = Mesh::default();
     for storey in 0..storeys {

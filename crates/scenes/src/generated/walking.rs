@@ -1,4 +1,5 @@
-//! A walker at 60 frames a second through any scene, in which nothing moves but new objects that float about.
+//! A walker at 60 frames a second through any scene, in which nothing moves but new objects that
+//! float about.
 
 use std::f32::consts::{PI, TAU};
 
@@ -29,7 +30,8 @@ const TRIES: usize = 100;
 pub struct WalkOptions {
     /// Spheres that float about; every second one hides others.
     pub movers: usize,
-    /// The path of the scene is walked in so many places, evenly spread: long paths differ along their way.
+    /// The path of the scene is walked in so many places, evenly spread: long paths differ along
+    /// their way.
     pub stretches: usize,
     /// Frames in each of these places.
     pub frames: usize,
@@ -44,9 +46,9 @@ impl WalkOptions {
     }
 }
 
-/// Turns a scene into one where a person walks along its path at 1.5 m/s and looks around, turning by at most 90
-/// degrees a second. All its objects stand still as they are at frame 0; the movers are new ones. In scenes smaller
-/// than 60 m across, movers are smaller and slower in proportion.
+/// Turns a scene into one where a person walks along its path at 1.5 m/s and looks around, turning
+/// by at most 90 degrees a second. All its objects stand still as they are at frame 0; the movers
+/// are new ones. In scenes smaller than 60 m across, movers are smaller and slower in proportion.
 pub fn walking(mut world: World, aspect: f32, options: &WalkOptions) -> World {
     world.set_frame(0);
     let eyes: Vec<Vec3> = (0..world.frames.max(2)).map(|f| world.camera(f, aspect).eye).collect();
@@ -91,7 +93,8 @@ fn between(from: f32, to: f32) -> f32 {
     (to - from + PI).rem_euclid(TAU) - PI
 }
 
-/// The place after a way along a path, which turns round at its ends, and the direction there as seen from above.
+/// The place after a way along a path, which turns round at its ends, and the direction there as
+/// seen from above.
 fn there_and_back(path: &Path, way: f32) -> (Vec3, Vec2) {
     let length = path.length().max(f32::MIN_POSITIVE);
     let along = way.rem_euclid(2.0 * length);

@@ -1,4 +1,5 @@
-//! Typed elements of buffers: dense, sparse, or both. Nothing is taken for granted about where they lie.
+//! Typed elements of buffers: dense, sparse, or both. Nothing is taken for granted about where they
+//! lie.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -9,11 +10,13 @@ use gltf::{Accessor, buffer::View};
 
 use super::error::Trouble;
 
-/// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the file.
+/// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the
+/// file.
 const MOST_ZEROS: usize = 1 << 20;
 /// Elements that are read from any file: many accessors can lie in the same bytes, or in none.
 const FREE_ELEMENTS: usize = 1 << 20;
-/// Elements that are read from a byte of the buffers, in addition. Without sharing it is one at most.
+/// Elements that are read from a byte of the buffers, in addition. Without sharing it is one at
+/// most.
 const ELEMENTS_OF_A_BYTE: usize = 4;
 
 /// Why an accessor is refused that goes beyond the elements of a file.
@@ -172,7 +175,8 @@ impl Buffers {
         Ok(elements)
     }
 
-    /// The bytes from the first of `count` elements to the end of the last; `None` if the view is too short.
+    /// The bytes from the first of `count` elements to the end of the last; `None` if the view is
+    /// too short.
     fn span(
         &self,
         view: &View,

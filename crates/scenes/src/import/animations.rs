@@ -8,8 +8,8 @@ use super::error::Trouble;
 use super::nodes::{Nodes, unit, wrong};
 use super::track::Track;
 
-/// Reads all animations onto their nodes; gives the length of the longest that is used. All play at once;
-/// what two of them animate follows the first.
+/// Reads all animations onto their nodes; gives the length of the longest that is used. All play at
+/// once; what two of them animate follows the first.
 pub(super) fn animate(
     document: &gltf::Document,
     buffers: &Buffers,

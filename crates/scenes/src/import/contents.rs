@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
 use super::accessors::{Buffers, Components};
 use super::animations::animate;
@@ -11,8 +11,9 @@ use super::document::QUANTIZATION;
 use super::error::Trouble;
 use super::instances::instances_of;
 use super::meshes::Meshes;
-use super::nodes::{check_rigid, nodes_of, role_of, wrong};
+use super::nodes::{Nodes, check_rigid, nodes_of, role_of, wrong};
 use super::path::{FilePath, Moving, camera_of};
+use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
 use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// Frames of a path that the file does not give.
@@ -27,24 +28,27 @@ pub(super) type Looks = Arc<[u32]>;
 /// Cells along the longest axis of the grid that is asked for.
 const CELLS: f32 = 128.0;
 
-/// The scene, and the materials of each object.
-pub(super) fn contents(
-    name: &str,
+/// The objects of a file.
+#[derive(Default)]
+struct Found {
+    objects: Vec<Object>,
+    /// By object.
+    materials: Vec<Looks>,
+    moving: Vec<Moving>,
+}
+
+/// The objects of all nodes with a mesh; `moves` tells which nodes move.
+fn objects_of(
     document: &gltf::Document,
     buffers: &Buffers,
-) -> Result<(World, Vec<Looks>), Trouble> {
-    let mut nodes = nodes_of(document)?;
-    let clip = animate(document, buffers, &mut nodes)?;
-    let quantized =
-        document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
-    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
-
+    reader: &mut Meshes,
+    nodes: &Nodes,
+    moves: &[bool],
+) -> Result<Found, Trouble> {
     type Known = Option<(Arc<Mesh>, Looks)>;
     let mut meshes: HashMap<usize, Known> = HashMap::new();
-    let mut objects = Vec::new();
-    let mut materials = Vec::new();
-    let mut moving = Vec::new();
-    let (globals, moves) = (nodes.globals(), nodes.moving());
+    let globals = nodes.globals();
+    let mut found = Found::default();
     for (place, item) in nodes.0.iter().enumerate() {
         let Some(node) = document.nodes().nth(item.index) else { continue };
         let Some(mesh) = node.mesh() else { continue };
@@ -63,15 +67,15 @@ pub(super) fn contents(
         let (transform, dynamic) = (globals[place], moves[place]);
         let mut add = |name: String, instance: Affine3A| {
             if dynamic {
-                moving.push(Moving {
-                    object: objects.len(),
+                found.moving.push(Moving {
+                    object: found.objects.len(),
                     node: place,
                     place: instance,
                     mesh: mesh.clone(),
                 });
             }
-            materials.push(looks.clone());
-            objects.push(Object {
+            found.materials.push(looks.clone());
+            found.objects.push(Object {
                 name,
                 shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
                 motion: if dynamic { Motion::Dynamic { max_speed: 0.0 } } else { Motion::Static },
@@ -92,9 +96,36 @@ pub(super) fn contents(
             }
         }
     }
-    if objects.is_empty() {
-        return Err(Trouble::NoTriangles);
+    if found.objects.is_empty() { Err(Trouble::NoTriangles) } else { Ok(found) }
+}
+
+/// The grid around a scene that reaches from `min` to `max`.
+fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
+    let size = (max - min).max_element();
+    let far = min.abs().max(max.abs()).max_element();
+    let margin = (size.max(LEAST_SIZE) * GRID_ROOM).max(far * GRID_ROOM_FAR);
+    let (min, max) = (min - margin, max + margin);
+    let cell = (max - min).max_element() / CELLS;
+    if !(min.is_finite() && max.is_finite() && cell.is_finite()) {
+        return Err(Trouble::NotFinite("the size of the scene".to_owned()));
     }
+    Ok(GridHint { min, max, cell })
+}
+
+/// The scene, and the materials of each object.
+pub(super) fn contents(
+    name: &str,
+    document: &gltf::Document,
+    buffers: &Buffers,
+) -> Result<(World, Vec<Looks>), Trouble> {
+    let mut nodes = nodes_of(document)?;
+    let clip = animate(document, buffers, &mut nodes)?;
+    let quantized =
+        document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
+    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
+    let moves = nodes.moving();
+    let Found { mut objects, materials, moving } =
+        objects_of(document, buffers, &mut reader, &nodes, &moves)?;
 
     // Both ends of the clip are frames.
     let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
@@ -105,20 +136,7 @@ pub(super) fn contents(
     };
     let mut animation = FilePath::new(nodes, moving, camera, frames);
     let (min, max) = animation.settle(&mut objects)?;
-    let size = (max - min).max_element();
-    // Far from the origin, cells that are too small could not be told apart.
-    let margin = (size.max(1e-3) * 1e-3).max(min.abs().max(max.abs()).max_element() * 1e-5);
-    let (min, max) = (min - margin, max + margin);
-    let cell = (max - min).max_element() / CELLS;
-    if !(min.is_finite() && max.is_finite() && cell.is_finite()) {
-        return Err(Trouble::NotFinite("the size of the scene".to_owned()));
-    }
-    let world = World {
-        name: name.to_owned(),
-        objects,
-        grid: GridHint { min, max, cell },
-        frames,
-        animation: Box::new(animation),
-    };
+    let grid = grid_of(min, max)?;
+    let world = World { name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) };
     Ok((world, materials))
 }

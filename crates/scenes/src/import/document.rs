@@ -54,7 +54,8 @@ fn check_extensions(document: &gltf::Document) -> Result<(), Trouble> {
     Err(Trouble::Extensions(unknown.join(", ")))
 }
 
-/// Validates a document, with the rules that the validation of the glTF crate leaves out but takes for granted.
+/// Validates a document, with the rules that the validation of the glTF crate leaves out but takes
+/// for granted.
 fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
     use gltf::json::Path;
     use gltf::json::camera::Type;

@@ -41,7 +41,8 @@ pub(super) fn instances_of(
                 })?;
                 rotations = Some(values);
             }
-            // Others say nothing about where instances are; but they must be there, for their number to count.
+            // Others say nothing about where instances are; but they must be there, for their
+            // number to count.
             _ => buffers.check(&accessor, WHAT)?,
         }
     }

@@ -14,13 +14,14 @@ use crate::lit::{Falloff, Light, LightKind, LitScene, Material};
 /// Share of light that surfaces other than metals reflect head-on.
 const DIELECTRIC: f32 = 0.04;
 
-/// Reads a scene with its materials and lights from the bytes of a glTF file, as [`read`](super::read) does. What moves stands where it
-/// is at frame 0.
+/// Reads a scene with its materials and lights from the bytes of a glTF file, as
+/// [`read`](super::read) does. What moves stands where it is at frame 0.
 ///
-/// - The colour of a material is its base colour without textures. Its diffuse part is what metals leave of it; its specular part is
-///   0.04, and its colour for metals; its gloss is one minus its roughness.
-/// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as radiometric. A file without lights and
-///   without emission gets a sun and a sky.
+/// - The colour of a material is its base colour without textures. Its diffuse part is what metals
+///   leave of it; its specular part is 0.04, and its colour for metals; its gloss is one minus its
+///   roughness.
+/// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as
+///   radiometric. A file without lights and without emission gets a sun and a sky.
 ///
 /// # Errors
 /// As [`load`](super::load).

@@ -24,8 +24,8 @@ impl<'a> Meshes<'a> {
         Self { buffers, components, positions: HashMap::new() }
     }
 
-    /// Joins the triangles of a mesh, with the vertices that they use, and says which material each has: its index in the file plus one,
-    /// 0 for the default; `None` if there are no triangles.
+    /// Joins the triangles of a mesh, with the vertices that they use, and says which material each
+    /// has: its index in the file plus one, 0 for the default; `None` if there are no triangles.
     pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
         let mut materials = Vec::new();

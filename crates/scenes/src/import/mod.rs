@@ -24,8 +24,8 @@
 //!   Accessors may be sparse.
 //!
 //! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may
-//! have none, but a file that unfolds to more than four elements a byte of its buffers and a million
-//! more is refused. Nodes may be nested in any depth.
+//! have none, but a file that unfolds to more than four elements a byte of its buffers and a
+//! million more is refused. Nodes may be nested in any depth.
 
 mod accessors;
 mod animations;
@@ -52,7 +52,8 @@ use document::parse;
 pub use error::{ImportError, Trouble};
 pub use looks::read_lit;
 
-/// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its folder.
+/// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
+/// folder.
 ///
 /// # Errors
 /// The first fault of a file that cannot be taken whole.

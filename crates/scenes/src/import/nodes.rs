@@ -4,6 +4,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
 
 use super::error::Trouble;
 use super::track::{Track, Tracks};
+use crate::numeric::{AFFINE, ROTATION_LENGTHS};
 
 /// Translation, rotation and scale.
 type Pose = (Vec3, Quat, Vec3);
@@ -72,7 +73,8 @@ impl Nodes {
     }
 }
 
-/// The nodes of the scene that is shown: the default one, else the first; all nodes where there are no scenes.
+/// The nodes of the scene that is shown: the default one, else the first; all nodes where there are
+/// no scenes.
 pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
     let mut is_child = vec![false; all.len()];
@@ -120,7 +122,7 @@ fn pose_of(node: &gltf::Node) -> Result<(Pose, Option<Affine3A>), Trouble> {
             if !matrix.is_finite() {
                 return Err(Trouble::NotFinite(format!("the matrix of node {}", node.index())));
             }
-            if !matrix.row(3).abs_diff_eq(Vec4::W, 1e-5) {
+            if !matrix.row(3).abs_diff_eq(Vec4::W, AFFINE) {
                 return Err(wrong(node, "has a matrix that is not affine"));
             }
             Ok(((Vec3::ZERO, Quat::IDENTITY, Vec3::ONE), Some(Affine3A::from_mat4(matrix))))
@@ -138,7 +140,7 @@ fn pose_of(node: &gltf::Node) -> Result<(Pose, Option<Affine3A>), Trouble> {
 /// A rotation with length 1; `None` for what has no length to speak of.
 pub(super) fn unit(rotation: Quat) -> Option<Quat> {
     let length = rotation.length();
-    (1e-3..1e3).contains(&length).then(|| rotation / length)
+    ROTATION_LENGTHS.contains(&length).then(|| rotation / length)
 }
 
 /// What is wrong with a node.

@@ -8,6 +8,7 @@ use glam::{Affine3A, Vec3};
 
 use super::error::Trouble;
 use super::nodes::Nodes;
+use crate::numeric::{NEAR_PLANES, NEAR_SHARE};
 use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 #[derive(Debug, Clone)]
@@ -44,8 +45,8 @@ struct Walk {
 }
 
 impl Walk {
-    /// The walk inside a box. A side that is flat, shorter than a hundredth of the longest, counts as a tenth
-    /// of that: nothing can be seen from within a floor or a wall.
+    /// The walk inside a box. A side that is flat, shorter than a hundredth of the longest, counts
+    /// as a tenth of that: nothing can be seen from within a floor or a wall.
     fn inside(min: Vec3, max: Vec3) -> Self {
         let size = max - min;
         let longest = size.max_element();
@@ -54,7 +55,7 @@ impl Walk {
         // One stands on a floor, not half in it.
         center.y = min.y + room(size.y) * 0.5;
         let radius = 0.35 * room(size.x).min(room(size.z));
-        Self { center, radius, near: (longest * 5e-3).clamp(1e-6, 0.05) }
+        Self { center, radius, near: (longest * NEAR_SHARE).clamp(NEAR_PLANES[0], NEAR_PLANES[1]) }
     }
 
     /// The camera after a part of the walk.
@@ -83,8 +84,8 @@ pub(super) struct Moving {
 #[derive(Debug)]
 pub(super) struct FilePath {
     nodes: Nodes,
-    /// The nodes that something moves with, and those that they hang from: before a node its parent,
-    /// whose place in this list it has.
+    /// The nodes that something moves with, and those that they hang from: before a node its
+    /// parent, whose place in this list it has.
     links: Vec<(usize, Option<usize>)>,
     /// By moving object: the place of its node in that list.
     link_of: Vec<usize>,
@@ -128,8 +129,8 @@ impl Way {
         Self { corners: box_corners(min, max), last: None, farthest: 0.0 }
     }
 
-    /// The way of a point is linear in where it is on the mesh, so that none goes farther than a corner of
-    /// the box; but for what is rounded when each is transformed.
+    /// The way of a point is linear in where it is on the mesh, so that none goes farther than a
+    /// corner of the box; but for what is rounded when each is transformed.
     fn go(&mut self, transform: Affine3A) {
         if let Some(last) = self.last.replace(transform).filter(|last| *last != transform) {
             for corner in self.corners {

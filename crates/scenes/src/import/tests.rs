@@ -2,10 +2,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
+use rand::RngExt;
 
 use super::*;
 use crate::drive::{Driver, grid_for, view_of};
 use crate::lit::Material;
+use crate::random::generator;
 use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
@@ -168,11 +170,8 @@ fn reads_meshes_roles_and_the_camera_path() {
 
 /// Reads a file with random bits flipped. Either way is fine; it must not panic.
 fn flip(file: &[u8], times: usize) {
-    let mut state = 3u32;
-    let mut next = |n: usize| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as usize % n
-    };
+    let mut random = generator(3, 0);
+    let mut next = |n: usize| random.random_range(0..n);
     for _ in 0..times {
         let mut broken = file.to_vec();
         for _ in 0..1 + next(3) {
@@ -498,7 +497,8 @@ fn shared(shape: &Shape) -> Arc<Mesh> {
     mesh.clone()
 }
 
-/// A triangle on a node at x = 10 that is turned half about y, with what can place three instances of it.
+/// A triangle on a node at x = 10 that is turned half about y, with what can place three instances
+/// of it.
 fn instanced(attributes: &str) -> (Parts, String) {
     let mut parts = triangle();
     parts.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 3.0, 0.0, 0.0]);
@@ -981,7 +981,8 @@ fn flipped_bits_never_panic() {
     }
 }
 
-/// Two primitives, a white one and a shiny red one that emits, and a lamp that hangs at (0, 2, 0) and points down.
+/// Two primitives, a white one and a shiny red one that emits, and a lamp that hangs at (0, 2, 0)
+/// and points down.
 const LIT: &str = r#""extensionsUsed":["KHR_lights_punctual","KHR_materials_emissive_strength"],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","color":[1,0.5,0],"intensity":4,
         "spot":{"innerConeAngle":0.2,"outerConeAngle":0.5}}]}},

@@ -57,7 +57,8 @@ impl HdrImage {
         &self.pixels
     }
 
-    /// The square root of the mean of squared differences over pixels and channels. Pixels that are not finite count as black.
+    /// The square root of the mean of squared differences over pixels and channels. Pixels that are
+    /// not finite count as black.
     ///
     /// # Errors
     /// [`ImageError::Sizes`].
@@ -70,7 +71,8 @@ impl HdrImage {
         Ok((sum / (3 * self.pixels.len()) as f64).sqrt())
     }
 
-    /// The factor by which 19 of 20 pixels are at most 1 in their brightest channel; 1 for a black picture.
+    /// The factor by which 19 of 20 pixels are at most 1 in their brightest channel; 1 for a black
+    /// picture.
     pub fn exposure(&self) -> f32 {
         let mut brightest: Vec<f32> = self.pixels.iter().map(|p| sound(*p).max_element()).collect();
         let place = (brightest.len() - 1) * 19 / 20;

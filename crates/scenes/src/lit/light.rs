@@ -1,4 +1,5 @@
-//! Lights that are no surfaces: directional, point and spot, each with a size that makes its shadows soft.
+//! Lights that are no surfaces: directional, point and spot, each with a size that makes its
+//! shadows soft.
 
 use glam::Vec3;
 
@@ -34,7 +35,8 @@ pub enum LightKind {
     },
 }
 
-/// How the light of points and spots decreases with the distance d: by 1 / (constant + linear d + quadratic d²).
+/// How the light of points and spots decreases with the distance d: by 1 / (constant + linear d +
+/// quadratic d²).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Falloff {
     /// The constant part.
@@ -61,8 +63,8 @@ impl Falloff {
 pub struct Light {
     /// Where it is.
     pub kind: LightKind,
-    /// Its strength by channel: the irradiance of a surface that faces a directional light; for the others the radiant intensity, which
-    /// is that irradiance at a metre by inverse squares.
+    /// Its strength by channel: the irradiance of a surface that faces a directional light; for the
+    /// others the radiant intensity, which is that irradiance at a metre by inverse squares.
     pub color: Vec3,
     /// How it decreases; not used by directional lights.
     pub falloff: Falloff,
@@ -75,7 +77,8 @@ pub struct Incident {
     pub direction: Vec3,
     /// Distance to its centre in metres; infinite for directional lights.
     pub distance: f32,
-    /// The cosine of half the angle that it is seen under; 1 for lights without size, 0 within the light.
+    /// The cosine of half the angle that it is seen under; 1 for lights without size, 0 within the
+    /// light.
     pub cos_half_angle: f32,
     /// Its irradiance on a surface that faces it, if nothing hides it.
     pub irradiance: Vec3,

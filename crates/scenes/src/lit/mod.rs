@@ -4,8 +4,9 @@
 //! - [`LitScene::of_world`]: a test scene of the laboratory in seeded colours.
 //! - [`load`](crate::import::load_lit): a glTF file with its materials and lights.
 //!
-//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one material, and looks the same from both
-//! sides. Textures are not read: a material has its base colour everywhere.
+//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one
+//! material, and looks the same from both sides. Textures are not read: a material has its base
+//! colour everywhere.
 
 mod image;
 mod light;
@@ -33,8 +34,8 @@ const SHARPEST: f64 = 11.0;
 pub struct Material {
     /// Share of light that is reflected diffusely (Lambert), 0 to 1 by channel.
     pub albedo: Vec3,
-    /// Share of light that is reflected around the mirror direction when looked at head-on, 0 to 1 by channel; 0 for matt surfaces.
-    /// The sum of `albedo` and `specular` is at most 1.
+    /// Share of light that is reflected around the mirror direction when looked at head-on, 0 to 1
+    /// by channel; 0 for matt surfaces. The sum of `albedo` and `specular` is at most 1.
     pub specular: Vec3,
     /// How sharp reflections are, from 0 (matt) to 1 (a mirror).
     pub gloss: f32,
@@ -53,7 +54,8 @@ impl Material {
         Self { albedo: Vec3::ZERO, specular: Vec3::ZERO, gloss: 0.0, emission }
     }
 
-    /// The same with all values in range. Colours that are not finite become black, a gloss that is not becomes 0.
+    /// The same with all values in range. Colours that are not finite become black, a gloss that is
+    /// not becomes 0.
     pub fn sound(&self) -> Self {
         let finite = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
         let specular = finite(self.specular).min(Vec3::ONE);
@@ -120,7 +122,8 @@ pub struct LitScene {
     pub lights: Vec<Light>,
     /// Radiance that comes from all directions where nothing is hit.
     pub sky: Vec3,
-    /// Where pictures are taken from; its matrices are for pictures [`ASPECT`] times as wide as high.
+    /// Where pictures are taken from; its matrices are for pictures [`ASPECT`] times as wide as
+    /// high.
     pub camera: Camera,
 }
 
@@ -128,8 +131,8 @@ pub struct LitScene {
 pub const ASPECT: f32 = 4.0 / 3.0;
 
 impl LitScene {
-    /// All triangles in world space, object by object. Those that have a corner that is not finite, or a material that does not exist, are
-    /// left out. O(triangles).
+    /// All triangles in world space, object by object. Those that have a corner that is not finite,
+    /// or a material that does not exist, are left out. O(triangles).
     pub fn triangles(&self) -> Vec<LitTriangle> {
         let mut triangles = Vec::new();
         for (object, o) in self.objects.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Generated lit scenes; sizes and materials of the Cornell box are those measured at Cornell University, in metres.
+//! Generated lit scenes; sizes and materials of the Cornell box are those measured at Cornell
+//! University, in metres.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -11,11 +12,13 @@ use crate::world::{Camera, Mesh};
 /// The generated scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The Cornell box: 36 triangles, a red and a green wall, two blocks, and a patch of the ceiling that emits.
+    /// The Cornell box: 36 triangles, a red and a green wall, two blocks, and a patch of the
+    /// ceiling that emits.
     Cornell,
     /// The same, lit by a point below the ceiling instead of the patch.
     CornellPoint,
-    /// A closed box whose inside emits a radiance of 1 and reflects nothing. Any surface inside it receives that radiance from every direction.
+    /// A closed box whose inside emits a radiance of 1 and reflects nothing. Any surface inside it
+    /// receives that radiance from every direction.
     Furnace,
     /// The inside of a white box with edges so round that none darkens, with a spot light.
     LightBox,

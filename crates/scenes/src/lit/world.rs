@@ -4,19 +4,19 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 
 use super::{ASPECT, Falloff, Light, LightKind, LitObject, LitScene, Material};
+use crate::random::generator;
 use crate::world::{Mesh, Motion, Shape, World};
 
 /// How often the triangles of a sphere are cut into four: 1,280 triangles.
 const BALL_CUTS: u32 = 3;
 
 impl LitScene {
-    /// A test scene at the frame it is set to, with its camera of `frame`: objects in seeded colours, a sun and a pale sky.
+    /// A test scene at the frame it is set to, with its camera of `frame`: objects in seeded
+    /// colours, a sun and a pale sky.
     pub fn of_world(world: &World, frame: usize, seed: u64) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = generator(seed, 0);
         let ball = Arc::new(Mesh::ball(BALL_CUTS));
         let mut scene = Self {
             name: world.name.clone(),

@@ -40,7 +40,8 @@ impl Dice<'_> {
     /// A number below `n`, which is at most 2^16.
     pub fn below(&mut self, n: u32) -> u32 {
         let bytes = if n <= 256 { 1 } else { 2 };
-        // A byte alone would prefer the first few of many numbers; four bytes cost a seeded generator no more.
+        // A byte alone would prefer the first few of many numbers; four bytes cost a seeded
+        // generator no more.
         let bytes = if matches!(self, Self::Numbers(_)) { 4 } else { bytes };
         self.next(bytes) % n.max(1)
     }

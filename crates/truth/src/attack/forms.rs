@@ -1,9 +1,12 @@
-//! Solids in single precision, as an application describes them, and the shapes of the library made of them.
+//! Solids in single precision, as an application describes them, and the shapes of the library made
+//! of them.
 
 use std::sync::Arc;
 
 use casca::{Aabb, Bounds, Convex, Error, Instance, Obb, Occluder, Plane, Sphere, TriMesh};
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, Vec3A};
+
+use crate::numeric::attack::LEAST_FORM;
 
 /// A solid, or a surface of triangles.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +40,8 @@ pub enum Form {
         min: Vec3,
         /// Greatest corner.
         max: Vec3,
-        /// Outward normals of cuts, and how far from the middle they are, in lengths of the normal squared.
+        /// Outward normals of cuts, and how far from the middle they are, in lengths of the normal
+        /// squared.
         cuts: Vec<(Vec3, f32)>,
         /// How far it was moved since.
         by: DVec3,
@@ -250,8 +254,7 @@ impl Form {
             Self::Turned { center, half, .. } => (*center, Vec3::splat(half.min_element() * IN_BALL)),
             _ => return None,
         };
-        // A twentieth of it must be more than several steps of single precision.
-        let least = (5e-6 * center.abs().max_element()).max(0.02);
+        let least = (LEAST_FORM * center.abs().max_element()).max(0.02);
         (half.min_element() >= least).then_some((center, half))
     }
 }

@@ -161,7 +161,8 @@ impl<'a> Maker<'a> {
         Op::Nearer { who, side: self.dice.below(6) as u8, share: self.dice.pick(&[0.5, 0.9, 0.99]) }
     }
 
-    /// One eye looks for some frames, while hidden objects are reported nearer to the walls of their volumes.
+    /// One eye looks for some frames, while hidden objects are reported nearer to the walls of
+    /// their volumes.
     fn run_out(&mut self) {
         let from = From::Camera(self.dice.pick(&[0, 0, 0, 1, 2]));
         let method = self.dice.pick(&[Method::point(), Method::point(), Method::cell()]);

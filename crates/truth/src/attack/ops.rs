@@ -117,7 +117,8 @@ pub enum Due {
     None,
 }
 
-/// A call on a scene. Each object has a number for a name; calls on objects that do not exist are passed over.
+/// A call on a scene. Each object has a number for a name; calls on objects that do not exist are
+/// passed over.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub enum Op {

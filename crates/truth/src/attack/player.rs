@@ -16,8 +16,6 @@ use super::rays::Body;
 use super::truth::{Effort, Thing};
 use super::views::TrueView;
 
-/// Objects may be this share of their coordinates out of their volumes: a rounding.
-const ROUNDING: f64 = 1e-9;
 /// Sets that are kept.
 const KEPT: usize = 4;
 /// Ids of removed objects that are tried again.

@@ -1,25 +1,14 @@
-//! Solids in double precision, where rays meet them, and points on them. Shares no code with the library.
+//! Solids in double precision, where rays meet them, and points on them. Shares no code with the
+//! library.
 
 use casca::Plane;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::dice::Dice;
 use super::forms::{Form, base};
-
-/// Solids that may hide are grown by this share of their size: far more than f64 leaves open.
-const GROW: f64 = 1e-7;
-/// The same as a share of the length of the sight.
-const GROW_DISTANCE: f64 = 1e-9;
-/// The same as a share of the greatest coordinate.
-const GROW_REACH: f64 = 1e-13;
-/// Triangles are grown by this share of their edges.
-const GROW_TRIANGLE: f64 = 1e-7;
-/// Rays that run along a triangle, up to this sine, are taken to be hidden by it: neither answer is sure.
-const ALONG: f64 = 1e-9;
-/// A sight that starts in the skin of a grown solid and leaves it within so many skins is not hidden by it.
-const SKINS: f64 = 64.0;
-/// What a sight meets so short before its end, as a share of it, coincides with the target and hides it.
-const END: f64 = 1e-9;
+use crate::numeric::attack::{
+    ALONG_TRIANGLE, END, GROW, GROW_DISTANCE, GROW_REACH, GROW_TRIANGLE, ON_HULL, SKINS,
+};
 
 /// A solid or a surface.
 #[derive(Debug, Clone)]
@@ -120,8 +109,6 @@ impl Body {
     }
 
     fn hull(points: Vec<DVec3>, by: DVec3) -> Self {
-        /// Points this close to a plane, as a share of the size, lie on it.
-        const ON: f64 = 1e-11;
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
         let points: Vec<DVec3> = points.iter().map(|&p| p - middle).collect();
         let radius = points.iter().map(|p| p.length()).fold(0.0, f64::max);
@@ -133,7 +120,7 @@ impl Body {
                     let Some(n) = n.try_normalize() else { continue };
                     for n in [n, -n] {
                         let h = n.dot(points[i]);
-                        if points.iter().all(|p| n.dot(*p) <= h + ON * radius) {
+                        if points.iter().all(|p| n.dot(*p) <= h + ON_HULL * radius) {
                             planes.push((n, h));
                         }
                     }
@@ -184,7 +171,8 @@ impl Body {
         (near <= far).then_some((near, far))
     }
 
-    /// Whether the body, moved by `drift`, may hide the target of a sight: false where it surely does not.
+    /// Whether the body, moved by `drift`, may hide the target of a sight: false where it surely
+    /// does not.
     pub fn hides(&self, drift: DVec3, sight: &Sight) -> bool {
         let (o, d) = (sight.eye - self.middle - drift, sight.way);
         let length = d.length();
@@ -205,12 +193,14 @@ impl Body {
         if near >= sight.start {
             return true;
         }
-        // The sight starts in the grown solid: one sees out of a solid, and is in doubt in its skin.
+        // The sight starts in the grown solid: one sees out of a solid, and is in doubt in its
+        // skin.
         let inside = self.span(o, d, -grow).is_some_and(|(a, b)| a < sight.start && sight.start < b);
         !inside && (far - sight.start) * length > SKINS * grow
     }
 
-    /// Half the edges of the box along the axes around its middle; not for polytopes, which are no bounds.
+    /// Half the edges of the box along the axes around its middle; not for polytopes, which are no
+    /// bounds.
     pub fn extent(&self) -> DVec3 {
         match &self.solid {
             Solid::Ball { radius } => DVec3::splat(*radius),
@@ -223,7 +213,8 @@ impl Body {
         }
     }
 
-    /// A point of the body, where an eye at `eye` (or infinitely far along `-towards`) first sees it.
+    /// A point of the body, where an eye at `eye` (or infinitely far along `-towards`) first sees
+    /// it.
     pub fn point(&self, towards: DVec3, distance: f64, dice: &mut Dice) -> DVec3 {
         let mut unit = || f64::from(dice.unit());
         match &self.solid {
@@ -270,9 +261,9 @@ fn crosses([a, b, c]: &[DVec3; 3], o: DVec3, d: DVec3, start: f64, grow: f64) ->
     let (e, f) = (*b - *a, *c - *a);
     let n = e.cross(f);
     let along = n.dot(d);
-    if along.abs() <= ALONG * n.length() * d.length() {
+    if along.abs() <= ALONG_TRIANGLE * n.length() * d.length() {
         // Also triangles without area: in doubt if the line comes close.
-        return n.length() > 0.0 && (n.dot(o - *a) / n.length()).abs() <= grow + ALONG * d.length();
+        return n.length() > 0.0 && (n.dot(o - *a) / n.length()).abs() <= grow + ALONG_TRIANGLE * d.length();
     }
     let t = n.dot(*a - o) / along;
     if t <= start - END || t >= 1.0 + END {

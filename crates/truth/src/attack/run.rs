@@ -101,8 +101,8 @@ fn play_with(
     }
 }
 
-/// Leaves out operations as long as the play fails in the same way. Whole frames stay as they are where
-/// each must have its end: another defect would come up instead.
+/// Leaves out operations as long as the play fails in the same way. Whole frames stay as they are
+/// where each must have its end: another defect would come up instead.
 fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure, frames: bool) -> (Vec<Op>, Failure) {
     ops.truncate(failure.at + 1);
     let mut tally = Tally::default();

@@ -8,9 +8,7 @@ use super::forms::Form;
 use super::ops::Moves;
 use super::rays::{Body, Sight};
 use super::views::TrueView;
-
-/// Objects keep this little below the speed that they promised, so that rounding breaks no promise.
-const KEPT: f64 = 1.0 - 1e-9;
+use crate::numeric::attack::KEPT_SPEED;
 
 /// One object.
 #[derive(Debug, Clone)]
@@ -82,7 +80,7 @@ impl Thing {
     /// Lets time pass.
     pub fn wait(&mut self, dt: f64) {
         if let Moves::OnExpiry(speed) = self.moves {
-            self.way += f64::from(speed) * dt.max(0.0) * KEPT;
+            self.way += f64::from(speed) * dt.max(0.0) * KEPT_SPEED;
         }
     }
 
@@ -92,7 +90,8 @@ impl Thing {
     }
 }
 
-/// Whether another thing on some layers hides the end of a sight; tries the one that did last first.
+/// Whether another thing on some layers hides the end of a sight; tries the one that did last
+/// first.
 fn hidden(things: &[Thing], target: usize, layers: u64, sight: &Sight, last: &mut usize) -> bool {
     let hides = |i: usize| {
         // A solid that hides points of itself is met at a point of itself before.

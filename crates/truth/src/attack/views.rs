@@ -6,15 +6,7 @@ use glam::{DMat3, DQuat, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use super::api;
 use super::rays::Sight;
-
-/// Points count as inside a half-space this share of their coordinates within it.
-const INSIDE: f64 = 1e-9;
-/// Planes closer to the eye than this share of the coordinates may count as planes through it.
-const THROUGH_EYE: f64 = 1e-6;
-/// Rows of a matrix that cancel to this share leave rounding only: an infinite far plane.
-const NO_PLANE: f64 = 1e-6;
-/// Planes that parallel rays cross at less than this sine cut nothing off.
-const ALONG: f64 = 1e-6;
+use crate::numeric::attack::{ALONG_PLANE, INSIDE, NO_PLANE, THROUGH_EYE};
 
 /// How depth is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -263,7 +255,7 @@ impl TrueView {
             None => {
                 // From where the rays enter the half-spaces.
                 let back = |&(n, h, _): &(DVec3, f64, bool)| (n.dot(p) + h) / n.dot(self.direction);
-                let entered = |p: &&(DVec3, f64, bool)| p.0.dot(self.direction) > ALONG;
+                let entered = |p: &&(DVec3, f64, bool)| p.0.dot(self.direction) > ALONG_PLANE;
                 let far = self.planes.iter().filter(entered).map(back).fold(f64::INFINITY, f64::min);
                 (far.is_finite() && far > 0.0).then(|| Sight {
                     eye: p - self.direction * far,

@@ -11,7 +11,8 @@ pub(super) const TILE: usize = 8;
 #[repr(align(64))]
 struct Tile([[f32; TILE]; TILE]);
 
-/// Pixels from the first ends to the second ones, which are excluded, and the greatest nearness there.
+/// Pixels from the first ends to the second ones, which are excluded, and the greatest nearness
+/// there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelRect {
     /// Columns.
@@ -166,8 +167,8 @@ impl DepthPyramid {
         true
     }
 
-    /// Whether the buffer is at least as near as a rectangle everywhere: by tiles, and by pixels where those leave
-    /// it open. Without pixels nothing is open.
+    /// Whether the buffer is at least as near as a rectangle everywhere: by tiles, and by pixels
+    /// where those leave it open. Without pixels nothing is open.
     pub fn hides(&mut self, rect: &PixelRect) -> bool {
         dispatch!(self.level, simd => self.hides_in(simd, rect))
     }

@@ -11,7 +11,8 @@
 //!
 //! Both are given the objects inside the frustum; finding those is not part of their time.
 //!
-//! - [`NineRays`]: the question whether a box is in sight, answered by rays to its corners and its centre.
+//! - [`NineRays`]: the question whether a box is in sight, answered by rays to its corners and its
+//!   centre.
 
 mod depth;
 mod hzb;

@@ -6,12 +6,11 @@ use obvhs::bvh2::Bvh2;
 use obvhs::ray::Ray;
 
 use super::rays::{Part, parts, tree};
+use crate::numeric::baselines::END;
 use casca_scenes::world::{Motion, Object};
 
-/// A ray ends this share of the way before its target, so that a surface on which the target lies does not hide it.
-const END: f32 = 1e-4;
-
-/// Answers whether a box is in sight by nine rays, to its corners and its centre, as games usually do.
+/// Answers whether a box is in sight by nine rays, to its corners and its centre, as games usually
+/// do.
 ///
 /// A box of which only other points are in sight is lost.
 pub struct NineRays {

@@ -5,10 +5,8 @@ use fearless_simd::{Simd, f32x8};
 use glam::{Affine3A, Vec3, Vec4};
 
 use super::depth::PixelRect;
+use crate::numeric::baselines::{BIAS, NEAR};
 use casca_scenes::world::Camera;
-
-/// A box counts as nearer by this share, so that rounding does not hide it behind its own surface.
-const BIAS: f32 = 1e-5;
 
 /// World space to pixels.
 #[derive(Clone, Copy)]
@@ -30,7 +28,7 @@ impl Screen {
         // Depth 0 for a usual projection, 1 for a reversed one, whichever lies nearer.
         let (a, b) = (p.z_axis.z, p.w_axis.z);
         let near = [b / a, b / (a + 1.0)].into_iter().filter(|z| *z > 0.0).fold(f32::INFINITY, f32::min);
-        let near = if near.is_finite() { near } else { 1e-3 };
+        let near = if near.is_finite() { near } else { NEAR };
         let matrix = camera.view_projection();
         let (width, height) = (width as f32, height as f32);
         let (x, y, w) = (matrix.row(0), matrix.row(1), matrix.row(3));
@@ -78,7 +76,8 @@ impl Boxes {
         }
     }
 
-    /// Finds the rectangles. A box across the near plane covers the screen and is nearer than anything.
+    /// Finds the rectangles. A box across the near plane covers the screen and is nearer than
+    /// anything.
     #[inline(always)]
     pub(super) fn project<S: Simd>(&mut self, simd: S, screen: &Screen) {
         self.rects.clear();

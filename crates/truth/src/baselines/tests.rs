@@ -12,7 +12,8 @@ fn scene() -> (Vec<Object>, Camera) {
         object(Shape::Box { min: Vec3::new(-half, -half, z - 0.5), max: Vec3::new(half, half, z) })
     };
     let ball = |x: f32, z: f32, radius| object(Shape::Sphere { center: Vec3::new(x, 0.0, z), radius });
-    // A wall; behind it a small ball and a wall that looks out; beside it a ball, behind that another.
+    // A wall; behind it a small ball and a wall that looks out; beside it a ball, behind that
+    // another.
     let objects = vec![
         wall(-10.0, 3.0),
         ball(0.0, -20.0, 1.0),

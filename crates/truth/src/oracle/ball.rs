@@ -2,20 +2,17 @@
 
 use glam::{DVec3, Vec3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::frustum::Frustum;
 use super::rims::{Rim, rims};
 use super::{FalseNegative, FrameVerdict, Oracle, OracleOptions};
+use crate::numeric::oracle::LEAST_IN_BALL;
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Rims of occluders that are looked past, in a frame.
 const RIMS: usize = 512;
-
-/// Random places in a ball of radius 1 lie farther than this from its middle, so that they have a direction.
-const LEAST: f64 = 1e-3;
 
 /// How much a [`BallOracle`] looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,16 +69,18 @@ enum Seen {
     Surely(BallSighting),
 }
 
-/// Finds the objects that can be seen from anywhere in balls around the eye of a camera, as far as sampled.
+/// Finds the objects that can be seen from anywhere in balls around the eye of a camera, as far as
+/// sampled.
 ///
-/// [`BallOracle::begin`] looks from the centre, [`BallOracle::look`] from eyes in a ball; balls of one frame that are asked
-/// for from the smallest to the greatest share their sightings. Of the eyes, half are on the surface of the ball beside
-/// the rims of occluders, so that they look past them; the others are anywhere on the surface or inside. The camera
-/// moves without turning, and through walls: a solid that holds an eye hides nothing from it.
+/// [`BallOracle::begin`] looks from the centre, [`BallOracle::look`] from eyes in a ball; balls of
+/// one frame that are asked for from the smallest to the greatest share their sightings. Of the
+/// eyes, half are on the surface of the ball beside the rims of occluders, so that they look past
+/// them; the others are anywhere on the surface or inside. The camera moves without turning, and
+/// through walls: a solid that holds an eye hides nothing from it.
 pub struct BallOracle {
     oracle: Oracle,
     options: BallOptions,
-    random: Pcg64Mcg,
+    random: Generator,
     camera: Option<Camera>,
     rims: Vec<Rim>,
     seen: Vec<Seen>,
@@ -94,7 +93,7 @@ impl BallOracle {
         Self {
             oracle: Oracle::new(objects, options.each),
             options,
-            random: Pcg64Mcg::seed_from_u64(options.each.seed ^ 0xba11),
+            random: generator(options.each.seed, 0xba11),
             camera: None,
             rims: Vec::new(),
             seen: Vec::new(),
@@ -102,7 +101,8 @@ impl BallOracle {
         }
     }
 
-    /// Looks from the eye of a camera. `moved` are the objects that have another shape than in the frame before.
+    /// Looks from the eye of a camera. `moved` are the objects that have another shape than in the
+    /// frame before.
     pub fn begin(&mut self, objects: &[Object], moved: &[usize], camera: &Camera) {
         self.seen.clear();
         self.seen.resize(objects.len(), Seen::Never);
@@ -132,7 +132,7 @@ impl BallOracle {
         let random = &mut self.random;
         let any = loop {
             let p = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
-            if p.length_squared() <= 1.0 && p.length() > LEAST {
+            if p.length_squared() <= 1.0 && p.length() > LEAST_IN_BALL {
                 break p;
             }
         };
@@ -218,7 +218,8 @@ impl BallOracle {
     }
 }
 
-/// The place a step of length 1 or less from a centre, in units of `reach`; rounded, but no farther than `reach`.
+/// The place a step of length 1 or less from a centre, in units of `reach`; rounded, but no farther
+/// than `reach`.
 fn within(center: Vec3, step: DVec3, reach: f64) -> Vec3 {
     let from = center.as_dvec3();
     let mut share = 1.0;
@@ -279,7 +280,8 @@ mod tests {
 
     #[test]
     fn an_object_behind_a_rim_is_seen_as_soon_as_an_eye_can_look_past_it() {
-        // The line that touches the ball and the wall's edge at (1, 0, -4.1) passes the centre at a distance of 1.49 m.
+        // The line that touches the ball and the wall's edge at (1, 0, -4.1) passes the centre at a
+        // distance of 1.49 m.
         let wall = cuboid([-6.0, -9.0, -4.1], [1.0, 9.0, -4.0]);
         let reaches = [0.5, 1.0, 1.4, 2.0];
         assert_eq!(first_seen(&[wall, ball([0.5, 0.0, -8.0], 0.02)], 1, &reaches), Some(2.0));

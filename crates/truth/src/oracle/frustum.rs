@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DMat4, DVec3};
 
+use crate::numeric::oracle::{BESIDE_EYE, NEAREST, PLANE, SURELY_INSIDE};
 use casca_scenes::world::Camera;
 
 /// An affine function of a point, given relative to the eye.
@@ -98,7 +99,7 @@ impl Frustum {
             }
         }
         if perspective {
-            frustum.near = frustum.near.max(1e-9);
+            frustum.near = frustum.near.max(NEAREST);
         }
         frustum
     }
@@ -176,7 +177,7 @@ impl Frustum {
         let a = w * w - squared * w_row.normal.length_squared();
         let b = x * w - squared * row.normal.dot(w_row.normal);
         let c = x * x - squared * row.normal.length_squared();
-        if w <= 0.0 || a <= 1e-9 * w * w {
+        if w <= 0.0 || a <= BESIDE_EYE * w * w {
             return None;
         }
         let root = (b * b - a * c).max(0.0).sqrt();
@@ -188,17 +189,16 @@ impl Frustum {
         self.contains_with_margin(point, 0.0)
     }
 
-    /// Whether `point` is in the clip volume by a margin of 1e-6, and also in
+    /// Whether `point` is in the clip volume by a margin, and also in
     /// the volume of the matrix product rounded to f32: a
     /// renderer's rounding cannot put it outside.
     pub fn surely_contains(&self, point: DVec3) -> bool {
-        const MARGIN: f64 = 1e-6;
         let clip = self.rounded * point.extend(1.0);
         let depth = self.depth(point);
-        depth >= self.near + MARGIN * (1.0 + self.near.abs())
-            && depth + MARGIN * (1.0 + depth.abs()) <= self.far
-            && self.contains_with_margin(point, MARGIN)
-            && inside(clip.x, clip.y, clip.z, clip.w, MARGIN)
+        depth >= self.near + SURELY_INSIDE * (1.0 + self.near.abs())
+            && depth + SURELY_INSIDE * (1.0 + depth.abs()) <= self.far
+            && self.contains_with_margin(point, SURELY_INSIDE)
+            && inside(clip.x, clip.y, clip.z, clip.w, SURELY_INSIDE)
     }
 
     fn contains_with_margin(&self, point: DVec3, margin: f64) -> bool {
@@ -213,7 +213,7 @@ impl Frustum {
         self.planes().all(|row| {
             let value = row.at(center);
             let reach = row.normal.abs().dot(half);
-            let slack = 1e-9 * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
+            let slack = PLANE * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
             let outside = value + reach < -slack;
             !outside
         })
@@ -225,7 +225,7 @@ impl Frustum {
         self.planes().all(|row| {
             let value = row.at(center);
             let reach = row.normal.length() * radius;
-            let slack = 1e-9 * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
+            let slack = PLANE * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
             let outside = value + reach < -slack;
             !outside
         })

@@ -5,13 +5,10 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use crate::numeric::oracle::{
+    BOX_PLACE, BOX_SIZE, CLOSE_TRIANGLE, GROW, GROW_DISTANCE, GROW_TRIANGLE, INVERSE_OF_NO_STEP, NO_STEP,
+};
 use casca_scenes::world::{Mesh, Object, Shape};
-
-/// The greatest share of its size by which a solid is grown when a ray must
-/// miss it by more than rounding.
-const GROW: f64 = 1e-7;
-/// The same as a share of the distance.
-const GROW_DISTANCE: f64 = 1e-9;
 
 /// What a ray can hit, in world space.
 #[derive(Debug, Clone, Copy)]
@@ -103,7 +100,7 @@ impl Primitive {
                     return None;
                 }
                 let scale = 1.0 / det;
-                let slack = if grown { -1e-7 } else { -1e-10 };
+                let slack = if grown { -GROW_TRIANGLE } else { -CLOSE_TRIANGLE };
                 let from = origin - a;
                 let u = from.dot(across) * scale;
                 if u < slack {
@@ -126,7 +123,7 @@ impl Primitive {
 /// with a distance of zero is zero.
 #[inline]
 pub(super) fn safe_inverse(step: DVec3) -> DVec3 {
-    let invert = |v: f64| if v.abs() < 1e-290 { 1e290 } else { 1.0 / v };
+    let invert = |v: f64| if v.abs() < NO_STEP { INVERSE_OF_NO_STEP } else { 1.0 / v };
     DVec3::new(invert(step.x), invert(step.y), invert(step.z))
 }
 
@@ -220,7 +217,7 @@ impl MeshCache {
         let half = (facts.max - facts.min) * 0.5;
         let m = transform.matrix3;
         let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-        let reach = reach * (1.0 + 1e-9) + center.abs() * 1e-12;
+        let reach = reach * (1.0 + BOX_SIZE) + center.abs() * BOX_PLACE;
         (center - reach, center + reach)
     }
 }

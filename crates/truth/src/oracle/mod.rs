@@ -29,6 +29,7 @@ use geometry::Primitive;
 pub use item_buffer::{ItemBuffer, NONE};
 pub use rays::{ProbeReport, RayOracle, Sighting};
 
+use crate::numeric::oracle::SAME_DEPTH;
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Pixels of an object through which a sighting is confirmed, at most.
@@ -145,8 +146,8 @@ impl Oracle {
         self.judge(objects, camera, true, pvs)
     }
 
-    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as it was drawn for this
-    /// camera, and by rays, or by rays alone.
+    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as
+    /// it was drawn for this camera, and by rays, or by rays alone.
     fn judge(
         &mut self,
         objects: &[Object],
@@ -269,7 +270,7 @@ impl Oracle {
                 .filter(|&pixel| {
                     let (origin, step) = self.buffer.pixel_ray(frustum, pixel);
                     enter_shape(shape, origin, step)
-                        .is_some_and(|t| near + t <= self.buffer.depths()[pixel] + 1e-9)
+                        .is_some_and(|t| near + t <= self.buffer.depths()[pixel] + SAME_DEPTH)
                 })
                 .collect()
         };

@@ -3,18 +3,15 @@
 use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::frustum::{Frustum, Viewpoint};
 use super::geometry::{MeshCache, primitive_count};
 use super::sample::Sampler;
 use super::tree::{Part, Place, REFITS, Tree};
+use crate::numeric::oracle::{END, PAST_END};
+use casca_scenes::random::{generator, spread};
 use casca_scenes::world::{Object, Shape};
-
-/// Hits this near the target, as a share of the way, do not hide it.
-const END: f64 = 1e-6;
 
 /// A point of an object that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,8 +134,8 @@ impl RayOracle {
         self.blocker(&segment).is_some()
     }
 
-    /// Whether an occluder hides a point of the mesh `object`. The triangles of the mesh that `own` tells hold the point, and do not hide
-    /// it, nor does a hit in the last 1e-6 of the way.
+    /// Whether an occluder hides a point of the mesh `object`. The triangles of the mesh that `own`
+    /// tells hold the point, and do not hide it, nor does a hit in the last 1e-6 of the way.
     pub fn hides_point(&self, eye: DVec3, point: DVec3, object: usize, own: impl Fn(usize) -> bool) -> bool {
         let step = point - eye;
         let own = |part: &Part| part.object as usize == object && own(part.triangle as usize);
@@ -172,8 +169,8 @@ impl RayOracle {
         self.blocker(&sure_segment(origin, target, own, own_is_mesh)).is_none()
     }
 
-    /// Whether a camera sees a point of space, which is on no object, beyond the doubt of rounding, as in
-    /// [`Self::probe_camera`].
+    /// Whether a camera sees a point of space, which is on no object, beyond the doubt of rounding,
+    /// as in [`Self::probe_camera`].
     pub fn surely_shows(&self, frustum: &Frustum, point: DVec3) -> bool {
         frustum.surely_contains(point)
             && self.surely_sees(frustum.start(point), point, u32::MAX as usize, false)
@@ -253,8 +250,8 @@ impl RayOracle {
     ) -> (u64, Option<Sighting>) {
         let shape = &objects[object].shape;
         let Some(mut sampler) = Sampler::new(shape, viewpoint, &self.meshes) else { return (0, None) };
-        let mixed = (seed ^ (object as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_add(object as u64);
-        let mut random = Pcg64Mcg::seed_from_u64(mixed);
+        let mixed = (seed ^ spread(object as u64)).wrapping_add(object as u64);
+        let mut random = generator(mixed, 0);
         let is_mesh = matches!(shape, Shape::Mesh { .. });
         // What hid the last point often hides the next.
         let mut last: Option<(bool, u32)> = None;
@@ -289,7 +286,7 @@ fn sure_segment(origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> 
         step: target - origin,
         own: own as u32,
         grown: true,
-        end: 1.0 + 1e-9,
+        end: 1.0 + PAST_END,
         own_end: if own_is_mesh { 1.0 - END } else { 0.0 },
     }
 }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::frustum::Frustum;
 use super::item_buffer::ItemBuffer;
+use casca_scenes::random::Generator;
 
 /// Depths that differ by a smaller share belong to one surface.
 const STEP: f64 = 0.01;
@@ -19,9 +19,9 @@ pub(super) struct Rim {
     pub(super) out: DVec3,
 }
 
-/// Points at rims that an item buffer shows, at most so many. Nearer rims, and those with more room behind them, come
-/// more often: an eye that moves sees more past them.
-pub(super) fn rims(buffer: &ItemBuffer, frustum: &Frustum, most: usize, random: &mut Pcg64Mcg) -> Vec<Rim> {
+/// Points at rims that an item buffer shows, at most so many. Nearer rims, and those with more room
+/// behind them, come more often: an eye that moves sees more past them.
+pub(super) fn rims(buffer: &ItemBuffer, frustum: &Frustum, most: usize, random: &mut Generator) -> Vec<Rim> {
     let (width, items, depths) = (buffer.width(), buffer.items(), buffer.depths());
     let mut kept: Vec<(f64, usize, usize)> = Vec::new();
     let mut offer = |a: usize, b: usize| {

@@ -2,10 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::frustum::Viewpoint;
 use super::geometry::{MeshCache, corners};
+use crate::numeric::oracle::{LEAST_AREA, OFF_RIM, OUTSIDE_SPHERE};
+use casca_scenes::random::Generator;
 use casca_scenes::world::{Mesh, Shape};
 
 /// Draws points on an object.
@@ -46,7 +47,7 @@ impl<'a> Sampler<'a> {
                     Viewpoint::Direction(_) => 0.0,
                 };
                 // Not written as a plain comparison so that NaN is left out.
-                if !(radius > 0.0 && distance > 0.0 && rim < 1.0 - 1e-9) {
+                if !(radius > 0.0 && distance > 0.0 && rim < 1.0 - OUTSIDE_SPHERE) {
                     return None;
                 }
                 let axis = towards / distance;
@@ -74,7 +75,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The next point; `attempt` counts up from 0. None if this one failed.
-    pub(super) fn point(&mut self, attempt: usize, random: &mut Pcg64Mcg) -> Option<DVec3> {
+    pub(super) fn point(&mut self, attempt: usize, random: &mut Generator) -> Option<DVec3> {
         match *self {
             Self::Sphere { center, radius, axis, across, rim } => {
                 let share: f64 = random.random();
@@ -82,7 +83,7 @@ impl<'a> Sampler<'a> {
                     // Anywhere on the visible cap.
                     0 => rim + (1.0 - rim) * share,
                     // In rings ever nearer to the silhouette.
-                    ring => rim + (1.0 - rim) * share * 0.05_f64.powi(ring as i32) + 1e-12,
+                    ring => rim + (1.0 - rim) * share * 0.05_f64.powi(ring as i32) + OFF_RIM,
                 };
                 let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
                 let (s, c) = (random.random::<f64>() * std::f64::consts::TAU).sin_cos();
@@ -91,7 +92,7 @@ impl<'a> Sampler<'a> {
             }
             Self::Box { min, size, faces } => {
                 let areas = [size.y * size.z, size.z * size.x, size.x * size.y];
-                let weights = [0, 1, 2].map(|i| if faces[i] == 0 { 0.0 } else { areas[i] + 1e-30 });
+                let weights = [0, 1, 2].map(|i| if faces[i] == 0 { 0.0 } else { areas[i] + LEAST_AREA });
                 let mut pick = random.random::<f64>() * (weights[0] + weights[1] + weights[2]);
                 let mut axis = (0..3).rev().find(|&i| faces[i] != 0)?;
                 for i in 0..3 {

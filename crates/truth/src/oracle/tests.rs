@@ -1,12 +1,10 @@
 use std::sync::Arc;
-use std::time::Instant;
 
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 
 use super::*;
+use casca_scenes::random::generator;
 use casca_scenes::world::{Mesh, Motion};
 
 fn object(shape: Shape) -> Object {
@@ -295,7 +293,7 @@ fn clip_volumes_are_the_same_for_all_depths_conventions() {
             1e9,
         ),
     ];
-    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let mut random = generator(5, 0);
     for (camera, far) in cameras {
         let frustum = Frustum::new(&camera);
         assert!((frustum.near() - 0.5).abs() < 1e-5, "{}", frustum.near());
@@ -324,7 +322,7 @@ fn clip_volumes_are_the_same_for_all_depths_conventions() {
 }
 
 fn random_scene(count: usize, size: f32, extent: f32, seed: u64) -> Vec<Object> {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut random = generator(seed, 0);
     let mut near = |scale: f32| {
         Vec3::new(
             random.random_range(-1.0..1.0) * scale,
@@ -434,7 +432,7 @@ fn sightings_and_pixels_agree_on_what_is_seen() {
 fn first_hits_agree_with_a_test_of_all_objects() {
     let mut objects = random_scene(300, 2.0, 20.0, 4);
     let mut oracle = RayOracle::new(&objects);
-    let mut random = Pcg64Mcg::seed_from_u64(6);
+    let mut random = generator(6, 0);
     for round in 0..12 {
         // Moves some, refits, and at times builds anew.
         let moved: Vec<usize> = (0..objects.len()).filter(|i| i % 4 == 0).collect();
@@ -532,19 +530,6 @@ fn odd_input_is_survived() {
     assert_eq!(empty.frame(&[], &[], &ahead(), &|_| false).exact, Vec::<usize>::new());
 }
 
-/// Best and median of some runs, in milliseconds.
-fn time(name: &str, mut run: impl FnMut()) {
-    let mut times: Vec<f64> = (0..9)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    println!("{name}: best {:.1} ms, median {:.1} ms", times[0], times[4]);
-}
-
 fn uv_sphere(rings: u32) -> Mesh {
     let columns = rings * 2;
     let mut mesh = Mesh::default();
@@ -564,114 +549,4 @@ fn uv_sphere(rings: u32) -> Mesh {
         }
     }
     mesh
-}
-
-/// Speeds; run with `--release -- --ignored --nocapture`.
-#[test]
-#[ignore = "measures time"]
-fn speeds() {
-    let mut random = Pcg64Mcg::seed_from_u64(1);
-    let camera = Camera::look_at(Vec3::ZERO, Vec3::new(0.3, 0.1, -1.0), 60.0, 16.0 / 9.0, 0.1, 300.0);
-    let mut full = ItemBuffer::new(1920, 1080);
-    let mut make = |count: usize, radius: f32| -> Vec<Object> {
-        (0..count)
-            .map(|_| {
-                let mut at = || random.random_range(-1.0_f32..1.0);
-                let c = Vec3::new(at() * 50.0, at() * 30.0, at() * 50.0);
-                let c = if c.length() < 4.0 { c + Vec3::X * 10.0 } else { c };
-                sphere(c.x, c.y, c.z, radius * (1.0 + 0.5 * at()))
-            })
-            .collect()
-    };
-    let spheres = make(5000, 1.6);
-    time("5,000 spheres, pixels", || full.render(&spheres, &camera));
-    let boxes: Vec<Object> = spheres
-        .iter()
-        .map(|object| {
-            let Shape::Sphere { center, radius } = object.shape else { unreachable!() };
-            cuboid((center - radius).to_array(), (center + radius).to_array())
-        })
-        .collect();
-    time("5,000 boxes, pixels", || full.render(&boxes, &camera));
-    let shared = Arc::new(uv_sphere(36));
-    let meshes: Vec<Object> = make(50, 5.0)
-        .into_iter()
-        .map(|o| {
-            let Shape::Sphere { center, radius } = o.shape else { unreachable!() };
-            let transform = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
-            object(Shape::Mesh { mesh: Arc::clone(&shared), transform })
-        })
-        .collect();
-    let room = object(Shape::Mesh {
-        mesh: Arc::new(uv_sphere(256)),
-        transform: Affine3A::from_scale(Vec3::new(60.0, 30.0, 60.0)),
-    });
-    println!("{} triangles each", shared.triangles.len());
-    time("50 meshes of 5,184 triangles, pixels", || full.render(&meshes, &camera));
-    time("a room of 262,144 triangles around the eye, pixels", || {
-        full.render(std::slice::from_ref(&room), &camera);
-    });
-    let dense = object(Shape::Mesh {
-        mesh: Arc::new(uv_sphere(256)),
-        transform: Affine3A::from_translation(Vec3::new(4.0, 1.0, -15.0))
-            * Affine3A::from_scale(Vec3::splat(6.0)),
-    });
-    time("a ball of 262,144 triangles in view, pixels", || {
-        full.render(std::slice::from_ref(&dense), &camera)
-    });
-
-    let mut outside = vec![room, dense];
-    outside.extend(make(20_000, 0.3).into_iter().map(|mut object| {
-        let Shape::Sphere { center, .. } = &mut object.shape else { unreachable!() };
-        *center *= 3.0;
-        object
-    }));
-    for (name, objects) in
-        [("spheres", make(100_000, 1.0)), ("boxes", boxes), ("meshes", meshes), ("around a room", outside)]
-    {
-        let start = Instant::now();
-        let oracle = RayOracle::new(&objects);
-        println!("{name}: build {:.1} ms", start.elapsed().as_secs_f64() * 1e3);
-        let frustum = Frustum::new(&camera);
-        full.render(&objects, &camera);
-        let mut candidates: Vec<usize> = (0..objects.len()).filter(|&i| full.visible()[i] == 0).collect();
-        let start = Instant::now();
-        let report = oracle.probe(&objects, DVec3::ZERO, &candidates, 16, 1, |_| true);
-        let seconds = start.elapsed().as_secs_f64();
-        println!(
-            "{name}: all round {} candidates, {} rays, {} seen, {:.2} M rays/s",
-            candidates.len(),
-            report.rays,
-            report.seen.len(),
-            report.rays as f64 / seconds * 1e-6
-        );
-        candidates.retain(|&i| {
-            let (min, max) = oracle.meshes.bounds(&objects[i].shape);
-            frustum.may_meet_box(min, max)
-        });
-        let start = Instant::now();
-        let report = oracle.probe_camera(&objects, &frustum, &candidates, 16, 1);
-        let seconds = start.elapsed().as_secs_f64();
-        println!(
-            "{name}: camera {} rays, {} seen, {:.2} M rays/s",
-            report.rays,
-            report.seen.len(),
-            report.rays as f64 / seconds * 1e-6
-        );
-    }
-    let mut crowd: Vec<Object> = make(100_000, 1.0).into_iter().map(dynamic).collect();
-    let all: Vec<usize> = (0..crowd.len()).collect();
-    let mut oracle = Oracle::new(&crowd, OracleOptions { samples_per_object: 8, ..OracleOptions::default() });
-    let pvs = oracle.frame(&crowd, &[], &camera, &|_| true).exact;
-    let verdict = oracle.frame(&crowd, &[], &camera, &|i| pvs.binary_search(&i).is_ok());
-    println!("{} visible, {} candidates, {} rays", pvs.len(), verdict.candidates, verdict.rays);
-    time("100,000 moving spheres, update and frame", || {
-        for object in &mut crowd {
-            let Shape::Sphere { center, .. } = &mut object.shape else { unreachable!() };
-            center.x += 0.01;
-        }
-        let verdict = oracle.frame(&crowd, &all, &camera, &|i| pvs.binary_search(&i).is_ok());
-        assert!(!verdict.exact.is_empty());
-    });
-    time("100,000 moving spheres, update", || oracle.rays.update(&crowd, &all));
 }

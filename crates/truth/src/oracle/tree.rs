@@ -12,6 +12,7 @@ use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
 use super::geometry::{Primitive, primitive_count};
+use crate::numeric::oracle::{BOX_F32, LEAST_SCALE, RAY_F32};
 
 /// Refits of the moving part before it is built anew.
 pub(super) const REFITS: u32 = 8;
@@ -119,7 +120,7 @@ impl Tree {
         let mut start = origin;
         let mut way = length * end;
         // Far away the coordinates of f32 are too coarse.
-        let reach = 2.0 * self.scale + 1e-3;
+        let reach = 2.0 * self.scale + LEAST_SCALE;
         if start.abs().max_element() > reach {
             let inverse = super::geometry::safe_inverse(direction);
             let (a, b) = ((-reach - start) * inverse, (reach - start) * inverse);
@@ -131,7 +132,7 @@ impl Tree {
             start += direction * enter;
             way -= enter;
         }
-        let way = way * (1.0 + 1e-5) + 1e-5 * reach;
+        let way = way * (1.0 + RAY_F32) + RAY_F32 * reach;
         let start = start.as_vec3a();
         start.is_finite().then(|| Ray::new(start, direction.as_vec3a(), 0.0, way as f32))
     }
@@ -162,7 +163,7 @@ impl Tree {
         let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
         let length = step.length();
         let shift = (origin - ray.origin.as_dvec3()).length();
-        let slack = 1e-5 * (self.scale + 1e-3);
+        let slack = RAY_F32 * (self.scale + LEAST_SCALE);
         self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let part = &self.parts[i];
             if let Some(t) = part.shape.enter(origin, step, false) {
@@ -172,7 +173,9 @@ impl Tree {
                 }
             }
             // Nothing behind this needs to be looked at.
-            best.map_or(f32::INFINITY, |(_, t)| ((t * length - shift).max(0.0) * (1.0 + 1e-5) + slack) as f32)
+            best.map_or(f32::INFINITY, |(_, t)| {
+                ((t * length - shift).max(0.0) * (1.0 + RAY_F32) + slack) as f32
+            })
         });
     }
 }
@@ -187,6 +190,6 @@ pub(super) fn scale_of(parts: &[Part]) -> f64 {
 /// The box of a primitive, widened against rounding of f32 rays.
 pub(super) fn wide_box(shape: &Primitive, scale: f64) -> Aabb {
     let (min, max) = shape.bounds();
-    let margin = DVec3::splat(4e-6 * (scale + 1e-3));
+    let margin = DVec3::splat(BOX_F32 * (scale + LEAST_SCALE));
     Aabb::new((min - margin).as_vec3a(), (max + margin).as_vec3a())
 }

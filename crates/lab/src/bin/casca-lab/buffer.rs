@@ -1,12 +1,13 @@
-//! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one thread.
+//! The cost of a sampled occlusion buffer, and the presets of the default method beside it, on one
+//! thread.
 
-use casca_lab::lab::LabError;
-use casca_lab::lab::buffer::{BufferCost, Effort, PRESETS, Score, measure};
-use casca_scenes::generated::{SceneKind, SceneOptions};
-use casca_scenes::name::SceneName;
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::buffer::{BufferCost, PRESETS, Sampling, Score, measure};
+use casca_scenes::generated::SceneKind;
 use casca_stage::command_line::{EXIT_CODES, Outcome, say};
 use clap::{Parser, value_parser};
 
+use crate::arguments::{Repeats, WalkArguments, Width, default_to};
 use crate::limits::{FRAMES, WIDTHS};
 use crate::progress;
 
@@ -14,33 +15,23 @@ use crate::progress;
 #[derive(Debug, Parser)]
 #[command(
     about = "Times a sampled occlusion buffer, a triangle and a box, beside the default method and its presets",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("frames", default_to("150")),
+    mut_arg("width", default_to("2560"))
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: all procedural ones]
-    #[arg(long, value_delimiter = ',')]
-    scenes: Vec<SceneName>,
+    #[command(flatten)]
+    walks: WalkArguments,
     /// Width of the buffer in pixels, 16 to 16384; it is 16:9
     #[arg(long, default_value_t = 320, value_parser = value_parser!(u32).range(WIDTHS))]
     pixels: u32,
-    /// Frames of each walk that are measured, evenly spread
-    #[arg(long, default_value_t = 150, value_parser = value_parser!(u32).range(FRAMES))]
-    frames: u32,
-    /// How many of those are compared with exact visibility
+    /// How many of the frames are compared with exact visibility
     #[arg(long, default_value_t = 30, value_parser = value_parser!(u32).range(FRAMES))]
     judged: u32,
-    /// Times each frame is measured; the least counts
-    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
-    repeats: u32,
-    /// Width of the item buffer that finds the visible objects, 16 to 16384
-    #[arg(long, default_value_t = 2560, value_parser = value_parser!(u32).range(WIDTHS))]
-    width: u32,
-    /// Seed of procedural scenes
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// No progress bar
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    repeats: Repeats,
+    #[command(flatten)]
+    width: Width,
 }
 
 fn print(cost: &BufferCost) {
@@ -70,16 +61,12 @@ fn print(cost: &BufferCost) {
 
 /// Measures and prints.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let names = match &options.scenes[..] {
-        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
-        given => given.to_vec(),
-    };
-    names.iter().try_for_each(SceneName::check)?;
-    let effort = Effort {
-        frames: options.frames as usize,
+    let names = options.walks.scenes_or(&SceneKind::ALL, Vec::new())?;
+    let sampling = Sampling {
+        frames: options.walks.frames as usize,
         judged: options.judged as usize,
-        repeats: options.repeats as usize,
-        width: options.width as usize,
+        repeats: options.repeats.repeats as usize,
+        width: options.width.width as usize,
     };
     let size = (options.pixels as usize, (options.pixels as usize * 9).div_ceil(16));
     say(format_args!(
@@ -88,10 +75,10 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         size.0, size.1
     ));
     for name in &names {
-        let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
-        let frames = effort.frames.min(world.frames);
-        let bar = progress::bar(options.quiet, frames, &world.name, "frame");
-        let cost = measure(world, size, &effort, |done| bar.set_position(done as u64))?;
+        let world = options.walks.open(name)?;
+        let frames = sampling.frames.min(world.frames);
+        let bar = progress::bar(options.walks.common.quiet, frames, &world.name, "frame");
+        let cost = measure(world, size, &sampling, |done| bar.set_position(done as u64))?;
         bar.finish_and_clear();
         print(&cost);
     }

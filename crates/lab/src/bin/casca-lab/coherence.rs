@@ -1,13 +1,12 @@
 //! A walking camera, and the ways to answer its frames side by side.
 
-use casca_lab::lab::LabError;
-use casca_lab::lab::coherence::{Effort, MOVERS, SCENES, WalkScore, measure, table};
-use casca_scenes::generated::SceneOptions;
-use casca_scenes::name::SceneName;
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::coherence::{MOVERS, SCENES, Sampling, WalkScore, measure, table};
 use casca_stage::command_line::{EXIT_CODES, Outcome, say};
 use clap::{Parser, value_parser};
 
-use crate::limits::{FRAMES, WIDTHS};
+use crate::arguments::{WalkArguments, Width, about, default_to};
+use crate::limits::FRAMES;
 use crate::progress;
 use crate::report::files_in;
 
@@ -18,45 +17,37 @@ const MOST_MOVERS: i64 = 1_000_000;
 #[derive(Debug, Parser)]
 #[command(
     about = "Times the frames of a walking camera, by each way to answer them, and checks the answers",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("scenes", |a| a.help("Scenes: procedural ones or glTF files [default: city, rooms, town and the files in ../shared/scenes]")),
+    mut_arg("frames", about("600", "Frames of a walk, at 60 a second")),
+    mut_arg("width", default_to("1280"))
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: city, rooms, town and the files in ../shared/scenes]
-    #[arg(long, value_delimiter = ',')]
-    scenes: Vec<SceneName>,
+    #[command(flatten)]
+    walks: WalkArguments,
     /// Objects that move, one run for each number
     #[arg(long, value_delimiter = ',', default_values_t = MOVERS.map(|n| n as u32),
         value_parser = value_parser!(u32).range(0..=MOST_MOVERS))]
     movers: Vec<u32>,
-    /// Frames of a walk, at 60 a second
-    #[arg(long, default_value_t = 600, value_parser = value_parser!(u32).range(FRAMES))]
-    frames: u32,
     /// Places along the path of the scene in which these frames are walked
     #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
     stretches: u32,
     /// One frame of so many is compared with exact visibility
     #[arg(long, default_value_t = 7, value_parser = value_parser!(u32).range(FRAMES))]
     judge: u32,
-    /// Width of the item buffer that finds the visible objects, 16 to 16384
-    #[arg(long, default_value_t = 1280, value_parser = value_parser!(u32).range(WIDTHS))]
-    width: u32,
-    /// Seed of procedural scenes, movers and rays
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// No progress bar
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    width: Width,
 }
 
 impl Options {
-    fn effort(&self) -> Effort {
-        Effort {
-            frames: self.frames as usize,
+    fn sampling(&self) -> Sampling {
+        Sampling {
+            frames: self.walks.frames as usize,
             stretches: self.stretches as usize,
             judge: self.judge as usize,
-            width: self.width as usize,
+            width: self.width.width as usize,
             rays: 4,
-            seed: self.seed,
+            seed: self.walks.common.seed,
         }
     }
 }
@@ -72,14 +63,7 @@ fn print(score: &WalkScore) {
 
 /// Walks, prints, and tells whether an answer was wrong.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let names = match &options.scenes[..] {
-        [] => {
-            let files = files_in("../shared/scenes").into_iter().map(SceneName::File);
-            SCENES.into_iter().map(SceneName::Built).chain(files).collect()
-        }
-        given => given.to_vec(),
-    };
-    names.iter().try_for_each(SceneName::check)?;
+    let names = options.walks.scenes_or(&SCENES, files_in("../shared/scenes"))?;
     say(
         "ms: mean time of a frame. mean, median, p99 and found: over those of `fresh`. wrong: visible objects that are missing. update: begin_frame, \
          update and end_frame.\n",
@@ -87,10 +71,15 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let mut wrong = 0;
     for name in &names {
         for &movers in &options.movers {
-            let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
-            let bar = progress::bar(options.quiet, options.frames as usize, &world.name, "frame");
+            let world = options.walks.open(name)?;
+            let bar = progress::bar(
+                options.walks.common.quiet,
+                options.walks.frames as usize,
+                &world.name,
+                "frame",
+            );
             let score =
-                measure(world, movers as usize, &options.effort(), |done| bar.set_position(done as u64))?;
+                measure(world, movers as usize, &options.sampling(), |done| bar.set_position(done as u64))?;
             bar.finish_and_clear();
             print(&score);
             wrong += score.ways.iter().map(|w| w.wrong).sum::<usize>();

@@ -1,20 +1,20 @@
 //! A procedural scene as a level in a file.
 
-use std::path::PathBuf;
-
 use casca_scenes::export;
 use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_stage::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
-use crate::Failure;
+use crate::arguments::{Out, about};
+use crate::failure::Failure;
 use crate::limits::FRAMES;
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Writes a procedural scene as a glTF 2.0 file (.glb), which `walk --scene` opens",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/level/level.glb", "The file"))
 )]
 pub struct Options {
     /// A procedural scene, as `walk` takes it
@@ -26,24 +26,23 @@ pub struct Options {
     /// Seed of the scene
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The file
-    #[arg(long, default_value = "target/level/level.glb")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: Out,
 }
 
 /// Writes the file.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
-    try_writing(&options.out)?;
+    try_writing(&options.out.out)?;
     let scene_options =
         SceneOptions { seed: options.seed, frames: options.frames as usize, ..SceneOptions::default() };
     let mut world = generated::build(options.scene, &scene_options);
-    export::save(&mut world, &options.out)?;
+    export::save(&mut world, &options.out.out)?;
     say(format_args!(
         "{}: {} objects and {} frames in {}",
         world.name,
         world.objects.len(),
         world.frames,
-        options.out.display()
+        options.out.out.display()
     ));
     Ok(Outcome::Well)
 }

@@ -1,46 +1,28 @@
 //! Light by voxels against a path tracer, as charts (SVG), pictures (PNG), tables (CSV) and a page.
 
-use std::path::PathBuf;
-
-use casca_lab::lab::LabError;
-use casca_lab::lab::light::{HEAD, light};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::light::{HEAD, light};
 use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
+use crate::arguments::{PageArguments, about};
 use crate::page::Page;
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Compares light that is gathered from voxels with a path tracer",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/light", "Where the page goes, and its folder of charts, pictures and tables"))
 )]
 pub struct Options {
-    /// A smoke run, whose figures mean nothing
-    #[arg(long)]
-    quick: bool,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the page goes, and its folder of charts and tables
-    #[arg(long, default_value = "target/light")]
-    out: PathBuf,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    page: PageArguments,
 }
 
 /// Measures, prints the tables and writes charts, pictures, tables and page.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let page = Page {
-        head: HEAD,
-        files: Vec::new(),
-        feature: "light",
-        command: if options.quick { "light --quick" } else { "light" },
-        out: &options.out,
-        quick: options.quick,
-        seed: options.seed,
-        quiet: options.quiet,
-    };
+    let command = options.page.command("light");
+    let page = Page { feature: "light", ..options.page.page(HEAD, &command) };
     page.make("light", |lab| Ok((light(lab)?, Outcome::Well)))
 }

@@ -1,14 +1,16 @@
 //! The command line of casca's test scenes: walks checked against exact visibility, measurements,
 //! the report, prepared meshes and levels in files.
 //!
-//! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the commands.
-//! `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and `report` are built with `--features experiments`,
-//! and `light` with `--features light`.
+//! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
+//! commands. `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and
+//! `report` are built with `--features experiments`, and `light` with `--features light`.
 
+mod arguments;
 #[cfg(feature = "experiments")]
 mod buffer;
 #[cfg(feature = "experiments")]
 mod coherence;
+mod failure;
 mod level;
 #[cfg(feature = "light")]
 mod light;
@@ -33,15 +35,13 @@ mod sight;
 mod tradeoff;
 mod walk;
 
-use std::error::Error;
 use std::process::ExitCode;
 
 use casca_stage::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Why a command failed.
-type Failure = Box<dyn Error + Send + Sync>;
+use failure::Failure;
 
 /// Where the commands are that are not always built.
 const MORE: &str = if cfg!(feature = "experiments") {

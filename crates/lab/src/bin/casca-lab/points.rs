@@ -1,12 +1,14 @@
-//! Errors and times of the operators on point clouds, as charts (SVG), pictures (PNG), tables (CSV) and a page.
+//! Errors and times of the operators on point clouds, as charts (SVG), pictures (PNG), tables (CSV)
+//! and a page.
 
 use std::path::PathBuf;
 
-use casca_lab::lab::LabError;
-use casca_lab::lab::points::{Effort, HEAD, points};
-use casca_stage::command_line::{EXIT_CODES, Outcome};
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::points::{HEAD, points};
+use casca_stage::command_line::{EXIT_CODES, Outcome, say};
 use clap::Parser;
 
+use crate::arguments::{SizedPage, about};
 use crate::page::Page;
 use crate::report::files_in;
 
@@ -14,36 +16,20 @@ use crate::report::files_in;
 #[derive(Debug, Parser)]
 #[command(
     about = "Errors and times of the operators on point clouds, beside clouds whose truth is known",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/points", "Where the page goes, and its folder of charts, pictures and tables")),
+    mut_arg("full", |a| a.help("Hulls of ten million points and splats of a hundred million: takes some GB of memory"))
 )]
 pub struct Options {
     /// glTF files that are sampled, too [default: the files in ../shared/scenes]
     #[arg(long, value_delimiter = ',')]
     files: Option<Vec<PathBuf>>,
-    /// Hulls of ten million points and splats of a hundred million: takes some GB of memory
-    #[arg(long, conflicts_with = "quick")]
-    full: bool,
-    /// A smoke run, whose figures mean nothing
-    #[arg(long)]
-    quick: bool,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the page goes, and its folder of charts, pictures and tables
-    #[arg(long, default_value = "target/points")]
-    out: PathBuf,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    sized: SizedPage,
 }
 
 /// Measures, prints the tables, and writes charts, pictures, tables and page.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let effort = match (options.full, options.quick) {
-        (true, _) => Effort::Full,
-        (_, true) => Effort::Quick,
-        _ => Effort::Short,
-    };
     let files = options.files.clone().unwrap_or_else(|| {
         let mut files = files_in("../shared/scenes");
         // The same triangles as in sponza.glb.
@@ -51,19 +37,11 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
         files
     });
     if files.is_empty() {
-        eprintln!("skipped: no files to sample");
+        say("skipped: no files to sample");
     }
-    let page = Page {
-        head: HEAD,
-        files,
-        feature: "experiments",
-        command: if options.full { "points --full" } else { "points" },
-        out: &options.out,
-        quick: options.quick,
-        seed: options.seed,
-        quiet: options.quiet,
-    };
-    page.make("points", |lab| Ok((points(lab, effort)?, ())))?;
+    let command = options.sized.command("points");
+    let page = Page { files, ..options.sized.page.page(HEAD, &command) };
+    page.make("points", |lab| Ok((points(lab, options.sized.effort())?, ())))?;
     Ok(Outcome::Well)
 }
 

@@ -11,26 +11,29 @@ use std::time::Duration;
 
 use casca::{FileError, MeshOptions, TriMesh};
 use casca_scenes::import;
-use casca_scenes::measure::timed;
+use casca_scenes::measure::timed_by_wall;
 use casca_scenes::world::{Mesh, Shape};
 use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 
-use crate::{Failure, progress};
+use crate::arguments::{Out, about};
+use crate::failure::Failure;
+use crate::progress;
 
 /// The options.
 #[derive(Debug, Parser)]
-#[command(about = "Prepares meshes, saves them, and reads them back", after_help = EXIT_CODES, allow_negative_numbers = true)]
+#[command(about = "Prepares meshes, saves them, and reads them back", after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/prepare/meshes.casca", "Where the prepared meshes go")))]
 pub struct Options {
     /// A glTF 2.0 file (.glb or .gltf) [default: a mesh made here]
     input: Option<PathBuf>,
-    /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's diagonal]
+    /// How far outlines may leave the edges of triangles [default: a 2000th of each mesh's
+    /// diagonal]
     #[arg(long, value_parser = parse_length)]
     tolerance: Option<f32>,
-    /// Where the prepared meshes go
-    #[arg(long, default_value = "target/prepare/meshes.casca")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: Out,
     /// No progress bar
     #[arg(long)]
     quiet: bool,
@@ -150,16 +153,17 @@ fn compare(meshes: &[(String, Arc<Mesh>)], prepared: &[TriMesh], loaded: &[TriMe
 /// Prepares the meshes, writes them, reads them back and compares.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // Large meshes take a while: what cannot be written is said before it.
-    try_writing(&options.out)?;
+    try_writing(&options.out.out)?;
     let meshes = match &options.input {
         Some(path) => meshes_of(path)?,
         None => rocks(),
     };
-    let (prepared, preparing) = timed(|| prepare(&meshes, options));
+    // Several threads may prepare meshes, and files are waited for.
+    let (prepared, preparing) = timed_by_wall(|| prepare(&meshes, options));
     let prepared = prepared?;
-    let (saved, saving) = timed(|| save(&options.out, &prepared));
-    saved.map_err(PathError::write(&options.out))?;
-    let (loaded, loading) = timed(|| load(&options.out));
+    let (saved, saving) = timed_by_wall(|| save(&options.out.out, &prepared));
+    saved.map_err(PathError::write(&options.out.out))?;
+    let (loaded, loading) = timed_by_wall(|| load(&options.out.out));
     compare(&meshes, &prepared, &loaded?)?;
 
     let row = |name: &str, value: String| say(format_args!("{name:<26}{value:>12}"));
@@ -170,14 +174,17 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
     row("triangles", triangles(&meshes).to_string());
     row("patches kept of them", sum(TriMesh::patches));
     row("sides of their outlines", sum(TriMesh::sides));
-    row("bytes", std::fs::metadata(&options.out).map_err(PathError::read(&options.out))?.len().to_string());
+    row(
+        "bytes",
+        std::fs::metadata(&options.out.out).map_err(PathError::read(&options.out.out))?.len().to_string(),
+    );
     row("preparing", seconds(preparing));
     row("saving", seconds(saving));
     row("loading", seconds(loading));
     if prepared.is_empty() {
         return Ok(Outcome::NothingChecked);
     }
-    say(format_args!("\nall meshes are the same after loading: {}", options.out.display()));
+    say(format_args!("\nall meshes are the same after loading: {}", options.out.out.display()));
     Ok(Outcome::Well)
 }
 

@@ -1,78 +1,49 @@
 //! Sets for eyes that may go some way, as charts (SVG), tables (CSV) and a page.
 
-use std::path::PathBuf;
-
-use casca_lab::lab::reach::{Effort, ReachScore, measure, section};
-use casca_lab::lab::{HEAD, LabError};
+use casca_lab::experiments::reach::{ReachScore, Sampling, measure, section};
+use casca_lab::experiments::{HEAD, LabError};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
 use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
-use crate::page::Page;
+use crate::arguments::{SizedPage, about, scenes_or};
 use crate::report::files_in;
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Charts sets for eyes that may go some way, and checks them against all that such eyes see",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/reach", "Where the page goes, and its folder of charts, pictures and tables")),
+    mut_arg("full", |a| a.help("More frames, and an item buffer for every eye: takes an hour"))
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: all procedural ones and the files in ../shared/scenes]
+    /// Scenes: procedural ones or glTF files [default: all procedural ones and the files in
+    /// ../shared/scenes]
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<SceneName>,
-    /// More frames, and an item buffer for every eye: takes an hour
-    #[arg(long, conflicts_with = "quick")]
-    full: bool,
-    /// A smoke run, whose figures mean nothing
-    #[arg(long)]
-    quick: bool,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the page goes, and its folder of charts and tables
-    #[arg(long, default_value = "target/reach")]
-    out: PathBuf,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    sized: SizedPage,
 }
 
-/// Measures, prints the tables, writes charts, tables and page, and tells whether a set lacked something.
+/// Measures, prints the tables, writes charts, tables and page, and tells whether a set lacked
+/// something.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let names = match &options.scenes[..] {
-        [] => {
-            let built = SceneKind::ALL.into_iter().map(SceneName::Built);
-            built.chain(files_in("../shared/scenes").into_iter().map(SceneName::File)).collect()
-        }
-        given => given.to_vec(),
-    };
-    names.iter().try_for_each(SceneName::check)?;
-    let (effort, size) = match (options.full, options.quick) {
-        (true, _) => (Effort::full(options.seed), " --full"),
-        (_, true) => (Effort::quick(options.seed), " --quick"),
-        _ => (Effort::short(options.seed), ""),
-    };
-    let page = Page {
-        head: HEAD,
-        files: Vec::new(),
-        feature: "experiments",
-        command: &format!("reach{size}"),
-        out: &options.out,
-        quick: options.quick,
-        seed: options.seed,
-        quiet: options.quiet,
-    };
+    let names = scenes_or(&options.scenes, &SceneKind::ALL, files_in("../shared/scenes"))?;
+    let seed = options.sized.page.common.seed;
+    let sampling = Sampling::new(options.sized.effort(), seed);
+    let command = options.sized.command("reach");
+    let page = options.sized.page.page(HEAD, &command);
     let scores = page.make("reach", |lab| {
         let mut scores = Vec::new();
         for name in &names {
-            let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
+            let world = name.open(&SceneOptions { seed, ..SceneOptions::default() })?;
             let scene = world.name.clone();
-            let told = |done| (lab.progress)(&format!("{scene}, frame {done} of {}", effort.frames));
-            scores.push(measure(world, &effort, told)?);
+            let told = |done| (lab.progress)(&format!("{scene}, frame {done} of {}", sampling.frames));
+            scores.push(measure(world, &sampling, told)?);
         }
-        Ok((section(lab, &effort, &scores)?, scores))
+        Ok((section(lab, &sampling, &scores)?, scores))
     })?;
     Ok(report_losses(&scores))
 }
@@ -100,7 +71,7 @@ mod tests {
     #[test]
     fn a_page_is_made_and_sizes_exclude_each_other() {
         let options = |words: &[&str]| Options::try_parse_from(std::iter::once(&"reach").chain(words));
-        assert!(options(&["--full", "--quick"]).is_err() && options(&["--full"]).unwrap().full);
+        assert!(options(&["--full", "--quick"]).is_err() && options(&["--full"]).unwrap().sized.full);
         assert!(options(&["--scenes", "house"]).unwrap_err().to_string().contains("spheres, city"));
         let place = std::env::temp_dir().join(format!("casca-reach-{}", std::process::id()));
         let out = place.to_str().unwrap();

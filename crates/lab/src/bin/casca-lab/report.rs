@@ -4,11 +4,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_lab::lab::{EXPERIMENTS, HEAD, Lab, LabError, write};
+use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, LabError, write};
 use casca_scenes::import;
 use casca_stage::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use clap::Parser;
 
+use crate::arguments::Common;
 use crate::progress;
 
 /// The options.
@@ -21,18 +22,16 @@ pub struct Options {
     /// Experiments to run, by their names [default: all]
     #[arg(long, value_delimiter = ',', value_parser = parse_experiment)]
     only: Vec<String>,
-    /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they are]
+    /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they
+    /// are]
     #[arg(long, value_delimiter = ',')]
     files: Option<Vec<PathBuf>>,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where report.md and its folder go [default: docs, or target/report for a quick or partial run]
+    /// Where report.md and its folder go [default: docs, or target/report for a quick or partial
+    /// run]
     #[arg(long)]
     out: Option<PathBuf>,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    common: Common,
 }
 
 fn parse_experiment(name: &str) -> Result<String, String> {
@@ -64,9 +63,10 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     files.iter().try_for_each(|file: &PathBuf| import::load(file).map(|_| ()))?;
     try_writing_into(&out, &["report.md"])?;
     make_folder(&folder)?;
-    let bar = progress::spinner(options.quiet);
+    let bar = progress::spinner(options.common.quiet);
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let lab = Lab { quick: options.quick, seed: options.seed, files, folder, progress: &progress };
+    let lab = Lab { quick: options.quick, seed: options.common.seed, files, folder, progress: &progress };
+    // Time that passes: most experiments use several threads.
     let start = Instant::now();
     let mut sections = Vec::new();
     for (name, experiment) in EXPERIMENTS {
@@ -82,7 +82,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let files: Vec<String> = lab.files.iter().map(names).collect();
     let settings = format!(
         "Seed {}; files: {}. It took {:.0} minutes.",
-        options.seed,
+        options.common.seed,
         if files.is_empty() { "none".to_owned() } else { files.join(", ") },
         start.elapsed().as_secs_f64() / 60.0
     );

@@ -1,55 +1,30 @@
-//! How times and memory grow with objects, triangles, pixels and threads, as charts (SVG), tables (CSV) and a page.
+//! How times and memory grow with objects, triangles, pixels and threads, as charts (SVG), tables
+//! (CSV) and a page.
 
-use std::path::PathBuf;
-
-use casca_lab::lab::{HEAD, LabError, Reach, scaling_to};
+use casca_lab::experiments::{HEAD, LabError, scaling_to};
 use casca_stage::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
-use crate::page::Page;
+use crate::arguments::{SizedPage, about};
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Charts times and memory by objects, triangles, pixels and threads",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/scaling", "Where the page goes, and its folder of charts, pictures and tables")),
+    mut_arg("full", |a| a.help("Also a million objects, 100,000 visible ones and ten million triangles: takes minutes and some GB"))
 )]
 pub struct Options {
-    /// Also a million objects, 100,000 visible ones and ten million triangles: takes minutes and some GB
-    #[arg(long, conflicts_with = "quick")]
-    full: bool,
-    /// A smoke run, whose figures mean nothing
-    #[arg(long)]
-    quick: bool,
-    /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the page goes, and its folder of charts and tables
-    #[arg(long, default_value = "target/scaling")]
-    out: PathBuf,
-    /// No progress line
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    sized: SizedPage,
 }
 
 /// Measures, prints the tables and writes charts, tables and page.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let reach = match (options.full, options.quick) {
-        (true, _) => Reach::Full,
-        (_, true) => Reach::Smoke,
-        _ => Reach::Short,
-    };
-    let page = Page {
-        head: HEAD,
-        files: Vec::new(),
-        feature: "experiments",
-        command: if options.full { "scaling --full" } else { "scaling" },
-        out: &options.out,
-        quick: reach == Reach::Smoke,
-        seed: options.seed,
-        quiet: options.quiet,
-    };
-    page.make("scaling", |lab| Ok((scaling_to(lab, reach)?, ())))?;
+    let command = options.sized.command("scaling");
+    let page = options.sized.page.page(HEAD, &command);
+    page.make("scaling", |lab| Ok((scaling_to(lab, options.sized.effort())?, ())))?;
     Ok(Outcome::Well)
 }
 
@@ -60,7 +35,7 @@ mod tests {
     #[test]
     fn sizes_exclude_each_other_and_a_folder_that_is_none_is_named_before_the_work() {
         let options = |words: &[&str]| Options::try_parse_from(std::iter::once(&"scaling").chain(words));
-        assert!(options(&["--full", "--quick"]).is_err() && options(&["--full"]).unwrap().full);
+        assert!(options(&["--full", "--quick"]).is_err() && options(&["--full"]).unwrap().sized.full);
         let place = std::env::temp_dir().join(format!("casca-scaling-{}", std::process::id()));
         std::fs::write(&place, "no folder").unwrap();
         let name = place.to_str().unwrap();

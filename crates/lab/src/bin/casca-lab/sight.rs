@@ -1,77 +1,62 @@
-//! Questions about boxes and points to the buffers of a query, beside exact rays and nine rays to each box, as a table (CSV).
+//! Questions about boxes and points to the buffers of a query, beside exact rays and nine rays to
+//! each box, as a table (CSV).
 
-use std::path::PathBuf;
-
-use casca_lab::lab::LabError;
-use casca_lab::lab::sight::{Effort, measure, table};
-use casca_scenes::generated::{SceneKind, SceneOptions};
-use casca_scenes::name::SceneName;
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::sight::{Sampling, measure, table};
+use casca_scenes::generated::SceneKind;
 use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::{Parser, value_parser};
 
-use crate::limits::{FRAMES, MOST_SAMPLES};
+use crate::arguments::{Out, Repeats, WalkArguments, about};
+use crate::limits::MOST_SAMPLES;
 use crate::progress;
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Times questions about boxes and points, and compares the answers with exact rays",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("frames", about("20", "Frames of each walk in which questions are asked, evenly spread")),
+    mut_arg("out", about("target/sight.csv", "Where the table goes"))
 )]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: all procedural ones]
-    #[arg(long, value_delimiter = ',')]
-    scenes: Vec<SceneName>,
-    /// Frames of each walk in which questions are asked, evenly spread
-    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(FRAMES))]
-    frames: u32,
+    #[command(flatten)]
+    walks: WalkArguments,
     /// Boxes that are asked for in a frame, and points
     #[arg(long, default_value_t = 10_000, value_parser = value_parser!(u32).range(1..=1_000_000))]
     questions: u32,
     /// Exact rays to a box, at most
     #[arg(long, default_value_t = 64, value_parser = value_parser!(u32).range(1..=MOST_SAMPLES))]
     samples: u32,
-    /// Times the questions of a frame are asked; the least time counts
-    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
-    repeats: u32,
-    /// Seed of procedural scenes and of the questions
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the table goes
-    #[arg(long, default_value = "target/sight.csv")]
-    out: PathBuf,
-    /// No progress bar
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    repeats: Repeats,
+    #[command(flatten)]
+    out: Out,
 }
 
 /// Measures, prints the table and writes it.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let names = match &options.scenes[..] {
-        [] => SceneKind::ALL.map(SceneName::Built).to_vec(),
-        given => given.to_vec(),
-    };
-    names.iter().try_for_each(SceneName::check)?;
-    try_writing(&options.out)?;
-    let effort = Effort {
-        frames: options.frames as usize,
+    let names = options.walks.scenes_or(&SceneKind::ALL, Vec::new())?;
+    try_writing(&options.out.out)?;
+    let sampling = Sampling {
+        frames: options.walks.frames as usize,
         questions: options.questions as usize,
         samples: options.samples as usize,
-        repeats: options.repeats as usize,
-        seed: options.seed,
+        repeats: options.repeats.repeats as usize,
+        seed: options.walks.common.seed,
     };
     let mut costs = Vec::new();
     for name in &names {
-        let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
-        let frames = effort.frames.min(world.frames);
-        let bar = progress::bar(options.quiet, frames, &world.name, "frame");
-        costs.push(measure(world, &effort, |done| bar.set_position(done as u64))?);
+        let world = options.walks.open(name)?;
+        let frames = sampling.frames.min(world.frames);
+        let bar = progress::bar(options.walks.common.quiet, frames, &world.name, "frame");
+        costs.push(measure(world, &sampling, |done| bar.set_position(done as u64))?);
         bar.finish_and_clear();
     }
     let table = table(&costs);
     say(table.markdown());
-    std::fs::write(&options.out, table.csv()).map_err(PathError::write(&options.out))?;
-    say(options.out.display());
+    std::fs::write(&options.out.out, table.csv()).map_err(PathError::write(&options.out.out))?;
+    say(options.out.out.display());
     let wrong = costs.iter().any(|c| c.wrong > 0);
     Ok(if wrong { Outcome::Lost } else { Outcome::Well })
 }

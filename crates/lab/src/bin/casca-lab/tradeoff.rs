@@ -4,16 +4,13 @@
 //! All queries run on one thread. "Visible" is an exact item buffer, one ray a pixel. The command
 //! `report` has the same for all scenes, with the settings that it recommends.
 
-use std::path::PathBuf;
-
-use casca_lab::lab::LabError;
-use casca_lab::lab::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
-use casca_scenes::generated::{SceneKind, SceneOptions};
-use casca_scenes::name::SceneName;
+use casca_lab::experiments::LabError;
+use casca_lab::experiments::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
+use casca_scenes::generated::SceneKind;
 use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing_into};
-use clap::{Parser, value_parser};
+use clap::Parser;
 
-use crate::limits::{FRAMES, WIDTHS};
+use crate::arguments::{Out, Repeats, WalkArguments, Width, about, default_to};
 use crate::progress;
 
 /// What is written.
@@ -21,29 +18,20 @@ const FILES: [&str; 2] = ["tradeoff.csv", "tradeoff.svg"];
 
 /// The options.
 #[derive(Debug, Parser)]
-#[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true)]
+#[command(about = "Charts speed against accuracy for all methods and settings", after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("scenes", |a| a.help("Scenes: procedural ones or glTF files [default: the procedural ones of solids]")),
+    mut_arg("frames", default_to("30")),
+    mut_arg("width", default_to("2560")),
+    mut_arg("out", about("target/tradeoff", "Where the chart and the table go")))]
 pub struct Options {
-    /// Scenes: procedural ones or glTF files [default: the procedural ones of solids]
-    #[arg(long, value_delimiter = ',')]
-    scenes: Vec<SceneName>,
-    /// Frames of each walk that are measured, evenly spread
-    #[arg(long, default_value_t = 30, value_parser = value_parser!(u32).range(FRAMES))]
-    frames: u32,
-    /// Times each frame is measured; the least counts
-    #[arg(long, default_value_t = 3, value_parser = value_parser!(u32).range(1..=1000))]
-    repeats: u32,
-    /// Width of the item buffer that says what is visible, 16 to 16384
-    #[arg(long, default_value_t = 2560, value_parser = value_parser!(u32).range(WIDTHS))]
-    width: u32,
-    /// Seed of procedural scenes
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Where the chart and the table go
-    #[arg(long, default_value = "target/tradeoff")]
-    out: PathBuf,
-    /// No progress bar
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    walks: WalkArguments,
+    #[command(flatten)]
+    repeats: Repeats,
+    #[command(flatten)]
+    width: Width,
+    #[command(flatten)]
+    out: Out,
 }
 
 fn print(scene: &SceneTradeoff) {
@@ -75,34 +63,30 @@ fn print(scene: &SceneTradeoff) {
 
 /// Measures, prints and writes the chart and the table.
 pub fn run(options: &Options) -> Result<Outcome, LabError> {
-    let names = match &options.scenes[..] {
-        [] => SceneKind::SOLIDS.map(SceneName::Built).to_vec(),
-        given => given.to_vec(),
-    };
+    let names = options.walks.scenes_or(&SceneKind::SOLIDS, Vec::new())?;
     // Measuring takes minutes: what cannot be read or written is said before it.
-    names.iter().try_for_each(SceneName::check)?;
-    try_writing_into(&options.out, &FILES)?;
+    try_writing_into(&options.out.out, &FILES)?;
     let sampling = Sampling {
-        frames: options.frames as usize,
-        repeats: options.repeats as usize,
-        width: options.width as usize,
+        frames: options.walks.frames as usize,
+        repeats: options.repeats.repeats as usize,
+        width: options.width.width as usize,
     };
     let mut scenes = Vec::new();
     for name in &names {
-        let world = name.open(&SceneOptions { seed: options.seed, ..SceneOptions::default() })?;
+        let world = options.walks.open(name)?;
         let frames = sampling.frames.min(world.frames);
-        let bar = progress::bar(options.quiet, frames, &world.name, "frame");
+        let bar = progress::bar(options.walks.common.quiet, frames, &world.name, "frame");
         let scene = measure(world, &sampling, |done| bar.set_position(done as u64))?;
         bar.finish_and_clear();
         print(&scene);
         scenes.push(scene);
     }
-    let [csv, charts @ ..] = FILES.map(|file| options.out.join(file));
+    let [csv, charts @ ..] = FILES.map(|file| options.out.out.join(file));
     std::fs::write(&csv, table(&scenes).csv()).map_err(PathError::write(&csv))?;
     for file in &charts {
         chart(file, &scenes)?;
     }
-    say(format_args!("\nchart and table: {}", options.out.join("tradeoff.{svg,csv}").display()));
+    say(format_args!("\nchart and table: {}", options.out.out.join("tradeoff.{svg,csv}").display()));
     Ok(Outcome::Well)
 }
 

@@ -7,6 +7,7 @@ use super::super::ops::direction;
 use super::solid::{Answer, Start};
 use super::stage::Stage;
 use super::views::{camera, limits};
+use crate::numeric::attack::{CASTER_ROOM, IN_RANGE};
 
 /// A ray of a light to a point that is on a receiver, and the point where a caster meets it.
 struct Ray {
@@ -29,7 +30,8 @@ pub fn play(mut stage: Stage) -> Stage {
     let (unit, middle) = (stage.unit, stage.middle);
     let along = direction(&mut stage.dice);
     let at = middle + direction(&mut stage.dice) * unit * stage.dice.between(2.0, 20.0);
-    // A light lights nothing out of its range. Parallel rays start before all occluders only to places that are not far.
+    // A light lights nothing out of its range. Parallel rays start before all occluders only to
+    // places that are not far.
     let (light, start, middle, range) = match stage.dice.below(3) {
         0 => {
             let start = Start::Before(along.as_dvec3().normalize(), f64::from(unit) * 500.0);
@@ -44,7 +46,7 @@ pub fn play(mut stage: Stage) -> Stage {
             (Light::spot(view), Start::Eye(at.as_dvec3()), at, f32::INFINITY)
         }
     };
-    let lit = |p: DVec3| p.distance(middle.as_dvec3()) < f64::from(range) * (1.0 - 1e-9);
+    let lit = |p: DVec3| p.distance(middle.as_dvec3()) < f64::from(range) * IN_RANGE;
     let rays: Vec<Ray> = (0..500)
         .filter_map(|number| {
             let from = if number % 3 == 0 { Start::Eye(camera.eye) } else { start };
@@ -73,7 +75,8 @@ pub fn play(mut stage: Stage) -> Stage {
     stage
 }
 
-/// A lit point closely past an occluder, as seen from the light or from the camera, with a caster on the ray.
+/// A lit point closely past an occluder, as seen from the light or from the camera, with a caster
+/// on the ray.
 fn ray(stage: &mut Stage, from: &Start, light: &Start, inside: impl Fn(DVec3) -> bool) -> Option<Ray> {
     let (near, out, shape) = stage.graze(from)?;
     let lit = stage.behind(from, near, out);
@@ -136,7 +139,7 @@ fn blocked(stage: &Stage, but: usize, from: DVec3, to: DVec3) -> bool {
     stage.targets.iter().enumerate().any(|(i, target)| {
         let casca::Bounds::Box(b) = &target.bounds else { return i != but };
         let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
-        let room = 1e-12 * (1.0 + from.abs().max_element() + to.abs().max_element());
+        let room = CASTER_ROOM * (1.0 + from.abs().max_element() + to.abs().max_element());
         let (mut near, mut far) = (0f64, 1f64);
         for axis in 0..3 {
             let ends = [(min[axis] - room - from[axis]) / d[axis], (max[axis] + room - from[axis]) / d[axis]];

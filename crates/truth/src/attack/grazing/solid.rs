@@ -1,20 +1,12 @@
-//! Solids and surfaces in double precision: which segments they cut, and where eyes look past them. Shares no code with
-//! the library.
+//! Solids and surfaces in double precision: which segments they cut, and where eyes look past them.
+//! Shares no code with the library.
 
 mod rims;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::super::forms::{Form, base};
-
-/// Segments closer to a border than this share of the lengths are in doubt: a hundred roundings of double precision.
-const ROOM: f64 = 2e-14;
-/// The same as a share of the coordinates, from which differences are taken.
-const ROOM_COORDINATES: f64 = 1e-15;
-/// Points this close to a plane, as a share of the size of a solid, lie on it.
-const ON: f64 = 1e-10;
-/// Three unit normals that span less meet in no corner worth looking past.
-const ASKEW: f64 = 1e-6;
+use crate::numeric::attack::{ASKEW, ON_SOLID, ROOM, ROOM_COORDINATES};
 
 /// Where rays start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,7 +121,7 @@ impl Solid {
         let (min, max) = bounds(corners.iter().copied());
         let middle = (min + max) * 0.5;
         let size = (max - min).length();
-        let on = |p: DVec3, (n, h): (DVec3, f64)| (n.dot(p) - h).abs() <= ON * (size + h.abs());
+        let on = |p: DVec3, (n, h): (DVec3, f64)| (n.dot(p) - h).abs() <= ON_SOLID * (size + h.abs());
         let mut edges = Vec::new();
         for (i, &a) in planes.iter().enumerate() {
             for &b in &planes[i + 1..] {
@@ -271,7 +263,7 @@ fn corners(planes: &[(DVec3, f64)]) -> Vec<DVec3> {
                     continue;
                 }
                 let p = (b.0.cross(c.0) * a.1 + c.0.cross(a.0) * b.1 + a.0.cross(b.0) * c.1) / volume;
-                let room = ON * (1.0 + p.abs().max_element());
+                let room = ON_SOLID * (1.0 + p.abs().max_element());
                 if planes.iter().all(|(n, h)| n.dot(p) <= h + room) {
                     corners.push(p);
                 }
@@ -293,8 +285,8 @@ fn hull(points: &[DVec3]) -> Vec<(DVec3, f64)> {
                 let Some(n) = n.try_normalize() else { continue };
                 for n in [n, -n] {
                     let h = n.dot(points[i] - middle);
-                    let outer = points.iter().all(|p| n.dot(*p - middle) <= h + ON * size);
-                    if outer && planes.iter().all(|(m, _)| m.dot(n) < 1.0 - ON) {
+                    let outer = points.iter().all(|p| n.dot(*p - middle) <= h + ON_SOLID * size);
+                    if outer && planes.iter().all(|(m, _)| m.dot(n) < 1.0 - ON_SOLID) {
                         planes.push((n, h + n.dot(middle)));
                     }
                 }

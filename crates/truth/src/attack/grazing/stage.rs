@@ -1,4 +1,5 @@
-//! A scene with occluders, tiny objects that are seen closely past them, and what is known about each.
+//! A scene with occluders, tiny objects that are seen closely past them, and what is known about
+//! each.
 
 mod aim;
 mod judge;

@@ -1,4 +1,5 @@
-//! Frames: coherent and kept queries, while the camera goes by tiny and by large steps, and objects come and go.
+//! Frames: coherent and kept queries, while the camera goes by tiny and by large steps, and objects
+//! come and go.
 
 use casca::{CameraQuery, KeptOptions, KeptQuery, Method, PointOptions, Query};
 use glam::{DQuat, DVec3, Vec3};
@@ -7,13 +8,15 @@ use super::super::ops::direction;
 use super::solid::Start;
 use super::stage::{Place, Stage};
 use super::views::{Camera, camera, limits, turned, way};
+use crate::numeric::attack::{LAST_PLACE_F32, WITHIN_TURN_F32};
 
 /// Frames of a scene.
 const FRAMES: u32 = 12;
 /// Points that are asked for beside the objects.
 const POINTS: usize = 6000;
 
-/// The places of a camera: one, then outermost ones that its kept sets hold for, then others close by and far off.
+/// The places of a camera: one, then outermost ones that its kept sets hold for, then others close
+/// by and far off.
 fn places(stage: &mut Stage, around: bool, mask: u64, reach: f32, angle: f32) -> Vec<Camera> {
     let limits = limits(stage, around);
     let (eye, forward) = (stage.eye(), direction(&mut stage.dice));
@@ -23,7 +26,7 @@ fn places(stage: &mut Stage, around: bool, mask: u64, reach: f32, angle: f32) ->
     for number in 0..7 {
         let way = way(&mut stage.dice);
         let (step, turn) = match number {
-            0..=3 => (f64::from(reach), f64::from(angle) * (1.0 - 1e-6)),
+            0..=3 => (f64::from(reach), f64::from(angle) * WITHIN_TURN_F32),
             4 => (f64::from(stage.unit) * 1e-5, 1e-5),
             5 => (f64::from(reach) * 0.5, f64::from(angle) * 0.5),
             _ => (f64::from(stage.unit), 0.5),
@@ -39,7 +42,7 @@ fn places(stage: &mut Stage, around: bool, mask: u64, reach: f32, angle: f32) ->
 /// A place in single precision that is no farther than a step away.
 fn inside(eye: Vec3, way: DVec3, step: f64) -> Vec3 {
     let from = eye.as_dvec3();
-    let places = (0..20).map(|i| (from + way * step * (1.0 - 1e-7 * f64::from(1 << i))).as_vec3());
+    let places = (0..20).map(|i| (from + way * step * (1.0 - LAST_PLACE_F32 * f64::from(1 << i))).as_vec3());
     places.into_iter().find(|p| (p.as_dvec3() - from).length() <= step).unwrap_or(eye)
 }
 

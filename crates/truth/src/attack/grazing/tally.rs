@@ -16,7 +16,8 @@ pub struct Count {
     pub open: u64,
     /// Those that are seen, but of no object in the set.
     pub lost: u64,
-    /// Those that are hidden, and of no object in the set: the rest is in the sets as neighbours of what is seen.
+    /// Those that are hidden, and of no object in the set: the rest is in the sets as neighbours of
+    /// what is seen.
     pub culled: u64,
 }
 

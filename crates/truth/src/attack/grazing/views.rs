@@ -10,6 +10,7 @@ use super::outermost::outermost;
 use super::solid::Start;
 use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
+use crate::numeric::attack::{AS_TURNED, WITHIN_TURN};
 
 /// Objects of a scene.
 const OBJECTS: u32 = 400;
@@ -133,7 +134,8 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     stage
 }
 
-/// Aims at one object, or later at one point, from one of the eyes and by one of the cameras that views stand for.
+/// Aims at one object, or later at one point, from one of the eyes and by one of the cameras that
+/// views stand for.
 fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, angle: f64, around: bool) {
     let object = number < OBJECTS;
     let place = match number % 5 {
@@ -145,7 +147,7 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     };
     let goes = matches!(place, Place::Reach | Place::Both);
     let turns = matches!(place, Place::Turn | Place::Both);
-    let angle = f64::from(angle as f32) * (1.0 - 1e-9);
+    let angle = f64::from(angle as f32) * WITHIN_TURN;
     if !around && number.is_multiple_of(7) {
         aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
         return;
@@ -172,7 +174,8 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     if object { stage.aim(start, place, seen) } else { stage.aim_point(start, place, seen) }
 }
 
-/// Aims at an object closely inside a side or a corner of a camera's picture, which went and turned as far out as it may.
+/// Aims at an object closely inside a side or a corner of a camera's picture, which went and turned
+/// as far out as it may.
 fn aside(stage: &mut Stage, base: &Camera, place: Place, (reach, angle): (f64, f64), object: bool) {
     let dice = &mut stage.dice;
     let sides: Vec<DVec3> = base.truth.sides().collect();
@@ -199,7 +202,7 @@ fn aside(stage: &mut Stage, base: &Camera, place: Place, (reach, angle): (f64, f
     let point = super::stage::rounded(at + inner * far, normal);
     // A corner where the side cannot be tilted so far is farther away.
     let turned = 2.0 * turn.xyz().length().atan2(turn.w.abs());
-    if turned <= angle * (1.0 + 5e-10) && seen(point) {
+    if turned <= angle * AS_TURNED && seen(point) {
         stage.aim_at(Start::Eye(at), place, (point, normal, SHAPES.len() - 1), object, &seen);
     }
 }

@@ -9,6 +9,7 @@ use super::super::dice::Dice;
 use super::super::forms::{BASES, Form, Shelf, base, skew};
 use super::super::ops::{direction, turn};
 use super::solid::Solid;
+use crate::numeric::attack::WALL_BOUNDS;
 
 /// Names of shapes, as tallies have them.
 pub const SHAPES: [&str; 12] = [
@@ -133,7 +134,7 @@ impl Wall {
         let bounds = bounds.unwrap_or_else(|| {
             // Rounded outwards.
             let (min, max) = solid.extent();
-            let room = 1e-6 * (solid.radius + min.abs().max(max.abs()).max_element());
+            let room = WALL_BOUNDS * (solid.radius + min.abs().max(max.abs()).max_element());
             Aabb::new((min - room).as_vec3(), (max + room).as_vec3()).into()
         });
         Some(Self { shape, solid, bounds, occluder, text: format!("{form:?}") })
@@ -153,7 +154,8 @@ impl Wall {
         desc.occluder(self.occluder.clone()).layers(layers)
     }
 
-    /// Occluders of one kind, about `size` large: one, or several with gaps between them. `snap` rounds coordinates.
+    /// Occluders of one kind, about `size` large: one, or several with gaps between them. `snap`
+    /// rounds coordinates.
     pub fn some(
         dice: &mut Dice,
         meshes: &Meshes,
@@ -295,7 +297,8 @@ impl Wall {
     }
 }
 
-/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a grid that begins at `min`.
+/// Boxes and balls that fill cells, for [`casca::Method::Cell`]: `cell` is the edge of a cell of a
+/// grid that begins at `min`.
 pub fn thick(dice: &mut Dice, meshes: &Meshes, center: Vec3, size: f32, cell: f32, begin: Vec3) -> Vec<Wall> {
     let to_cells = |p: Vec3| begin + ((p - begin) / cell).round() * cell;
     let mut side = || (size * dice.between(0.5, 1.5)).max(cell);

@@ -6,10 +6,12 @@ use glam::{DVec3, Vec3};
 use super::super::api;
 use super::super::dice::Dice;
 use super::super::ops::{Due, direction};
-use super::{KEPT, Kind, Origin, Played, Player, ROUNDING, World, refused};
+use super::{KEPT, Kind, Origin, Played, Player, World, refused};
+use crate::numeric::attack::OUT_OF_VOLUME;
 
 impl Player {
-    /// The direction to the wall of its volume that the middle of a hidden object is nearest to, and how far that is.
+    /// The direction to the wall of its volume that the middle of a hidden object is nearest to,
+    /// and how far that is.
     pub(super) fn wall(&self, i: usize) -> Option<(DVec3, f64)> {
         let world = &self.worlds[self.active];
         let (min, max) = world.scene.tbv(world.things[i].id).ok()??;
@@ -33,7 +35,8 @@ impl Player {
         self.tell(i, bounds, occluder)
     }
 
-    /// Moves an unreported object through the wall of its volume that it is nearest to, as far as it can.
+    /// Moves an unreported object through the wall of its volume that it is nearest to, as far as
+    /// it can.
     pub(super) fn leave(&mut self, i: usize) {
         if let Some((way, _)) = self.wall(i) {
             let thing = &mut self.world().things[i];
@@ -84,7 +87,7 @@ impl Player {
             let Ok(Some((min, max))) = world.scene.tbv(thing.id) else { continue };
             let (p, half) = (thing.body.middle, thing.body.extent() + thing.way);
             let out = (min - (p - half)).max(p + half - max).max_element();
-            if out > ROUNDING * (1.0 + p.abs().max_element()) {
+            if out > OUT_OF_VOLUME * (1.0 + p.abs().max_element()) {
                 let (name, bounds, way) = (thing.name, &thing.bounds, thing.way);
                 let text = format!(
                     "thing {name} ({}), {bounds:?}, may have gone {way:.9}, {out:.9} out of its volume from {min} to {max}, and is not due",

@@ -103,7 +103,8 @@ impl Player {
         // Half of the looks are answered by a kept query, too.
         let lost_later = (seed & 1 == 0 && matches!(method, Method::Point(_)))
             .then(|| {
-                // Some answer from results that were made ready at an earlier look, for whatever scene that was.
+                // Some answer from results that were made ready at an earlier look, for whatever
+                // scene that was.
                 if let Some((_, result)) = self.ready.take_if(|(of, _)| *of == number) {
                     let _ = lasting.install(result, &world.scene);
                 }

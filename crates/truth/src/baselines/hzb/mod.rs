@@ -36,7 +36,8 @@ struct Pen {
     fine: Model,
     coarse: Model,
     cube: Model,
-    /// Columns, rows and nearness of the vertices of the mesh being drawn; nearness -1 in front of the near plane.
+    /// Columns, rows and nearness of the vertices of the mesh being drawn; nearness -1 in front of
+    /// the near plane.
     projected: Vec<Block>,
     work: Work,
 }
@@ -86,8 +87,9 @@ impl Hzb {
         self.pen.work
     }
 
-    /// Which of the objects given are visible, front to back. Each that occludes is tested and, if the buffer does not
-    /// hide it, drawn before the next one; then those are tested once more, and all others.
+    /// Which of the objects given are visible, front to back. Each that occludes is tested and, if
+    /// the buffer does not hide it, drawn before the next one; then those are tested once more, and
+    /// all others.
     pub fn frame(&mut self, objects: &[Object], in_frustum: &[usize], camera: &Camera) -> Vec<usize> {
         let screen = self.begin(objects, in_frustum, camera);
         self.depth.clear();
@@ -288,7 +290,8 @@ impl Clipped {
         std::mem::take(self).corners
     }
 
-    /// Adds the part of a triangle behind the near plane. Corners are x and y times depth, and depth.
+    /// Adds the part of a triangle behind the near plane. Corners are x and y times depth, and
+    /// depth.
     fn push(&mut self, corners: [Vec3; 3], near: f32) {
         let mut kept = [Vec3::ZERO; 4];
         let mut count = 0;

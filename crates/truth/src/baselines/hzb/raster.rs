@@ -1,21 +1,17 @@
 //! Triangles into pixels, eight at a time for their setup and eight pixels at a time for drawing.
 //!
-//! A pixel belongs to a triangle if its centre does. Neighbours compute the same numbers for the edge that they
-//! share, so that no pixel falls between them.
+//! A pixel belongs to a triangle if its centre does. Neighbours compute the same numbers for the
+//! edge that they share, so that no pixel falls between them.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use crate::baselines::DepthPyramid;
 use crate::baselines::depth::{LANES, TILE};
+use crate::numeric::baselines::{BEYOND, EDGE_ON};
 
-/// Larger than any coordinate in pixels that matters.
-const BEYOND: f32 = 1e9;
-/// Twice the area in pixels below which a triangle counts as seen edge-on.
-const EDGE_ON: f32 = 1e-12;
-
-/// Eight triangles by corner: columns and rows in pixels, and nearness. Not positive where a corner cannot be
-/// projected; such triangles are passed over.
+/// Eight triangles by corner: columns and rows in pixels, and nearness. Not positive where a corner
+/// cannot be projected; such triangles are passed over.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Corners {
     pub(super) x: [[f32; 8]; 3],
@@ -103,7 +99,8 @@ pub(super) fn draw<S: Simd>(simd: S, depth: &mut DepthPyramid, corners: &Corners
 
     let (ux, uy, vx, vy) = (bx - ax, by - ay, cx - ax, cy - ay);
     let area = ux * vy - uy * vx;
-    // From the first pixel whose centre is not left of the corner to the last whose centre is left of it.
+    // From the first pixel whose centre is not left of the corner to the last whose centre is left
+    // of it.
     let left = (ax.min(bx).min(cx) - 0.5).ceil().max(zero);
     let right = (ax.max(bx).max(cx) - 0.5).ceil().min(width);
     let top = (ay.min(by).min(cy) - 0.5).ceil().max(zero);

@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Mat4};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use super::*;
 use crate::baselines::PixelRect;
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::Motion;
 
 fn object(shape: Shape) -> Object {
@@ -17,7 +17,7 @@ fn placed(mesh: Mesh, transform: Affine3A) -> Object {
 }
 
 /// Triangles of all sizes and directions around the eye and before it.
-fn soup(random: &mut Pcg64Mcg, count: u32) -> Mesh {
+fn soup(random: &mut Generator, count: u32) -> Mesh {
     let mut soup = Mesh::default();
     for i in 0..count {
         let middle = Vec3::new(random.random(), random.random(), random.random()) - Vec3::new(0.5, 0.5, 0.9);
@@ -51,7 +51,7 @@ fn depths_are_those_of_rays_through_the_middles_of_pixels() {
         let p = inverse.project_point3(clip);
         p / -p.z
     };
-    let mut random = Pcg64Mcg::seed_from_u64(1);
+    let mut random = generator(1, 0);
     let (mut covered, mut doubtful) = (0, 0);
     for _ in 0..20 {
         let mesh = soup(&mut random, 60);
@@ -81,9 +81,10 @@ fn depths_are_those_of_rays_through_the_middles_of_pixels() {
 
 #[test]
 fn neighbours_leave_no_pixel_between_them() {
-    // Eight pixels a metre in every direction: corners lie on middles and on borders of pixels, and anywhere.
+    // Eight pixels a metre in every direction: corners lie on middles and on borders of pixels, and
+    // anywhere.
     let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90.0, 1.0, 0.1, 100.0);
-    let mut random = Pcg64Mcg::seed_from_u64(2);
+    let mut random = generator(2, 0);
     for round in 0..20 {
         let side = 17u32;
         let mut mesh = Mesh::default();
@@ -135,7 +136,7 @@ fn a_closed_mesh_looks_the_same_without_its_backs_mirrored_or_not() {
 #[test]
 fn tiles_and_pixels_agree_on_rectangles() {
     let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 70.0, 100.0 / 37.0, 0.1, 100.0);
-    let mut random = Pcg64Mcg::seed_from_u64(3);
+    let mut random = generator(3, 0);
     let mut hidden = 0;
     for _ in 0..20 {
         let mut hzb = Hzb::new(100, 37);
@@ -166,7 +167,7 @@ fn rectangles_of_boxes_hold_their_corners() {
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, -6.0), 60.0, 1.6, 0.1, 100.0);
     let screen = Screen::new(&camera, 160, 100);
     let matrix: Mat4 = camera.view_projection();
-    let mut random = Pcg64Mcg::seed_from_u64(4);
+    let mut random = generator(4, 0);
     let mut point = |reach: f32| Vec3::new(random.random(), random.random(), random.random()) * reach;
     let given: Vec<(Vec3, Vec3)> = (0..1001)
         .map(|_| {

@@ -110,24 +110,7 @@ impl ItemBuffer {
         let rays = PixelRays::new(&frustum, width, height);
         let setup = Setup { frustum: &frustum, rays, width, height };
 
-        let mut entries: Vec<Entry> =
-            objects.par_iter().enumerate().filter_map(|(i, object)| setup.solid(i as u32, object)).collect();
-        let in_view: Vec<u32> = objects
-            .par_iter()
-            .enumerate()
-            .filter(|(_, object)| setup.mesh_in_view(object, &self.meshes))
-            .map(|(i, _)| i as u32)
-            .collect();
-        let drawn: Vec<(Vec<DVec3>, Vec<Entry>)> = in_view
-            .par_iter()
-            .enumerate()
-            .map(|(slot, &object)| setup.mesh(object, slot as u32, &objects[object as usize]))
-            .collect();
-        let mut meshes = Vec::with_capacity(drawn.len());
-        for (vertices, triangles) in drawn {
-            meshes.push(vertices);
-            entries.extend(triangles);
-        }
+        let (entries, meshes) = self.entries(&setup, objects);
         let frame = Frame { objects, rays, meshes, eye: frustum.eye() };
 
         let (mut hiding, mut others): (Vec<Entry>, Vec<Entry>) =
@@ -171,15 +154,43 @@ impl ItemBuffer {
         self.visible.extend(counts.into_iter().map(AtomicU32::into_inner));
 
         if rays.perspective {
-            self.holding_eye = objects
-                .par_iter()
-                .enumerate()
-                .filter(|(_, object)| setup.holds_eye(object))
-                .map(|(i, _)| i as u32)
-                .collect();
-            for &i in &self.holding_eye {
-                self.visible[i as usize] = self.visible[i as usize].max(1);
-            }
+            self.count_holders(&setup, objects);
+        }
+    }
+
+    /// What may be drawn, and the vertices of the meshes among it, as entries number them.
+    fn entries(&self, setup: &Setup, objects: &[Object]) -> (Vec<Entry>, Vec<Vec<DVec3>>) {
+        let mut entries: Vec<Entry> =
+            objects.par_iter().enumerate().filter_map(|(i, object)| setup.solid(i as u32, object)).collect();
+        let in_view: Vec<u32> = objects
+            .par_iter()
+            .enumerate()
+            .filter(|(_, object)| setup.mesh_in_view(object, &self.meshes))
+            .map(|(i, _)| i as u32)
+            .collect();
+        let drawn: Vec<(Vec<DVec3>, Vec<Entry>)> = in_view
+            .par_iter()
+            .enumerate()
+            .map(|(slot, &object)| setup.mesh(object, slot as u32, &objects[object as usize]))
+            .collect();
+        let mut meshes = Vec::with_capacity(drawn.len());
+        for (vertices, triangles) in drawn {
+            meshes.push(vertices);
+            entries.extend(triangles);
+        }
+        (entries, meshes)
+    }
+
+    /// Counts the solids that hold the eye as visible.
+    fn count_holders(&mut self, setup: &Setup, objects: &[Object]) {
+        self.holding_eye = objects
+            .par_iter()
+            .enumerate()
+            .filter(|(_, object)| setup.holds_eye(object))
+            .map(|(i, _)| i as u32)
+            .collect();
+        for &i in &self.holding_eye {
+            self.visible[i as usize] = self.visible[i as usize].max(1);
         }
     }
 

@@ -8,9 +8,7 @@ use super::super::frustum::Frustum;
 use super::super::geometry::{MeshCache, Primitive, safe_inverse};
 use super::frame::Entry;
 use super::pixel_rays::PixelRays;
-
-/// By how much screen rectangles are widened against rounding, in pixels.
-pub(super) const SLACK: f64 = 1e-6;
+use crate::numeric::oracle::{KEY, RECTANGLE};
 
 /// Finds what to draw, and where on the screen.
 pub(super) struct Setup<'a> {
@@ -163,16 +161,16 @@ impl Setup<'_> {
 
     /// Pixels whose centre is in the range, given in pixels.
     pub(super) fn pixels(&self, min: [f64; 2], max: [f64; 2]) -> Option<[u16; 4]> {
-        let x0 = (min[0] - 0.5 - SLACK).ceil().max(0.0);
-        let y0 = (min[1] - 0.5 - SLACK).ceil().max(0.0);
-        let x1 = (max[0] - 0.5 + SLACK).floor().min(self.width as f64 - 1.0);
-        let y1 = (max[1] - 0.5 + SLACK).floor().min(self.height as f64 - 1.0);
+        let x0 = (min[0] - 0.5 - RECTANGLE).ceil().max(0.0);
+        let y0 = (min[1] - 0.5 - RECTANGLE).ceil().max(0.0);
+        let x1 = (max[0] - 0.5 + RECTANGLE).floor().min(self.width as f64 - 1.0);
+        let y1 = (max[1] - 0.5 + RECTANGLE).floor().min(self.height as f64 - 1.0);
         (x0 <= x1 && y0 <= y1).then_some([x0 as u16, y0 as u16, x1 as u16, y1 as u16])
     }
 
     /// The key to sort by; None beyond the far plane.
     pub(super) fn key(&self, near: f64) -> Option<f32> {
-        (near <= self.rays.far).then(|| ((near - self.rays.near) * (1.0 - 1e-6)).max(0.0) as f32)
+        (near <= self.rays.far).then(|| ((near - self.rays.near) * (1.0 - KEY)).max(0.0) as f32)
     }
 
     /// Whether a tested solid holds the eye and reaches beyond the near plane

@@ -1,38 +1,39 @@
 //! Direct light: next event estimation for lights and for emissive triangles.
 
 use casca_scenes::lit::Light;
+use casca_scenes::random::Generator;
 use glam::DVec3;
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::emitters::Emitters;
 use super::scatter::{Scatter, turned};
-use super::{END, PathTracer, Surface};
+use super::{PathTracer, Surface};
+use crate::numeric::oracle::BEFORE_LIGHT;
 
 impl PathTracer {
     /// Direct light of all lights and of one point of the emitters, scattered at a surface.
-    pub(super) fn next_event(&self, at: &Surface, scatter: &Scatter, random: &mut Pcg64Mcg) -> DVec3 {
+    pub(super) fn next_event(&self, at: &Surface, scatter: &Scatter, random: &mut Generator) -> DVec3 {
         let mut sum = self.emitted(at, scatter, random).unwrap_or(DVec3::ZERO);
         for light in &self.lights {
             let Some((way, direction, irradiance)) = self.towards(light, at, random) else { continue };
             let value = scatter.value(direction) * irradiance;
-            if value.max_element() > 0.0 && !self.hides(at, way, 1.0 - END) {
+            if value.max_element() > 0.0 && !self.hides(at, way, 1.0 - BEFORE_LIGHT) {
                 sum += value;
             }
         }
         sum
     }
 
-    /// A chosen point of a light: the way there, its unit direction, and the irradiance that it stands for on a surface that faces it.
-    /// `None` if it is behind the surface or gives no light.
+    /// A chosen point of a light: the way there, its unit direction, and the irradiance that it
+    /// stands for on a surface that faces it. `None` if it is behind the surface or gives no light.
     ///
-    /// Directions are chosen evenly in the cone under which the light is seen; one that is as wide as the whole light has a mean cosine of
-    /// (1 + cos) / 2 to its axis.
+    /// Directions are chosen evenly in the cone under which the light is seen; one that is as wide
+    /// as the whole light has a mean cosine of (1 + cos) / 2 to its axis.
     pub(super) fn towards(
         &self,
         light: &Light,
         at: &Surface,
-        random: &mut Pcg64Mcg,
+        random: &mut Generator,
     ) -> Option<(DVec3, DVec3, DVec3)> {
         let incident = light.incident(at.point.as_vec3())?;
         let cos = f64::from(incident.cos_half_angle);
@@ -45,7 +46,7 @@ impl PathTracer {
         Some((direction * distance, direction, incident.irradiance.as_dvec3() * (2.0 / (1.0 + cos))))
     }
 
-    fn emitted(&self, at: &Surface, scatter: &Scatter, random: &mut Pcg64Mcg) -> Option<DVec3> {
+    fn emitted(&self, at: &Surface, scatter: &Scatter, random: &mut Generator) -> Option<DVec3> {
         let Emitters { numbers, sums } = &self.emitters;
         let wanted = random.random::<f64>() * sums.last()?;
         let place = sums.partition_point(|&s| s <= wanted).min(numbers.len() - 1);
@@ -60,7 +61,7 @@ impl PathTracer {
         let across = (q - p).cross(r - p).try_normalize()?.dot(direction).abs();
         let material = &self.materials[triangle.material as usize];
         let (value, by_area) = (scatter.value(direction), self.emitters.density(material));
-        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - END) {
+        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - BEFORE_LIGHT) {
             return None;
         }
         let density = by_area * square / across;
@@ -69,8 +70,8 @@ impl PathTracer {
         (scatter.normal().dot(direction) > 0.0).then_some(value * weighed)
     }
 
-    /// The weight of the emission of a surface that a scattered ray, found with some density from some point, has hit; the rest of it is
-    /// found by [`Self::next_event`].
+    /// The weight of the emission of a surface that a scattered ray, found with some density from
+    /// some point, has hit; the rest of it is found by [`Self::next_event`].
     pub(super) fn share(&self, at: &Surface, direction: DVec3, from: Option<(f64, DVec3)>) -> f64 {
         let Some((density, origin)) = from else { return 1.0 };
         let across = at.normal.dot(direction).abs();

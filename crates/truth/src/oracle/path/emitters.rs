@@ -2,7 +2,8 @@
 
 use casca_scenes::lit::{LitTriangle, Material};
 
-/// The emissive triangles, for choosing points on them with a density in proportion to their emission.
+/// The emissive triangles, for choosing points on them with a density in proportion to their
+/// emission.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Emitters {
     pub(super) numbers: Vec<u32>,

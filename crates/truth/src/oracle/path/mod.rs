@@ -1,9 +1,11 @@
-//! A path tracer: the light that reaches a camera in a [`LitScene`], by exact rays in f64 and seeded chance.
+//! A path tracer: the light that reaches a camera in a [`LitScene`], by exact rays in f64 and
+//! seeded chance.
 //!
-//! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive triangles, and multiple importance
-//! sampling by the balance heuristic for the latter (Veach & Guibas 1995). Light is sorted by how often it was scattered on its way, so
-//! that direct light and each bounce can be looked at on their own. All rays go through the centres of pixels. Results do not depend on
-//! the number of threads.
+//! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive
+//! triangles, and multiple importance sampling by the balance heuristic for the latter (Veach &
+//! Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct light and
+//! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
+//! not depend on the number of threads.
 
 mod direct;
 mod emitters;
@@ -16,22 +18,18 @@ use std::ops::RangeInclusive;
 use glam::{DVec2, DVec3};
 use obvhs::BvhBuildParams;
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::frustum::Frustum;
 use super::geometry::Primitive;
 use super::tree::{Part, Tree};
+use crate::numeric::oracle::{BEFORE_LIGHT, LEAST_SCALE, OFF};
 use casca_scenes::lit::{HdrImage, ImageError, Light, LitScene, LitTriangle, Material};
+use casca_scenes::random::{Generator, generator, spread};
 use casca_scenes::world::Camera;
 use emitters::Emitters;
 use scatter::{Scatter, around};
 
-/// Rays start this far off the surface, as a share of the greatest coordinate: rounding in f64 is less, and nothing in a scene is as thin.
-const OFF: f64 = 1e-8;
-/// Shadow rays end this far before the light, as a share of the way, so that an emitter does not hide itself.
-const END: f64 = 1e-7;
 /// Samples that a pixel has at most.
 const MOST_SAMPLES: u32 = 1 << 20;
 /// How often light is scattered at most.
@@ -40,12 +38,15 @@ const MOST_ORDERS: u32 = 256;
 /// A quantity that is asked for at the surface that a pixel shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
-    /// The radiance that was scattered so many times on its way to the camera: 0 for emitters that are looked at, 1 for direct light, 2
-    /// for the first indirect bounce, 3 for the second. At most 256.
+    /// The radiance that was scattered so many times on its way to the camera: 0 for emitters that
+    /// are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second. At
+    /// most 256.
     Radiance(RangeInclusive<u32>),
-    /// The cosine-weighted share of directions above the surface in which nothing is hit within so many metres.
+    /// The cosine-weighted share of directions above the surface in which nothing is hit within so
+    /// many metres.
     Ambient(f32),
-    /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and where nothing is hit.
+    /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and
+    /// where nothing is hit.
     Shadow(usize),
 }
 
@@ -81,7 +82,8 @@ pub struct PathTracer {
 }
 
 impl PathTracer {
-    /// Builds the hierarchy. Material values out of range are brought into it; O(n log n) for n triangles.
+    /// Builds the hierarchy. Material values out of range are brought into it; O(n log n) for n
+    /// triangles.
     pub fn new(scene: &LitScene) -> Self {
         let triangles = scene.triangles();
         let materials: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
@@ -136,8 +138,8 @@ impl PathTracer {
         (self.hit(frustum.eye() + start, step), step)
     }
 
-    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less noise. Costs pixels times samples
-    /// times the orders of scattering.
+    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less
+    /// noise. Costs pixels times samples times the orders of scattering.
     ///
     /// # Errors
     /// [`ImageError::Size`].
@@ -155,8 +157,7 @@ impl PathTracer {
         let pixels = (0..black.pixels().len()).into_par_iter().map(|i| {
             let (surface, step) = self.seen(&frustum, i, size);
             // A generator of its own, so that threads do not matter.
-            let mut random =
-                Pcg64Mcg::seed_from_u64(seed ^ (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            let mut random = generator(seed, spread(i as u64 + 1));
             mean(samples, || self.sample(surface, step, quantity, &mut random))
         });
         let (means, errors): (Vec<_>, Vec<_>) = pixels.collect::<Vec<_>>().into_iter().unzip();
@@ -171,7 +172,7 @@ impl PathTracer {
         seen: Option<Surface>,
         step: DVec3,
         quantity: &Quantity,
-        random: &mut Pcg64Mcg,
+        random: &mut Generator,
     ) -> DVec3 {
         match (quantity, seen) {
             (Quantity::Radiance(orders), seen) => {
@@ -187,7 +188,7 @@ impl PathTracer {
             (Quantity::Shadow(light), Some(at)) => {
                 let Some(light) = self.lights.get(*light) else { return DVec3::ZERO };
                 DVec3::splat(match self.towards(light, &at, random) {
-                    Some((way, ..)) if !self.hides(&at, way, 1.0 - END) => 1.0,
+                    Some((way, ..)) if !self.hides(&at, way, 1.0 - BEFORE_LIGHT) => 1.0,
                     _ => 0.0,
                 })
             }
@@ -208,16 +209,17 @@ impl PathTracer {
 
     /// A point just above a surface.
     fn off(&self, at: &Surface) -> DVec3 {
-        at.point + at.normal * (OFF * (self.tree.scale + 1e-3))
+        at.point + at.normal * (OFF * (self.tree.scale + LEAST_SCALE))
     }
 
-    /// The light of some orders that arrives against a unit direction from a surface, or from the sky.
+    /// The light of some orders that arrives against a unit direction from a surface, or from the
+    /// sky.
     fn radiance(
         &self,
         seen: Option<Surface>,
         mut direction: DVec3,
         orders: &RangeInclusive<u32>,
-        random: &mut Pcg64Mcg,
+        random: &mut Generator,
     ) -> DVec3 {
         let (mut light, mut weight) = (DVec3::ZERO, DVec3::ONE);
         let last = (*orders.end()).min(MOST_ORDERS);

@@ -1,13 +1,14 @@
-//! How a surface scatters light: Lambert's law and a lobe around the mirror direction (Lafortune & Willems, *Using the Modified Phong
-//! Reflectance Model for Physically Based Rendering*, 1994), which loses energy at grazing angles and never gains any.
+//! How a surface scatters light: Lambert's law and a lobe around the mirror direction (Lafortune &
+//! Willems, *Using the Modified Phong Reflectance Model for Physically Based Rendering*, 1994),
+//! which loses energy at grazing angles and never gains any.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use casca_scenes::lit::Material;
+use casca_scenes::random::Generator;
 
 /// A surface that is looked at from one direction.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +42,8 @@ impl Scatter {
         self.normal
     }
 
-    /// The share of light from a unit direction `way` that is scattered to the eye, times the cosine to the normal.
+    /// The share of light from a unit direction `way` that is scattered to the eye, times the
+    /// cosine to the normal.
     pub(super) fn value(&self, way: DVec3) -> DVec3 {
         let cos = way.dot(self.normal).max(0.0);
         let lobe = way.dot(self.mirror).clamp(0.0, 1.0).powf(self.exponent);
@@ -56,7 +58,7 @@ impl Scatter {
     }
 
     /// A direction, and its value over its density; `None` if the light is absorbed.
-    pub(super) fn sample(&self, random: &mut Pcg64Mcg) -> Option<(DVec3, DVec3)> {
+    pub(super) fn sample(&self, random: &mut Generator) -> Option<(DVec3, DVec3)> {
         let (a, b) = (random.random(), random.random());
         let way = match random.random::<f64>() < self.diffuse {
             true => around(self.normal, 0.0, a, b),
@@ -67,13 +69,15 @@ impl Scatter {
     }
 }
 
-/// A unit vector around an axis, with a density in proportion to the cosine to it (exponent 0) or to that power of the cosine.
+/// A unit vector around an axis, with a density in proportion to the cosine to it (exponent 0) or
+/// to that power of the cosine.
 pub(super) fn around(axis: DVec3, exponent: f64, a: f64, b: f64) -> DVec3 {
     let cos = a.powf(1.0 / if exponent == 0.0 { 2.0 } else { exponent + 1.0 });
     turned(axis, cos, b)
 }
 
-/// The unit vector at an angle to an axis, given by its cosine, and turned around it by a share of the full circle.
+/// The unit vector at an angle to an axis, given by its cosine, and turned around it by a share of
+/// the full circle.
 pub(super) fn turned(axis: DVec3, cos: f64, turn: f64) -> DVec3 {
     let (x, y) = axis.any_orthonormal_pair();
     let (sin, (s, c)) = ((1.0 - cos * cos).max(0.0).sqrt(), (TAU * turn).sin_cos());

@@ -10,6 +10,7 @@ use super::emitters::area;
 use super::*;
 use crate::cases;
 use casca_scenes::lit::{Falloff, Kind, LightKind, LitObject};
+use casca_scenes::random::generator;
 use casca_scenes::world::Mesh;
 
 /// A scene of meshes, each of one material, without light.
@@ -37,7 +38,8 @@ fn square(height: f32, half: f32) -> Mesh {
 
 const WHITE: Material = Material::matt(Vec3::ONE);
 
-/// The radiance of an order that leaves the surface straight above or below `point` along the way to it, and its standard error.
+/// The radiance of an order that leaves the surface straight above or below `point` along the way
+/// to it, and its standard error.
 fn look(
     tracer: &PathTracer,
     from: DVec3,
@@ -47,7 +49,7 @@ fn look(
 ) -> (f64, f64) {
     let direction = (to - from).normalize();
     let seen = tracer.hit(from, direction);
-    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let mut random = generator(7, 0);
     let (mean, error) = mean(samples, || tracer.radiance(seen, direction, &orders, &mut random));
     (f64::from(mean.x), f64::from(error.x))
 }
@@ -75,7 +77,8 @@ fn in_a_furnace_every_order_has_its_share_of_the_emission() {
         let (found, error) = look(&tracer, DVec3::new(1.1, 0.7, 0.7), target, 0..=40, 2000);
         near(found, 4.0, 5.0 * error);
     }
-    // A surface that reflects all of it under a sky that is as bright everywhere cannot be told from the sky.
+    // A surface that reflects all of it under a sky that is as bright everywhere cannot be told
+    // from the sky.
     let mut open = scene(vec![(Mesh::ball(2), WHITE)]);
     open.sky = Vec3::splat(3.0);
     let image = PathTracer::new(&open)
@@ -90,7 +93,8 @@ fn a_light_over_a_plane_shines_as_its_closed_form_says() {
     let mut plane = scene(vec![(square(0.0, 5.0), Material::matt(Vec3::splat(0.5)))]);
     let position = Vec3::new(0.5, 2.0, 0.25);
     plane.lights = vec![Light::point(position, Vec3::splat(10.0))];
-    // A ball of light with all of it above the horizon gives as much as its centre; it is chosen by chance.
+    // A ball of light with all of it above the horizon gives as much as its centre; it is chosen by
+    // chance.
     let ball = |radius| LightKind::Point { position, radius };
     for (radius, samples) in [(0.0, 1), (0.5, 20_000)] {
         plane.lights[0].kind = ball(radius);
@@ -113,7 +117,8 @@ fn a_light_over_a_plane_shines_as_its_closed_form_says() {
     assert_eq!(look(&tracer, DVec3::NEG_Y, DVec3::X, 0..=3, 50).0, 0.0);
 }
 
-/// Lambert's formula (1760) for the irradiance by a polygon of radiance 1 that lies above the horizon.
+/// Lambert's formula (1760) for the irradiance by a polygon of radiance 1 that lies above the
+/// horizon.
 fn lambert(corners: &[DVec3], point: DVec3, normal: DVec3) -> f64 {
     let units: Vec<DVec3> = corners.iter().map(|c| (*c - point).normalize()).collect();
     let sum: f64 = (0..units.len())
@@ -139,7 +144,7 @@ proptest! {
         let tracer = PathTracer::new(&scene(vec![(square(0.0, 4.0), WHITE), (lamp, Material::emitter(Vec3::splat(3.0)))]));
         let to = DVec3::new(x, 0.0, z);
         let seen = tracer.hit(to + DVec3::Y * 0.02, DVec3::NEG_Y);
-        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let mut random = generator(3, 0);
         let (found, error) = mean(3000, || tracer.radiance(seen, DVec3::NEG_Y, &(1..=1), &mut random));
         let doubles: Vec<DVec3> = corners.iter().map(|c| c.as_dvec3()).collect();
         let truth = 3.0 * lambert(&doubles, to, DVec3::Y) / PI;
@@ -194,11 +199,12 @@ fn a_closed_room_keeps_its_energy_until_it_is_absorbed() {
         assert_eq!(lamps(&room), 2);
         let tracer = PathTracer::new(&room);
         let areas: Vec<f64> = tracer.triangles.iter().map(area).collect();
-        // Radiance times area. All flux of a light of intensity I, 4 pi I, falls on the walls, which make a radiance of 1 / pi of it.
+        // Radiance times area. All flux of a light of intensity I, 4 pi I, falls on the walls,
+        // which make a radiance of 1 / pi of it.
         let emitted: f64 = tracer.triangles.iter().zip(&areas).map(|(t, a)| f64::from(t.material) * a).sum();
         let emitted = emitted * f64::from(emission.x) + if lit { 4.0 * 2.0 } else { 0.0 };
         for order in 1..4u32 {
-            let mut random = Pcg64Mcg::seed_from_u64(9);
+            let mut random = generator(9, 0);
             let mut total = 0.0;
             for (t, area) in tracer.triangles.iter().zip(&areas) {
                 let [a, b, c] = t.corners.map(|p| p.as_dvec3());
@@ -286,7 +292,7 @@ fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
         let from = to + DVec3::Y * 0.5;
         let (found, error) = look(&tracer, from, to, 1..=1, 10_000);
         near(found, 0.5 * 3.0 * open, 5.0 * error);
-        let (seen, mut random) = (tracer.hit(from, DVec3::NEG_Y), Pcg64Mcg::seed_from_u64(4));
+        let (seen, mut random) = (tracer.hit(from, DVec3::NEG_Y), generator(4, 0));
         let all = Quantity::Ambient(f32::INFINITY);
         let (found, error) = mean(10_000, || tracer.sample(seen, DVec3::NEG_Y, &all, &mut random));
         near(found.x.into(), open, 5.0 * f64::from(error.x));
@@ -302,7 +308,8 @@ fn glossy_surfaces_lose_light_but_make_none() {
         let tracer = PathTracer::new(&open);
         for (from, least) in [(DVec3::Y, 0.98), (DVec3::new(0.0, 1.0, 4.0), 0.1)] {
             let (found, error) = look(&tracer, from, DVec3::ZERO, 1..=1, 4000);
-            // With exponent 2 a third of the lobe's factor n + 2 over n + 1 is lost to the cosine, head-on.
+            // With exponent 2 a third of the lobe's factor n + 2 over n + 1 is lost to the cosine,
+            // head-on.
             let least = if gloss == 0.0 { 0.5 * least } else { least };
             assert!(found <= 1.0 + 5.0 * error && found > least, "{gloss}: {found} +- {error}");
         }

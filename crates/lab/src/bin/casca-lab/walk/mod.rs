@@ -1,5 +1,5 @@
-//! The main job: an observer walks through a dynamic scene, and the library finds the visible objects
-//! of each frame, which are checked against exact visibility.
+//! The main job: an observer walks through a dynamic scene, and the library finds the visible
+//! objects of each frame, which are checked against exact visibility.
 
 mod options;
 mod pictures;
@@ -12,7 +12,8 @@ use casca_scenes::world::World;
 use casca_stage::command_line::{Outcome, PathError, try_writing, try_writing_into};
 use indicatif::ProgressBar;
 
-use crate::{Failure, progress};
+use crate::failure::Failure;
+use crate::progress;
 pub use options::Options;
 use pictures::PICTURES;
 use session::{Frame, Session};
@@ -24,14 +25,14 @@ const LOSSES_SHOWN: usize = 10;
 /// Walks, prints the results, and writes the pictures and the file of results.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // A walk takes minutes: what cannot be written is said before it.
-    try_writing_into(&options.out, &PICTURES)?;
+    try_writing_into(&options.out.out, &PICTURES)?;
     options.json.as_deref().map_or(Ok(()), try_writing)?;
     let mut session = Session::new(options, open(options)?)?;
     let frames = walk(options, &mut session)?;
 
     let counts: Vec<_> = frames.iter().map(|frame| frame.counts).collect();
     let title = format!("{}: what the observer can see", session.world.name);
-    chart(&options.out.join("walk.svg"), &title, &counts)?;
+    chart(&options.out.out.join("walk.svg"), &title, &counts)?;
     let summary = Summary::new(options, &session, frames);
     summary.print();
     if let Some(file) = &options.json {
@@ -43,7 +44,7 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
 
 fn open(options: &Options) -> Result<World, Failure> {
     let frames = options.frames.map(|n| n as usize);
-    let mut scene_options = SceneOptions { seed: options.seed, ..SceneOptions::default() };
+    let mut scene_options = SceneOptions { seed: options.common.seed, ..SceneOptions::default() };
     scene_options.frames = frames.unwrap_or(scene_options.frames);
     let mut world = options.scene.open(&scene_options)?;
     world.frames = world.frames.min(frames.unwrap_or(usize::MAX));
@@ -52,7 +53,7 @@ fn open(options: &Options) -> Result<World, Failure> {
 
 fn walk(options: &Options, session: &mut Session<'_>) -> Result<Vec<Frame>, Failure> {
     let count = session.world.frames;
-    let bar = progress::bar(options.quiet, count, &session.world.name, "frame");
+    let bar = progress::bar(options.common.quiet, count, &session.world.name, "frame");
     let mut frames: Vec<Frame> = Vec::with_capacity(count);
     let mut shown = 0;
     for number in 0..count {

@@ -8,6 +8,7 @@ use casca_stage::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
+use crate::arguments::{Common, Out, about};
 use crate::limits::{FRAMES, MOST_SAMPLES, WIDTHS};
 
 /// Width over height of all pictures.
@@ -48,11 +49,12 @@ impl MethodName {
 #[derive(Debug, Parser)]
 #[command(
     about = "Walks through a scene, finds the visible objects of each frame, and proves that none is missing",
-    after_help = EXIT_CODES, allow_negative_numbers = true
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("out", about("target/walk", "Where the pictures go"))
 )]
 pub struct Options {
-    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes, spheres-16, city-10 or a
-    /// glTF 2.0 file (.glb)
+    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
+    /// spheres-16, city-10 or a glTF 2.0 file (.glb)
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided
@@ -65,9 +67,6 @@ pub struct Options {
     /// Frames to walk, 1 to 100000 [default: the scene's path, 150 for procedural scenes]
     #[arg(long, value_parser = value_parser!(u32).range(FRAMES))]
     pub frames: Option<u32>,
-    /// Seed of procedural scenes
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Pixels along each side of the direction masks: a power of two from 64 to 4096
     #[arg(long, default_value_t = CellOptions::default().mask_resolution, value_parser = parse_mask)]
     pub mask: u32,
@@ -92,12 +91,10 @@ pub struct Options {
     /// Writes all results to this file
     #[arg(long)]
     pub json: Option<PathBuf>,
-    /// Where the pictures go
-    #[arg(long, default_value = "target/walk")]
-    pub out: PathBuf,
-    /// No progress bar
-    #[arg(long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub out: Out,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// The grid that is asked for.

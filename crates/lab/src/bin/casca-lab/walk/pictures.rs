@@ -8,7 +8,7 @@ use casca_truth::oracle::ItemBuffer;
 use glam::Vec3;
 
 use super::options::{ASPECT, MethodName, Options};
-use crate::Failure;
+use crate::failure::Failure;
 
 /// The files that a walk writes.
 pub const PICTURES: [&str; 4] = ["walk.svg", "frame.png", "buffers.png", "top_view.svg"];
@@ -41,7 +41,7 @@ impl Shot<'_> {
         self.frame()?;
         if self.options.method == MethodName::Point {
             let title = self.title("the occlusion buffers");
-            buffers(&self.options.out.join("buffers.png"), &title, &self.query.occlusion_images())?;
+            buffers(&self.options.out.out.join("buffers.png"), &title, &self.query.occlusion_images())?;
         }
         Ok(())
     }
@@ -64,7 +64,11 @@ impl Shot<'_> {
             volumes.into_iter().filter(|(lo, hi)| lo.y <= height && height <= hi.y).collect();
         let (scene, camera, path) = (self.scene, self.camera, self.path);
         let picture = TopView { scene, visited, hidden, volumes: &volumes, camera, path };
-        Ok(top_view(&self.options.out.join("top_view.svg"), &self.title("the grid from above"), &picture)?)
+        Ok(top_view(
+            &self.options.out.out.join("top_view.svg"),
+            &self.title("the grid from above"),
+            &picture,
+        )?)
     }
 
     fn frame(&self) -> Result<(), PictureError> {
@@ -78,6 +82,6 @@ impl Shot<'_> {
             sees: self.sees,
         };
         let title = self.title(&format!("what {} shows and hides", self.options.method.name()));
-        frame(&self.options.out.join("frame.png"), &title, &picture)
+        frame(&self.options.out.out.join("frame.png"), &title, &picture)
     }
 }

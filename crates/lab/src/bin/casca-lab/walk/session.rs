@@ -1,12 +1,13 @@
-//! A walk in progress: the scene, the queries and the exact visibility that they are checked against.
+//! A walk in progress: the scene, the queries and the exact visibility that they are checked
+//! against.
 
 use std::collections::HashSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{Aabb, GridSpec, Method, Query};
 use casca_lab::pictures::FrameCounts;
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_scenes::measure::timed;
+use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions};
@@ -14,7 +15,8 @@ use glam::Vec3;
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
 use super::pictures::{Shot, height_of};
-use crate::{Failure, progress};
+use crate::failure::Failure;
+use crate::progress;
 
 /// The results of one frame.
 pub struct Frame {
@@ -78,13 +80,14 @@ impl<'a> Session<'a> {
     /// Fills the library's scene.
     pub fn new(options: &'a Options, mut world: World) -> Result<Self, Failure> {
         world.set_frame(0);
-        let (driver, setup) = timed(|| fill(options, &world));
+        // Several threads may prepare meshes.
+        let (driver, setup) = timed_by_wall(|| fill(options, &world));
         let oracle_options = OracleOptions {
             width: options.width as usize,
             height: height_of(options.width as usize),
             samples_per_object: options.samples as usize,
             max_candidates: options.candidates as usize,
-            seed: options.seed,
+            seed: options.common.seed,
         };
         Ok(Self {
             driver: driver?,
@@ -105,7 +108,7 @@ impl<'a> Session<'a> {
         let (camera, objects) = (self.world.camera(number, ASPECT), &self.world.objects);
         let view = view_of(&camera)?;
 
-        let start = Instant::now();
+        let start = ThreadTime::now();
         self.driver.scene.begin_frame(number as f64 * FRAME_SECONDS)?;
         self.driver.update(objects, &moved)?;
         let mut update = start.elapsed();
@@ -147,7 +150,7 @@ impl<'a> Session<'a> {
             };
             shot.draw(&view)?;
         }
-        let start = Instant::now();
+        let start = ThreadTime::now();
         self.driver.scene.end_frame([self.query.pvs()])?;
         update += start.elapsed();
         Ok(Frame { counts, query, update, cells, verdict })
@@ -163,7 +166,7 @@ fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
         Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
         None => grid_for(&world.grid, None)?,
     };
-    let bar = progress::bar(options.quiet, world.objects.len(), "preparing", "object");
+    let bar = progress::bar(options.common.quiet, world.objects.len(), "preparing", "object");
     let driver = Driver::new(world, &grid, |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     Ok(driver)

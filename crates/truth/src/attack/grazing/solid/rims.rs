@@ -4,17 +4,16 @@ use glam::DVec3;
 
 use super::super::super::dice::Dice;
 use super::{Body, Edge, Solid, Start};
-
-/// Edges, and faces beside them, that make a smaller sine with the rays have no outside.
-const ALONG: f64 = 1e-6;
+use crate::numeric::attack::ALONG_EDGE;
 
 impl Solid {
     fn edge(&self, dice: &mut Dice) -> Option<&Edge> {
         (!self.edges.is_empty()).then(|| &self.edges[dice.below(self.edges.len() as u32) as usize])
     }
 
-    /// A point of it where a line touches it and a ball of eyes on the other side, and the direction from the middle of the
-    /// ball to the eye that looks along that line, of length 1: no eye of the ball sees more past that point.
+    /// A point of it where a line touches it and a ball of eyes on the other side, and the
+    /// direction from the middle of the ball to the eye that looks along that line, of length 1: no
+    /// eye of the ball sees more past that point.
     pub fn rim_of_ball(&self, eye: DVec3, reach: f64, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
         // The unit vector `n` across the line, with `n . (middle - eye) = reach - radius`.
         let across = |ahead: DVec3, aside: DVec3, radius: f64| {
@@ -29,7 +28,8 @@ impl Solid {
             let out = across(ahead, aside, self.radius)?;
             return Some((self.middle + out * self.radius, out));
         }
-        // Across the edge, which is at right angles to `aside` and to the part of the ray across it.
+        // Across the edge, which is at right angles to `aside` and to the part of the ray across
+        // it.
         let near = self.edges.iter().min_by(|p, q| {
             let far = |e: &Edge| {
                 let along = (e.ends[1] - e.ends[0]).normalize();
@@ -42,7 +42,8 @@ impl Solid {
         Some((point, out))
     }
 
-    /// A point of its outline, as seen from a start, and the direction away from it across the ray, of length 1.
+    /// A point of its outline, as seen from a start, and the direction away from it across the ray,
+    /// of length 1.
     pub fn rim(&self, start: &Start, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
         if matches!(self.body, Body::Ball) {
             let toward = start.toward(self.middle).normalize();
@@ -71,13 +72,13 @@ impl Solid {
             let point = a + (b - a) * share(dice);
             let ray = start.toward(point).normalize();
             let out = ray.cross((b - a).normalize());
-            if out.length() < ALONG {
+            if out.length() < ALONG_EDGE {
                 return None;
             }
             let out = out.normalize();
             let inwards = out.dot(edge.inner - point);
             // A face that is seen from its edge does not tell the sides apart.
-            if inwards.abs() < ALONG * edge.inner.distance(point) {
+            if inwards.abs() < ALONG_EDGE * edge.inner.distance(point) {
                 return None;
             }
             Some((point, if inwards > 0.0 { -out } else { out }))

@@ -8,19 +8,21 @@ use super::super::super::ops::turn;
 use super::super::outermost::outermost;
 use super::super::solid::{Solid, Start, exact};
 use super::{Graze, Place, Stage, Target, Witness};
+use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 
 /// Aims that no point in single precision is found for are given up after so many tries.
 const TRIES: u32 = 6;
 
 impl Stage<'_> {
-    /// A place closely past the outline of a wall, as seen from a start, the direction away from it, and the wall's shape.
+    /// A place closely past the outline of a wall, as seen from a start, the direction away from
+    /// it, and the wall's shape.
     pub fn graze(&mut self, start: &Start) -> Option<Graze> {
         let (point, out, shape) = self.rim(|solid, dice| solid.rim(start, dice))?;
         Some((point + out * self.gap(start, point), out, shape))
     }
 
-    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely past that edge as
-    /// [`Stage::graze`] tells it.
+    /// An eye in a ball that looks as far past an edge as any eye in it does, and a place closely
+    /// past that edge as [`Stage::graze`] tells it.
     pub fn outermost(&mut self, eye: DVec3, reach: f64) -> Option<(DVec3, Graze)> {
         let (point, out, shape) = self.rim(|solid, dice| solid.rim_of_ball(eye, reach, dice))?;
         let at = outermost(eye, out, reach);
@@ -82,7 +84,7 @@ impl Stage<'_> {
             11..=13 => {
                 let ball = Sphere::new((point - out * size).as_vec3(), size as f32);
                 let center = ball.center.as_dvec3();
-                (ball.into(), center + out * f64::from(ball.radius) * (1.0 - 1e-15))
+                (ball.into(), center + out * f64::from(ball.radius) * ON_BALL)
             }
             14 => {
                 let half = Vec3::splat(size as f32);
@@ -91,10 +93,10 @@ impl Stage<'_> {
                 let corner = DVec3::from_array(std::array::from_fn(|i| axes.col(i).dot(out).signum()));
                 let corner = axes * (corner * half.as_dvec3());
                 let center = (point - corner).as_vec3();
-                (Obb::new(center, half, rotation).into(), center.as_dvec3() + corner * (1.0 - 1e-12))
+                (Obb::new(center, half, rotation).into(), center.as_dvec3() + corner * ON_CORNER)
             }
             _ => {
-                let scale = Vec3::splat((size as f32).max(1e-6 * self.unit));
+                let scale = Vec3::splat((size as f32).max(LEAST_INSTANCE * self.unit));
                 let rotation = turn(dice);
                 let transform = Affine3A::from_scale_rotation_translation(scale, rotation, at);
                 let exact = exact(transform);
@@ -110,7 +112,8 @@ impl Stage<'_> {
         seen
     }
 
-    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are aimed at.
+    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are
+    /// aimed at.
     pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
         for _ in 0..TRIES {
             if let Some(past) = self.graze(&start)

@@ -31,7 +31,8 @@ impl Stage<'_> {
         worst
     }
 
-    /// Compares a set with the truth: it must hold each target that one of the places sees a point of.
+    /// Compares a set with the truth: it must hold each target that one of the places sees a point
+    /// of.
     pub fn check(&mut self, way: &'static str, mask: u64, places: impl Fn(&Witness) -> bool, pvs: &Pvs) {
         let holds = |w: &Witness, targets: &[Target]| {
             let target = &targets[w.target?];

@@ -1,0 +1,6 @@
+//! Why a command failed.
+
+use std::error::Error;
+
+/// Why a command failed.
+pub type Failure = Box<dyn Error + Send + Sync>;

@@ -1,0 +1,253 @@
+//! A walk, with all ways side by side.
+
+use casca::{Aabb, GridSpec, Method, Query, View};
+
+use super::super::walker::item_buffer;
+use super::super::{ASPECT, LabError, median, p99};
+use super::ways::{Way, ways};
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, World};
+use casca_truth::oracle::{Oracle, OracleOptions};
+
+/// How much is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampling {
+    /// Frames of a walk, in all places together.
+    pub frames: usize,
+    /// Places along the path of the scene.
+    pub stretches: usize,
+    /// One frame of so many is compared with exact visibility.
+    pub judge: usize,
+    /// Pixels of a row of the item buffer.
+    pub width: usize,
+    /// Rays to each object that a way leaves out.
+    pub rays: usize,
+    /// Seed of the movers and the rays.
+    pub seed: u64,
+}
+
+/// Frames after a jump to another place that are not timed: hidden movers come into their volumes
+/// in them.
+const SETTLE: usize = 5;
+
+/// Milliseconds of a frame, or their ratios to those of another way.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FrameTime {
+    /// The mean.
+    pub mean: f64,
+    /// The median.
+    pub median: f64,
+    /// The 99th percentile.
+    pub p99: f64,
+}
+
+impl FrameTime {
+    fn of(values: &mut [f64]) -> Self {
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        Self { mean, median: median(values), p99: p99(values) }
+    }
+
+    /// How many times those of another way.
+    pub fn over(&self, other: &Self) -> Self {
+        let ratio = |a: f64, b: f64| a / b.max(f64::MIN_POSITIVE);
+        Self {
+            mean: ratio(self.mean, other.mean),
+            median: ratio(self.median, other.median),
+            p99: ratio(self.p99, other.p99),
+        }
+    }
+}
+
+/// What a way did on a walk.
+#[derive(Debug, Clone, Default)]
+pub struct WayScore {
+    /// Its name.
+    pub name: String,
+    /// Milliseconds of a frame.
+    pub ms: FrameTime,
+    /// Mean milliseconds to tell its scene about a frame: clock, movers and result.
+    pub upkeep: f64,
+    /// Objects found and in the frustum, the mean of the frames that are judged.
+    pub found: f64,
+    /// Visible objects that were missing, in all frames that are judged.
+    pub wrong: usize,
+}
+
+/// What was measured on one scene.
+#[derive(Debug, Clone, Default)]
+pub struct WalkScore {
+    /// The scene's name.
+    pub scene: String,
+    /// Objects that move.
+    pub movers: usize,
+    /// Frames that are timed.
+    pub frames: usize,
+    /// Frames that are judged.
+    pub judged: usize,
+    /// Visible objects, the mean of the frames that are judged.
+    pub visible: f64,
+    /// The ways; the first is a fresh query in every frame.
+    pub ways: Vec<WayScore>,
+}
+
+/// A way with its scene, and sums over frames.
+struct Entry {
+    way: Box<dyn Way>,
+    driver: Driver,
+    ms: Vec<f64>,
+    upkeep: f64,
+    found: usize,
+    wrong: usize,
+}
+
+impl Entry {
+    fn tell(&mut self, world: &World, moved: &[usize], now: f64) -> Result<(), LabError> {
+        self.driver.scene.begin_frame(now)?;
+        Ok(self.driver.update(&world.objects, moved)?)
+    }
+
+    /// Runs a frame up to its answer.
+    fn frame(&mut self, world: &World, moved: &[usize], now: f64, view: &View) -> Result<[f64; 2], LabError> {
+        let (told, upkeep) = timed(|| self.tell(world, moved, now));
+        told?;
+        let (answered, time) = timed(|| self.way.frame(&self.driver.scene, view));
+        answered?;
+        Ok([time, upkeep].map(|t| t.as_secs_f64() * 1e3))
+    }
+
+    fn sees(&self, object: usize) -> bool {
+        self.driver.sees(self.way.pvs(), object)
+    }
+
+    /// Ends a frame, and returns the milliseconds that took.
+    fn end(&mut self) -> Result<f64, LabError> {
+        let (ended, time) = timed(|| self.driver.scene.end_frame([self.way.pvs()]));
+        ended?;
+        Ok(time.as_secs_f64() * 1e3)
+    }
+
+    fn score(mut self, frames: usize, judged: usize) -> WayScore {
+        WayScore {
+            name: self.way.name(),
+            ms: FrameTime::of(&mut self.ms),
+            upkeep: self.upkeep / frames.max(1) as f64,
+            found: self.found as f64 / judged.max(1) as f64,
+            wrong: self.wrong,
+        }
+    }
+}
+
+/// Compares the sets of a frame with exact visibility.
+struct Judge {
+    oracle: Oracle,
+    frustum: Query,
+    /// Objects that moved since the frame judged before.
+    moved: Vec<usize>,
+    visible: usize,
+    frames: usize,
+}
+
+impl Judge {
+    fn new(world: &World, sampling: &Sampling) -> Result<Self, LabError> {
+        let buffer = item_buffer(sampling.width);
+        let options = OracleOptions {
+            width: buffer.width(),
+            height: buffer.height(),
+            samples_per_object: sampling.rays,
+            max_candidates: 20_000,
+            seed: sampling.seed,
+        };
+        let frustum = Query::with_method(Method::Frustum)?;
+        Ok(Self {
+            oracle: Oracle::new(&world.objects, options),
+            frustum,
+            moved: Vec::new(),
+            visible: 0,
+            frames: 0,
+        })
+    }
+
+    /// Notes which objects moved since the frame before.
+    fn note(&mut self, moved: &[usize]) {
+        self.moved.extend(moved);
+    }
+
+    fn judge(&mut self, world: &World, camera: &Camera, view: &View, entries: &mut [Entry]) {
+        let mut moved = std::mem::take(&mut self.moved);
+        moved.sort_unstable();
+        moved.dedup();
+        let verdict =
+            self.oracle.frame(&world.objects, &moved, camera, &|i| entries.iter().all(|e| e.sees(i)));
+        self.visible += verdict.exact.len();
+        self.frames += 1;
+        let Some(first) = entries.first() else { return };
+        let pvs = self.frustum.run(&first.driver.scene, view);
+        let tested = |i: &usize| world.objects[*i].tested && first.driver.sees(pvs, *i);
+        let in_frustum: Vec<usize> = (0..world.objects.len()).filter(tested).collect();
+        for entry in entries {
+            entry.found += in_frustum.iter().filter(|&&i| entry.sees(i)).count();
+            entry.wrong += verdict.false_negatives.iter().filter(|f| !entry.sees(f.object)).count();
+        }
+    }
+}
+
+/// Walks through a scene with so many movers. `progress` is told the frames done.
+///
+/// # Errors
+/// If the library refuses the scene, or a way fails.
+pub fn measure(
+    world: World,
+    movers: usize,
+    sampling: &Sampling,
+    mut progress: impl FnMut(usize),
+) -> Result<WalkScore, LabError> {
+    let stretches = sampling.stretches.max(1);
+    let frames = sampling.frames.div_ceil(stretches).max(SETTLE + 1);
+    let options = WalkOptions { movers, stretches, frames, seed: sampling.seed };
+    let mut world = walking(world, ASPECT, &options);
+    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let driver = Driver::new(&world, &grid, |_| ())?;
+    let mut entries = Vec::new();
+    for way in ways()? {
+        let (driver, ms) = (driver.clone(), Vec::new());
+        entries.push(Entry { way, driver, ms, upkeep: 0.0, found: 0, wrong: 0 });
+    }
+    let (mut judge, mut timed_frames) = (Judge::new(&world, sampling)?, 0);
+    for number in 0..world.frames {
+        let moved = world.set_frame(number);
+        let camera = world.camera(number, ASPECT);
+        let view: View = view_of(&camera)?;
+        judge.note(&moved);
+        let counts = options.since_jump(number) >= SETTLE;
+        timed_frames += usize::from(counts);
+        let count = entries.len();
+        // Each frame starts with another way, so that none is always the one after the judgement.
+        for turn in 0..count {
+            let entry = &mut entries[(turn + number) % count];
+            let [ms, upkeep] = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &view)?;
+            if counts {
+                entry.ms.push(ms);
+                entry.upkeep += upkeep;
+            }
+        }
+        if number.is_multiple_of(sampling.judge.max(1)) {
+            judge.judge(&world, &camera, &view, &mut entries);
+        }
+        for entry in &mut entries {
+            entry.way.work_aside();
+            let ms = entry.end()?;
+            entry.upkeep += if counts { ms } else { 0.0 };
+        }
+        progress(number + 1);
+    }
+    Ok(WalkScore {
+        scene: world.name.clone(),
+        movers,
+        frames: timed_frames,
+        judged: judge.frames,
+        visible: judge.visible as f64 / judge.frames.max(1) as f64,
+        ways: entries.into_iter().map(|e| e.score(timed_frames, judge.frames)).collect(),
+    })
+}

@@ -1,0 +1,147 @@
+//! A walking camera: what the frames of a second cost that hardly differ, by each way to answer
+//! them.
+
+mod measure;
+mod ways;
+
+pub use measure::{FrameTime, Sampling, WalkScore, WayScore, measure};
+pub use ways::{Way, ways};
+
+use super::worlds::Place;
+use super::{Lab, LabError, Section, Table, grouped};
+use casca_scenes::generated::SceneKind;
+
+/// The scenes that are walked, beside files.
+pub const SCENES: [SceneKind; 3] = [SceneKind::City, SceneKind::Rooms, SceneKind::Town];
+/// How many objects move.
+pub const MOVERS: [usize; 3] = [0, 200, 10_000];
+
+/// Ways to answer the frames of a walking camera, side by side.
+///
+/// # Errors
+/// If a scene cannot be read or is refused.
+pub fn coherence(lab: &Lab) -> Result<Section, LabError> {
+    let sampling = Sampling {
+        frames: lab.pick(300, 12),
+        stretches: lab.pick(3, 1),
+        judge: 7,
+        width: lab.pick(960, 160),
+        rays: 4,
+        seed: lab.seed,
+    };
+    let mut scores = Vec::new();
+    let scenes = if lab.quick { &SCENES[1..2] } else { &SCENES };
+    let built = scenes.iter().copied().map(Place::Built);
+    for place in built.chain(lab.files.iter().map(|f| Place::File(f))) {
+        for movers in MOVERS {
+            let world = place.open(lab)?;
+            (lab.progress)(&format!("{}, {} movers", world.name, grouped(movers)));
+            scores.push(measure(world, movers, &sampling, |_| ())?);
+        }
+    }
+    let mut section = Section::new("A walking camera");
+    section.text(text(&scores));
+    section.table(summary(&scores));
+    section.rows("All figures as CSV", table(&scores));
+    Ok(section)
+}
+
+fn text(scores: &[WalkScore]) -> String {
+    let wrong: usize = scores.iter().flat_map(|s| &s.ways).map(|w| w.wrong).sum();
+    let judged: usize = scores.iter().map(|s| s.judged * s.ways.len()).sum();
+    let lost = if wrong == 0 { "none lacks".to_owned() } else { format!("they lack {}", grouped(wrong)) };
+    format!(
+        "A person walks through each scene at 1.5 m/s and looks around, turning by at most 90 degrees a second, at 60 frames a second. The \
+         scene stands still, but for spheres that float about (*movers*; every second one hides others). `fresh` runs a query of `point` in every \
+         frame, `coherent` the same with `PointOptions::coherent`. `kept` is a `KeptQuery`: it answers frames from one result about static objects \
+         until the camera has gone or turned too far, and then finds a new one, in that frame or on *another thread* before (its time is not \
+         counted then). Cells give, over \
+         those of `fresh` in the same run: the mean time of a frame, its 99th percentile, and the objects of the set that are in the frustum of the frame. **Of {} sets \
+         compared with exact visibility, {lost} visible objects.**",
+        grouped(judged)
+    )
+}
+
+/// A row for each walk, and a column for each way.
+fn summary(scores: &[WalkScore]) -> Table {
+    let mut names: Vec<&str> = Vec::new();
+    for way in scores.iter().flat_map(|s| s.ways.iter().skip(1)) {
+        if !names.contains(&way.name.as_str()) {
+            names.push(&way.name);
+        }
+    }
+    let first = ["scene", "movers", "visible", "fresh, ms", "fresh, p99, ms", "fresh, PVS/visible"];
+    let columns: Vec<&str> = first.into_iter().chain(names.iter().copied()).collect();
+    let mut table = Table::new("coherence-summary", &columns);
+    for score in scores {
+        let Some(fresh) = score.ways.first() else { continue };
+        let first = [score.scene.clone(), score.movers.to_string(), format!("{:.1}", score.visible)];
+        let times =
+            [fresh.ms.mean, fresh.ms.p99, fresh.found / score.visible.max(1.0)].map(|v| format!("{v:.2}"));
+        let cells = names.iter().map(|&name| match score.ways.iter().find(|w| w.name == name) {
+            Some(way) => {
+                let time = way.ms.over(&fresh.ms);
+                format!("{:.2}, {:.2}, {:.2}", time.mean, time.p99, way.found / fresh.found.max(1.0))
+            }
+            None => "-".to_owned(),
+        });
+        table.row(first.into_iter().chain(times).chain(cells));
+    }
+    table
+}
+
+/// A row for each way of each walk.
+pub fn table(scores: &[WalkScore]) -> Table {
+    let columns = [
+        "scene",
+        "movers",
+        "way",
+        "ms",
+        "mean",
+        "median",
+        "p99",
+        "found",
+        "found/visible",
+        "wrong",
+        "update, ms",
+    ];
+    let mut table = Table::new("coherence", &columns);
+    for score in scores {
+        let Some(fresh) = score.ways.first() else { continue };
+        for way in &score.ways {
+            let time = way.ms.over(&fresh.ms);
+            let first = [score.scene.clone(), score.movers.to_string(), way.name.clone()];
+            let times = [way.ms.mean, time.mean, time.median, time.p99].map(|v| format!("{v:.3}"));
+            let sets = [way.found / fresh.found.max(1.0), way.found / score.visible.max(1.0)];
+            let last = [way.wrong.to_string(), format!("{:.3}", way.upkeep)];
+            table.row(first.into_iter().chain(times).chain(sets.map(|v| format!("{v:.3}"))).chain(last));
+        }
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use casca_scenes::generated::{SceneOptions, build};
+
+    #[test]
+    fn all_ways_find_all_that_is_visible_with_and_without_movers() {
+        let sampling = Sampling { frames: 40, stretches: 2, judge: 3, width: 160, rays: 2, seed: 1 };
+        for movers in [0, 50] {
+            let world = build(SceneKind::Rooms, &SceneOptions::default());
+            let mut done = 0;
+            let score = measure(world, movers, &sampling, |n| done = n).unwrap();
+            assert_eq!((done, score.frames, score.judged, score.movers), (40, 30, 14, movers));
+            assert_eq!(score.ways.len(), ways().unwrap().len());
+            for way in &score.ways {
+                assert_eq!(way.wrong, 0, "{}", way.name);
+                assert!(way.found >= score.visible, "{way:?}");
+                assert!(way.ms.mean > 0.0 && way.ms.p99 >= way.ms.median);
+            }
+            let rows = table(std::slice::from_ref(&score)).rows;
+            assert!(rows.iter().all(|r| r[9] == "0") && rows[0][4] == "1.000");
+            assert_eq!(summary(&[score]).columns.len(), 6 + rows.len() - 1);
+        }
+    }
+}

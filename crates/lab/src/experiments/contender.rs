@@ -1,0 +1,116 @@
+//! A method at a setting, run on frames.
+
+use std::time::Duration;
+
+use casca::{Error, Method, Query};
+
+use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::measure::ThreadTime;
+use casca_scenes::world::{Camera, Object};
+use casca_truth::baselines::{Hzb, RayBuffer};
+
+/// A frame, as all methods get it.
+#[derive(Clone, Copy)]
+pub struct FrameInput<'a> {
+    /// The scene, kept up to date.
+    pub driver: &'a Driver,
+    /// The objects as they are now.
+    pub objects: &'a [Object],
+    /// Those that may be in the frustum, ascending; only the baselines use it.
+    pub in_frustum: &'a [usize],
+    /// The camera.
+    pub camera: &'a Camera,
+}
+
+enum Engine {
+    Casca(Box<Query>),
+    Hzb(Box<Hzb>),
+    Rays(Box<RayBuffer>),
+}
+
+/// A method at a setting, the library's or a baseline.
+pub struct Contender {
+    /// The method's name.
+    pub method: &'static str,
+    /// The setting in a few words.
+    pub setting: String,
+    engine: Engine,
+    found: Vec<usize>,
+}
+
+impl Contender {
+    fn new(method: &'static str, setting: String, engine: Engine) -> Self {
+        Self { method, setting, engine, found: Vec::new() }
+    }
+
+    /// The library by a method, whose options `setting` describes.
+    ///
+    /// # Errors
+    /// As [`Query::with_method`].
+    pub fn casca(setting: impl Into<String>, method: Method) -> Result<Self, Error> {
+        Ok(Self::new(method.name(), setting.into(), Engine::Casca(Box::new(Query::with_method(method)?))))
+    }
+
+    /// A rasterised depth buffer of `width` by `height` pixels.
+    pub fn hzb(width: usize, height: usize) -> Self {
+        Self::new("hzb", format!("{width}x{height}"), Engine::Hzb(Box::new(Hzb::new(width, height))))
+    }
+
+    /// A ray-cast depth buffer of `width` by `height` rays; it keeps the static ones of these
+    /// objects.
+    pub fn rays(objects: &[Object], width: usize, height: usize) -> Self {
+        let engine = Engine::Rays(Box::new(RayBuffer::new(objects, width, height)));
+        Self::new("rays", format!("{width}x{height}"), engine)
+    }
+
+    /// Whether it promises that nothing visible is lost.
+    pub fn is_safe(&self) -> bool {
+        matches!(self.engine, Engine::Casca(_))
+    }
+
+    /// The query, if the method is the library's.
+    pub fn query(&self) -> Option<&Query> {
+        match &self.engine {
+            Engine::Casca(query) => Some(query),
+            _ => None,
+        }
+    }
+
+    /// Runs a frame and returns the time that took, without that of reading the result.
+    ///
+    /// # Errors
+    /// As [`view_of`].
+    pub fn run(&mut self, frame: &FrameInput) -> Result<Duration, Error> {
+        let FrameInput { driver, objects, in_frustum, camera } = *frame;
+        let view = view_of(camera)?;
+        let start = ThreadTime::now();
+        let visible = match &mut self.engine {
+            Engine::Casca(query) => {
+                query.run(&driver.scene, &view);
+                None
+            }
+            Engine::Hzb(hzb) => Some(hzb.frame(objects, in_frustum, camera)),
+            Engine::Rays(rays) => Some(rays.frame(objects, in_frustum, camera)),
+        };
+        let time = start.elapsed();
+        self.found = match (&self.engine, visible) {
+            (Engine::Casca(query), _) => {
+                (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect()
+            }
+            (_, visible) => visible.unwrap_or_default(),
+        };
+        self.found.retain(|&i| objects[i].tested);
+        self.found.sort_unstable();
+        Ok(time)
+    }
+
+    /// The tested objects that the last frame found visible, ascending.
+    pub fn found(&self) -> &[usize] {
+        &self.found
+    }
+
+    /// Whether the last frame found an object visible.
+    pub fn sees(&self, object: usize) -> bool {
+        self.found.binary_search(&object).is_ok()
+    }
+}

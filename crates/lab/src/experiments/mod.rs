@@ -1,0 +1,67 @@
+//! The laboratory: experiments whose results make up the report, `docs/report.md`.
+//!
+//! Each experiment is a function from a [`Lab`] to a [`Section`]: text, tables and charts.
+//! [`write()`] puts sections together. What is compared goes through a [`Contender`], so that
+//! the library and the methods of today's engines are measured by the same code.
+
+mod against;
+mod aggressive;
+pub mod buffer;
+pub mod coherence;
+mod contender;
+mod context;
+mod figures;
+mod front;
+#[cfg(feature = "light")]
+pub mod light;
+pub mod lines;
+mod machine;
+pub mod points;
+pub mod reach;
+mod report;
+mod scaling;
+mod section;
+mod shadows;
+pub mod sight;
+mod stability;
+mod stage;
+mod thesis;
+pub mod tradeoff;
+mod upkeep;
+mod walker;
+mod worlds;
+
+pub use against::against;
+pub use aggressive::aggressive;
+pub use contender::{Contender, FrameInput};
+pub(crate) use context::ASPECT;
+pub use context::{Effort, Lab, LabError};
+pub(crate) use figures::grouped;
+pub use figures::{median, p99};
+pub use front::{Cost, distance, front};
+pub use report::{HEAD, ReportError, write};
+pub use scaling::{scaling, scaling_to};
+pub use section::{Block, Section, Table};
+pub use shadows::shadows;
+pub use stability::stability;
+pub use thesis::thesis;
+pub use tradeoff::tradeoff;
+pub use upkeep::upkeep;
+
+/// An experiment: a section of the report.
+pub type Experiment = fn(&Lab) -> Result<Section, LabError>;
+
+/// All experiments by name, in the order of the report.
+pub const EXPERIMENTS: &[(&str, Experiment)] = &[
+    ("tradeoff", tradeoff),
+    ("against", against),
+    ("stability", stability),
+    ("thesis", thesis),
+    ("upkeep", upkeep),
+    ("scaling", scaling),
+    ("reach", reach::reach),
+    ("coherence", coherence::coherence),
+    ("sight", sight::sight),
+    ("shadows", shadows),
+    ("aggressive", aggressive),
+];

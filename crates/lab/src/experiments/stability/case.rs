@@ -1,0 +1,178 @@
+//! What a case is, and the shapes that cases are built from.
+
+use std::sync::Arc;
+
+use casca::{Aabb, GridSpec};
+use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera::rh::view::look_to_mat4};
+use rand::RngExt;
+
+pub(super) use crate::experiments::ASPECT;
+use crate::experiments::LabError;
+use casca_scenes::random::{Generator, generator, spread};
+use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
+
+/// A point of an object that the case was built to show; judged beside the points that the oracle
+/// picks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    pub(super) object: usize,
+    pub(super) point: DVec3,
+}
+
+/// A frame of a case.
+pub(super) struct Shot {
+    pub(super) camera: Camera,
+    /// Objects that have another shape than in the shot before, ascending.
+    pub(super) moves: Vec<(usize, Shape)>,
+    /// The clock in seconds.
+    pub(super) time: f64,
+}
+
+/// A small world and the frames seen of it.
+pub(super) struct Case {
+    pub(super) name: String,
+    /// Whether the times of the cases that follow are compared with this one's.
+    pub(super) calm: bool,
+    pub(super) objects: Vec<Object>,
+    pub(super) grid: GridSpec,
+    pub(super) shots: Vec<Shot>,
+    /// Count in the frames in which they are in the frustum.
+    pub(super) known: Vec<Known>,
+    /// Whether moving objects are reported only while they are seen, and when their volumes expire.
+    pub(super) unreported: bool,
+    /// Pixels across the picture, or a side of the view cube, for all methods; `None` for their
+    /// usual settings.
+    pub(super) resolution: Option<usize>,
+}
+
+impl Case {
+    /// A case at the usual settings.
+    pub(super) fn new(
+        name: impl Into<String>,
+        objects: Vec<Object>,
+        grid: GridSpec,
+        shots: Vec<Shot>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            calm: false,
+            objects,
+            grid,
+            shots,
+            known: Vec::new(),
+            unreported: false,
+            resolution: None,
+        }
+    }
+
+    /// As the one that the following are compared with.
+    pub(super) fn calm(mut self) -> Self {
+        self.calm = true;
+        self
+    }
+
+    /// With points to look at.
+    pub(super) fn with_known(mut self, known: Vec<Known>) -> Self {
+        self.known = known;
+        self
+    }
+}
+
+/// Shots of a world that stands still.
+pub(super) fn still(cameras: impl IntoIterator<Item = Camera>) -> Vec<Shot> {
+    let shot = |(i, camera)| Shot { camera, moves: Vec::new(), time: i as f64 * FRAME_SECONDS };
+    cameras.into_iter().enumerate().map(shot).collect()
+}
+
+/// Seeded random numbers.
+pub(super) struct Dice(Generator);
+
+impl Dice {
+    pub(super) fn new(seed: u64, case: u64) -> Self {
+        Self(generator(spread(seed), case.wrapping_mul(0x2545_f491)))
+    }
+
+    /// A number from `lo` to `hi`.
+    pub(super) fn range(&mut self, lo: f32, hi: f32) -> f32 {
+        lo + (hi - lo) * self.0.random::<f32>()
+    }
+
+    /// A point of a box.
+    pub(super) fn point(&mut self, lo: Vec3, hi: Vec3) -> Vec3 {
+        Vec3::new(self.range(lo.x, hi.x), self.range(lo.y, hi.y), self.range(lo.z, hi.z))
+    }
+
+    /// A vector at most 1 long.
+    pub(super) fn ball(&mut self) -> Vec3 {
+        for _ in 0..64 {
+            let v = self.point(Vec3::NEG_ONE, Vec3::ONE);
+            if v.length_squared() <= 1.0 {
+                return v;
+            }
+        }
+        Vec3::ZERO
+    }
+}
+
+/// A static occluder that is tested.
+pub(super) fn solid(name: &str, shape: Shape) -> Object {
+    Object { name: name.to_owned(), shape, motion: Motion::Static, occludes: true, tested: true }
+}
+
+/// A static object that hides nothing.
+pub(super) fn glass(name: &str, shape: Shape) -> Object {
+    Object { occludes: false, ..solid(name, shape) }
+}
+
+/// A sphere.
+pub(super) fn sphere(center: Vec3, radius: f32) -> Shape {
+    Shape::Sphere { center, radius }
+}
+
+/// A box between two opposite corners.
+pub(super) fn block(a: Vec3, b: Vec3) -> Shape {
+    Shape::Box { min: a.min(b), max: a.max(b) }
+}
+
+/// A mesh in world space.
+pub(super) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Shape {
+    Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles }), transform: Affine3A::IDENTITY }
+}
+
+/// A flat quadrilateral, its corners in order around it.
+pub(super) fn quad(corners: [Vec3; 4]) -> Shape {
+    mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+}
+
+/// The closed surface of a solid with eight corners, by bits: 1 the greater x, 2 the greater y, 4
+/// the greater z.
+pub(super) fn hexahedron(corners: [Vec3; 8]) -> Shape {
+    mesh(corners.to_vec(), BOX_TRIANGLES.to_vec())
+}
+
+/// A box as the mesh of its twelve triangles.
+pub(super) fn box_mesh(min: Vec3, max: Vec3) -> Shape {
+    hexahedron(box_corners(min, max))
+}
+
+/// A camera moved to `eye` and turned by `turn`; its projection stays.
+pub(super) fn placed(camera: &Camera, eye: Vec3, turn: Quat) -> Camera {
+    let (up, back) = (camera.view.row(1).truncate(), camera.view.row(2).truncate());
+    let view = look_to_mat4(eye, (turn * -back).normalize(), (turn * up).normalize());
+    Camera { eye, view, projection: camera.projection }
+}
+
+/// A camera with another projection.
+pub(super) fn through(camera: &Camera, projection: Mat4) -> Camera {
+    Camera { projection, ..*camera }
+}
+
+/// The grid over a box.
+pub(super) fn grid(min: Vec3, max: Vec3, cell: f32) -> Result<GridSpec, LabError> {
+    Ok(GridSpec::covering(Aabb::new(min, max), cell)?)
+}
+
+/// A power of ten in few letters.
+pub(super) fn plain(v: f32) -> String {
+    if v == 0.0 { "0".to_owned() } else { format!("{v:.0e}") }
+}

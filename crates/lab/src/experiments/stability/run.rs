@@ -1,0 +1,363 @@
+//! Runs a case with every method and judges what they find.
+
+use std::time::Duration;
+
+use casca::{CellOptions, Method, ObjectDesc, PointOptions};
+use glam::DVec3;
+
+use super::case::{ASPECT, Case};
+use crate::experiments::{Contender, FrameInput, Lab, LabError, median};
+use casca_scenes::drive::Driver;
+use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_truth::oracle::{FrameVerdict, Frustum, ItemBuffer, Oracle, OracleOptions};
+
+/// Rows of the baselines' buffers for a number of columns.
+pub(super) fn rows(columns: usize) -> usize {
+    (columns as f32 / ASPECT).ceil() as usize
+}
+
+/// Columns of the baselines' buffers at their usual settings.
+pub(super) const HZB: usize = 640;
+/// As [`HZB`].
+pub(super) const RAYS: usize = 256;
+
+/// Pixels across the item buffer.
+pub(super) fn item_width(lab: &Lab) -> usize {
+    lab.pick(960, 320)
+}
+
+/// Rays aimed at each object that no pixel shows.
+pub(super) fn aimed_rays(lab: &Lab) -> usize {
+    lab.pick(32, 12)
+}
+
+/// Why visible objects were lost, in order of [`Outcome::causes`].
+pub(super) const CAUSES: [&str; 4] = [
+    "missing from the list of objects in the frustum",
+    "hidden by objects before the near plane",
+    "seen only between the samples",
+    "hidden by rounded positions, directions or depths, although samples show them",
+];
+
+/// What a method made of a case.
+pub(super) struct Outcome {
+    pub(super) method: &'static str,
+    pub(super) setting: String,
+    /// Whether it promises to lose nothing.
+    pub(super) safe: bool,
+    /// Objects found, by frame, ascending.
+    pub(super) found: Vec<Vec<usize>>,
+    /// Visible objects that it lacks, summed over the frames.
+    pub(super) lost: usize,
+    /// Of those, the ones whose known points were in sight.
+    pub(super) lost_known: usize,
+    /// The first of them: frame and object.
+    pub(super) first_lost: Option<(usize, usize)>,
+    /// `lost` by its cause.
+    pub(super) causes: [usize; 4],
+    /// Median time of a frame in milliseconds.
+    pub(super) ms: f64,
+}
+
+/// A case, and what all methods made of it.
+pub(super) struct Finding {
+    pub(super) case: String,
+    pub(super) calm: bool,
+    /// Visible objects by frame, ascending.
+    pub(super) exact: Vec<Vec<usize>>,
+    /// Tested objects in the frustum, summed over the frames.
+    pub(super) in_frustum: usize,
+    /// Objects visible beyond the doubt of rounding, summed over the frames: those that can be
+    /// lost.
+    pub(super) sure: usize,
+    /// Points that the case was built to show, summed over the frames that hold them.
+    pub(super) known: usize,
+    /// Of those, the ones that another object hides after all; they do not count.
+    pub(super) refuted: usize,
+    pub(super) outcomes: Vec<Outcome>,
+}
+
+impl Finding {
+    /// Visible objects, summed over the frames.
+    pub(super) fn visible(&self) -> usize {
+        self.exact.iter().map(Vec::len).sum()
+    }
+
+    /// Of a method by its name.
+    pub(super) fn of(&self, method: &str) -> Option<&Outcome> {
+        self.outcomes.iter().find(|o| o.method == method)
+    }
+}
+
+/// A method at a setting.
+struct Entrant {
+    contender: Contender,
+    /// Columns of its samples; 0 for the library's methods.
+    columns: usize,
+}
+
+/// The methods at the settings of a case; the frustum first, `point` next.
+fn entrants(case: &Case) -> Result<Vec<Entrant>, LabError> {
+    let (mut points, mut cells) = (PointOptions::default(), CellOptions::default());
+    let (mut point, mut cell) = ("default".to_owned(), "default".to_owned());
+    if let Some(n) = case.resolution {
+        points = points.pixel_degrees((90.0 / n as f32).clamp(0.03, 11.25)).min_pixels(0);
+        cells = cells.mask_resolution(n.clamp(64, 4096).next_power_of_two() as u32);
+        (point, cell) = (format!("{n} pixels a side"), format!("mask {}", cells.mask_resolution));
+    }
+    let casca = |method, setting: String| {
+        Contender::casca(setting, method).map(|contender| Entrant { contender, columns: 0 })
+    };
+    let (hzb, rays) = (case.resolution.unwrap_or(HZB), case.resolution.unwrap_or(RAYS));
+    Ok(vec![
+        casca(Method::Frustum, String::new())?,
+        casca(Method::Point(points), point)?,
+        casca(Method::Cell(cells), cell)?,
+        Entrant { contender: Contender::hzb(hzb, rows(hzb)), columns: hzb },
+        Entrant { contender: Contender::rays(&case.objects, rays, rows(rays)), columns: rays },
+    ])
+}
+
+/// Says why a baseline lost an object in a frame.
+struct Judge<'a> {
+    oracle: &'a Oracle,
+    in_frustum: &'a [usize],
+    objects: &'a [Object],
+    camera: &'a Camera,
+}
+
+impl Judge<'_> {
+    /// What so many columns of samples show.
+    fn samples(&self, columns: usize) -> ItemBuffer {
+        let mut samples = ItemBuffer::new(columns, rows(columns));
+        samples.render(self.objects, self.camera);
+        samples
+    }
+
+    fn cause(&self, lost: &Sure, samples: &ItemBuffer) -> usize {
+        if self.in_frustum.binary_search(&lost.object).is_err() {
+            0
+        } else if samples.visible()[lost.object] == 0 {
+            2
+        } else if self.oracle.rays().occluded(self.camera.eye.as_dvec3(), lost.origin, usize::MAX) {
+            1
+        } else {
+            3
+        }
+    }
+}
+
+/// Whether a shape may meet the frustum; meshes are taken to.
+fn may_meet(frustum: &Frustum, shape: &Shape) -> bool {
+    match shape {
+        Shape::Sphere { center, radius } => frustum.may_meet_sphere(center.as_dvec3(), f64::from(*radius)),
+        Shape::Box { min, max } => frustum.may_meet_box(min.as_dvec3(), max.as_dvec3()),
+        Shape::Mesh { .. } => true,
+    }
+}
+
+/// Brings the scene up to date.
+fn advance(
+    case: &Case,
+    number: usize,
+    objects: &mut [Object],
+    driver: &mut Driver,
+    seen: &[usize],
+) -> Result<Vec<usize>, LabError> {
+    let shot = &case.shots[number];
+    let due = driver.scene.begin_frame(shot.time)?;
+    let mut moved = Vec::with_capacity(shot.moves.len());
+    for (i, shape) in &shot.moves {
+        if let Some(object) = objects.get_mut(*i) {
+            object.shape = shape.clone();
+            moved.push(*i);
+        }
+    }
+    if case.unreported {
+        let reported: Vec<usize> = (0..objects.len())
+            .filter(|&i| objects[i].motion != Motion::Static)
+            .filter(|&i| number == 0 || seen.binary_search(&i).is_ok() || due.contains(&driver.id(i)))
+            .collect();
+        driver.update(objects, &reported)?;
+    } else {
+        driver.update(objects, &moved)?;
+    }
+    Ok(moved)
+}
+
+/// What nothing is known of yet.
+fn unknown(case: &Case, entrants: &[Entrant]) -> Finding {
+    let outcome = |Entrant { contender, .. }: &Entrant| Outcome {
+        method: contender.method,
+        setting: contender.setting.clone(),
+        safe: contender.is_safe(),
+        found: Vec::new(),
+        lost: 0,
+        lost_known: 0,
+        first_lost: None,
+        causes: [0; 4],
+        ms: 0.0,
+    };
+    Finding {
+        case: case.name.clone(),
+        calm: case.calm,
+        exact: Vec::new(),
+        in_frustum: 0,
+        sure: 0,
+        known: 0,
+        refuted: 0,
+        outcomes: entrants.iter().map(outcome).collect(),
+    }
+}
+
+/// A frame as it stands.
+struct Now<'a> {
+    driver: &'a Driver,
+    objects: &'a [Object],
+    camera: &'a Camera,
+    frustum: Frustum,
+}
+
+/// An object that is seen beyond doubt.
+struct Sure {
+    object: usize,
+    /// Where the ray starts that sees it.
+    origin: DVec3,
+    /// Whether the case says so.
+    known: bool,
+}
+
+/// Runs all contenders on a frame, and gives the objects that may be in the frustum.
+fn ask(
+    lab: &Lab,
+    now: &Now,
+    entrants: &mut [Entrant],
+    times: &mut [Vec<f64>],
+    finding: &mut Finding,
+) -> Result<Vec<usize>, LabError> {
+    let Now { driver, objects, camera, .. } = *now;
+    let mut in_frustum = Vec::new();
+    for (k, Entrant { contender, .. }) in entrants.iter_mut().enumerate() {
+        let frame = FrameInput { driver, objects, in_frustum: &in_frustum, camera };
+        let mut best = contender.run(&frame)?;
+        let mut spent = best;
+        // Slow methods need no repeats to be measured well.
+        for _ in 1..lab.pick(3, 1) {
+            if spent < Duration::from_millis(40) {
+                let time = contender.run(&frame)?;
+                (best, spent) = (best.min(time), spent + time);
+            }
+        }
+        times[k].push(best.as_secs_f64() * 1e3);
+        if let (0, Some(query)) = (k, contender.query()) {
+            // Objects whose place the library does not know count as seen; the baselines know it.
+            in_frustum = (0..objects.len())
+                .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&now.frustum, &objects[i].shape))
+                .collect();
+        }
+        finding.outcomes[k].found.push(contender.found().to_vec());
+    }
+    Ok(in_frustum)
+}
+
+/// The objects that the oracle sees and those that the case knows of; the exact set goes into the
+/// finding.
+fn surely_seen(
+    case: &Case,
+    now: &Now,
+    oracle: &Oracle,
+    verdict: FrameVerdict,
+    finding: &mut Finding,
+) -> Vec<Sure> {
+    let mut sure: Vec<Sure> = verdict
+        .false_negatives
+        .iter()
+        .map(|f| Sure { object: f.object, origin: f.origin, known: false })
+        .collect();
+    let mut exact = verdict.exact;
+    for known in &case.known {
+        if !now.frustum.surely_contains(known.point) {
+            continue;
+        }
+        finding.known += 1;
+        let origin = now.frustum.start(known.point);
+        if oracle.rays().occluded(origin, known.point, known.object) {
+            finding.refuted += 1;
+            continue;
+        }
+        match sure.iter_mut().find(|s| s.object == known.object) {
+            Some(s) => s.known = true,
+            None => sure.push(Sure { object: known.object, origin, known: true }),
+        }
+        exact.push(known.object);
+    }
+    exact.sort_unstable();
+    exact.dedup();
+    finding.exact.push(exact);
+    finding.sure += sure.len();
+    sure
+}
+
+/// Counts what a method lost in a frame.
+fn count_losses(number: usize, entrant: &Entrant, sure: &[Sure], judge: &Judge, outcome: &mut Outcome) {
+    let mut samples: Option<ItemBuffer> = None;
+    for lost in sure.iter().filter(|s| !entrant.contender.sees(s.object)) {
+        outcome.lost += 1;
+        outcome.lost_known += usize::from(lost.known);
+        outcome.first_lost.get_or_insert((number, lost.object));
+        if outcome.safe {
+            continue;
+        }
+        let samples = samples.get_or_insert_with(|| judge.samples(entrant.columns));
+        outcome.causes[judge.cause(lost, samples)] += 1;
+    }
+}
+
+/// Runs all frames of a case.
+///
+/// # Errors
+/// If the library refuses the case.
+pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
+    (lab.progress)(&case.name);
+    let mut objects = case.objects.clone();
+    let adapt = |object: &Object, desc: ObjectDesc| match object.motion {
+        Motion::Dynamic { .. } if case.unreported => desc.reported_on_expiry(),
+        _ => desc,
+    };
+    let mut driver = Driver::with(&objects, &case.grid, adapt, |_| ())?;
+    let mut entrants = entrants(case)?;
+    let options = OracleOptions {
+        width: item_width(lab),
+        height: rows(item_width(lab)),
+        samples_per_object: aimed_rays(lab),
+        seed: lab.seed,
+        ..OracleOptions::default()
+    };
+    let mut oracle = Oracle::new(&objects, options);
+    let mut finding = unknown(case, &entrants);
+    let mut times = vec![Vec::new(); entrants.len()];
+    let mut seen = Vec::new();
+    for (number, shot) in case.shots.iter().enumerate() {
+        let camera = &shot.camera;
+        let moved = advance(case, number, &mut objects, &mut driver, &seen)?;
+        let now = Now { driver: &driver, objects: &objects, camera, frustum: Frustum::new(camera) };
+        let in_frustum = ask(lab, &now, &mut entrants, &mut times, &mut finding)?;
+        finding.in_frustum += in_frustum.iter().filter(|&&i| objects[i].tested).count();
+        // Nothing is taken for granted: the oracle looks for every object in view.
+        let verdict = oracle.frame(&objects, &moved, camera, &|_| false);
+        let sure = surely_seen(case, &now, &oracle, verdict, &mut finding);
+        let judge = Judge { oracle: &oracle, in_frustum: &in_frustum, objects: &objects, camera };
+        for (entrant, outcome) in entrants.iter().zip(&mut finding.outcomes) {
+            count_losses(number, entrant, &sure, &judge, outcome);
+        }
+        // Only `point` says what is hidden, so that as much as possible is.
+        if let Some(query) = entrants.get(1).and_then(|e| e.contender.query()) {
+            seen = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
+            driver.scene.end_frame([query.pvs()])?;
+        }
+    }
+    for (outcome, times) in finding.outcomes.iter_mut().zip(&mut times) {
+        outcome.ms = median(times);
+    }
+    Ok(finding)
+}

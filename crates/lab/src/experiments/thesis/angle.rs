@@ -1,0 +1,272 @@
+//! The walk through the frustum against the angle of view (section 4.5, figure 4.6).
+
+use casca::{Method, Plane, Query, View};
+use glam::{UVec3, Vec3};
+
+use super::super::stage::{Stage, Telling};
+use super::super::{Lab, LabError, Section, Table};
+use super::setting::{COARSE, FINE, Finding, grid, ratio};
+use crate::pictures::palette::{CELL, Marker, POINT, Style, THESIS, method, other};
+use crate::pictures::{Axis, Line, lines};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::{Shape, World};
+
+/// Where the thesis sees the curve bend, in degrees.
+const BEND: f64 = 80.0;
+
+/// What an eye sees that looks along +x through a square opening of so many degrees, 180 at most.
+fn opening(eye: Vec3, degrees: f64) -> Result<View, casca::Error> {
+    let (sin, cos) = (degrees.clamp(0.0, 180.0).to_radians() * 0.5).sin_cos();
+    let planes = [Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|across| {
+        let normal = Vec3::X * sin as f32 - across * cos as f32;
+        Plane { normal, offset: -normal.dot(eye) }
+    });
+    View::from_planes(eye, &planes)
+}
+
+/// How far the view along +x from the eye is free, in metres.
+const FREE: f32 = 10.0;
+
+/// A point on the face of the scene where x is least, in no object and with none close before it,
+/// as near to the middle of the face as is found.
+fn free_eye(world: &World) -> Vec3 {
+    let (min, max) = (world.grid.min, world.grid.max);
+    let middle = Vec3::new(min.x + 0.3, (min.y + max.y) * 0.5, (min.z + max.z) * 0.5);
+    let free = |eye: &Vec3| {
+        let ahead = |p: Vec3| Vec3::new(p.x.clamp(eye.x, eye.x + FREE), eye.y, eye.z);
+        world.objects.iter().all(|o| match &o.shape {
+            Shape::Sphere { center, radius } => center.distance(ahead(*center)) > radius + 0.5,
+            Shape::Box { min, max } => {
+                let near = ahead(eye.clamp(*min, *max));
+                near.clamp(*min, *max).distance(near) > 0.5
+            }
+            Shape::Mesh { .. } => true,
+        })
+    };
+    let mut offsets: Vec<(f32, f32)> =
+        (-40..=40).flat_map(|y| (-80..=80).map(move |z| (y as f32 * 0.5, z as f32 * 0.5))).collect();
+    offsets.sort_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)));
+    offsets.into_iter().map(|(y, z)| middle + Vec3::new(0.0, y, z)).find(free).unwrap_or(middle)
+}
+
+/// Milliseconds and cells visited (`cell`) by degrees.
+struct Row {
+    name: String,
+    time: Vec<(f64, f64)>,
+    cells: Vec<(f64, f64)>,
+}
+
+fn at(points: &[(f64, f64)], x: f64) -> f64 {
+    points.iter().find(|p| p.0 == x).map_or(0.0, |p| p.1)
+}
+
+/// How much of the value at 180 degrees is there at so many.
+fn share(points: &[(f64, f64)], degrees: f64) -> f64 {
+    ratio(at(points, degrees), at(points, 180.0))
+}
+
+/// Points relative to that at 180 degrees.
+fn relative(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().map(|p| (p.0, ratio(p.1, at(points, 180.0)))).collect()
+}
+
+pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
+    (lab.progress)("angle of view");
+    let mut angles: Vec<f64> = (0..=lab.pick(36, 9)).map(|i| f64::from(i) * lab.pick(5.0, 20.0)).collect();
+    angles[0] = 1.0;
+    let full = build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
+    let mut empty = build(SceneKind::Spheres, &SceneOptions { scale: 0.0, ..SceneOptions::default() });
+    empty.objects.clear();
+    let eye = free_eye(&full);
+    let mut runs = Vec::new();
+    for (scene, world) in [("empty", &empty), ("spheres", &full)] {
+        for (size, dims) in [("50x30x50", COARSE), ("100x60x100", FINE)] {
+            for (method, kind) in [("cell", Method::cell()), ("point", Method::point())] {
+                let row = Row { name: format!("{scene}: {method}, {size}"), time: vec![], cells: vec![] };
+                runs.push((row, stage(world, dims)?, Query::with_method(kind)?));
+            }
+        }
+    }
+    // All ways take turns, so that what else the machine does falls on all of them.
+    let repeats = lab.pick(7, 3);
+    for &degrees in &angles {
+        let view = opening(eye, degrees)?;
+        let mut least = vec![f64::INFINITY; runs.len()];
+        for _ in 0..repeats {
+            for ((_, stage, query), least) in runs.iter_mut().zip(&mut least) {
+                *least = least.min(stage.ask(query, &view, 1));
+            }
+        }
+        for ((row, _, query), least) in runs.iter_mut().zip(least) {
+            row.time.push((degrees, least));
+            row.cells.push((degrees, query.pvs().stats().cells_visited as f64));
+        }
+    }
+    let rows: Vec<Row> = runs.into_iter().map(|(row, ..)| row).collect();
+    draw(lab, section, &rows)?;
+    Ok(findings(&rows))
+}
+
+fn stage(world: &World, dims: UVec3) -> Result<Stage, LabError> {
+    Stage::new(world, &grid(world, dims)?, Method::cell(), Telling::Always)
+}
+
+fn draw(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabError> {
+    section.text(
+        "### The angle of view (section 4.5)\n\nThe eye stands in the middle of one face of the scene and looks inwards \
+         through a square opening; at 180 degrees all of the grid lies before it. First the scene is empty, as in the thesis, \
+         then it has 5,000 spheres. `point` walks only bricks with objects in them: in an empty scene it does nothing but \
+         clear its buffers.",
+    );
+    let x = Axis::linear("angle of view, degrees");
+    let marked = |style: Style, marker| Style { marker, ..style };
+    let all = [
+        Line::new("cell, empty: time", marked(CELL, Marker::Diamond), relative(&rows[2].time)),
+        Line::new("cell, spheres: time", CELL, relative(&rows[6].time)),
+        Line::new(
+            "cell, spheres: cells walked",
+            marked(other(5), Marker::Triangle),
+            relative(&rows[6].cells),
+        ),
+        Line::new("point, empty: time", marked(POINT, Marker::Star), relative(&rows[3].time)),
+        Line::new("point, spheres: time", POINT, relative(&rows[7].time)),
+        Line::dots("thesis: steep up to about 80 degrees", THESIS, vec![(BEND, share(&rows[6].time, BEND))]),
+    ];
+    let file = "thesis-angle-share.svg";
+    let title = format!(
+        "A query at 80 degrees, where the thesis sees its curve bend, takes {:.0}% of the time at 180 with cell, {:.0}% with \
+         point",
+        share(&rows[6].time, BEND) * 100.0,
+        share(&rows[7].time, BEND) * 100.0
+    );
+    let subtitle = "Values relative to those at 180 degrees, 100x60x100 cells; the title is about the spheres. The thesis gives \
+                    the angle of its bend, but no height.";
+    let y = Axis::linear("share of the value at 180 degrees");
+    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
+    section.picture(file, &title);
+    let line = |r: &Row| {
+        let (scene, way) = r.name.split_once(": ").unwrap_or(("", &r.name));
+        let plain = method(way).unwrap_or(CELL);
+        let style = if way.contains("50x30x50") { plain.dashed() } else { plain };
+        // Squares and discs among spheres, other marks in the empty scene.
+        let empty = if way.starts_with("cell") { Marker::Diamond } else { Marker::Star };
+        Line::new(
+            &r.name,
+            if scene == "empty" { Style { marker: empty, ..style } } else { style },
+            r.time.clone(),
+        )
+    };
+    let all: Vec<Line> = rows.iter().filter(|r| !r.name.starts_with("empty: point, 50")).map(line).collect();
+    let file = "thesis-angle-spheres.svg";
+    let title = format!(
+        "Among 5,000 spheres and at 180 degrees, point takes {:.2} ms and cell {:.2} ms",
+        at(&rows[7].time, 180.0),
+        at(&rows[6].time, 180.0)
+    );
+    let subtitle = "Time of a query by the angle of view, empty and among spheres. Dashed: 50x30x50 cells; the title is \
+                    about 100x60x100.";
+    lines(
+        &lab.folder.join(file),
+        &title,
+        subtitle,
+        (&x, &Axis::log("time of a query, ms, least of repeated runs")),
+        &all,
+    )?;
+    section.picture(file, &title);
+    let mut table = Table::new(
+        "thesis-angle",
+        &["scene and way", "ms at 20", "ms at 80", "ms at 180", "share at 80", "cells walked at 180"],
+    );
+    for r in rows {
+        let ms = |degrees| format!("{:.4}", at(&r.time, degrees));
+        let share = format!("{:.2}", share(&r.time, BEND));
+        let cells = format!("{:.0}", at(&r.cells, 180.0));
+        table.row([r.name.clone(), ms(20.0), ms(BEND), ms(180.0), share, cells]);
+    }
+    section.rows("All times as CSV", table);
+    Ok(())
+}
+
+fn findings(rows: &[Row]) -> Vec<Finding> {
+    let [coarse, fine] = [4, 6].map(|i| &rows[i]);
+    let slope = |p: &[(f64, f64)]| {
+        let (low, high) = (at(p, BEND) / BEND, (at(p, 180.0) - at(p, BEND)) / (180.0 - BEND));
+        ratio(low, high)
+    };
+    let grown = |a: &[(f64, f64)], b: &[(f64, f64)]| ratio(at(b, 180.0), at(a, 180.0));
+    vec![
+        Finding::new(
+            "4.5, fig. 4.6",
+            "Empty scene: time rises steeply up to about 80 degrees, then less.",
+            format!(
+                "In an empty scene `cell` walks no more than {:.0} of the cells. Among spheres, 100x60x100, {:.0}% of its time at 180 degrees is \
+                 there at 80, and {:.0}% of the cells walked; below 80 a degree costs {:.1} times as much as above.",
+                at(&rows[2].cells, 180.0),
+                share(&fine.time, BEND) * 100.0,
+                share(&fine.cells, BEND) * 100.0,
+                slope(&fine.time)
+            ),
+        ),
+        Finding::new(
+            "4.5",
+            "From 50x30x50 to 100x60x100 the grid has 8 times the cells; the cost grows fast.",
+            format!(
+                "Among spheres at 180 degrees, `cell` walks {:.1} times the cells in {:.1} times the time; `point` takes {:.1} \
+                 times as long.",
+                grown(&coarse.cells, &fine.cells),
+                grown(&coarse.time, &fine.time),
+                grown(&rows[5].time, &rows[7].time)
+            ),
+        ),
+        Finding::new(
+            "4.5",
+            "Occluders make the walk dearer still: their extension and rasterisation add to it.",
+            format!(
+                "At 180 degrees, 100x60x100, a `cell` query takes {:.2} ms among spheres and {:.2} ms in the empty scene.",
+                at(&fine.time, 180.0),
+                at(&rows[2].time, 180.0)
+            ),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use casca::{Aabb, GridSpec, ObjectDesc, Scene, Sphere};
+
+    #[test]
+    fn an_opening_holds_what_lies_within_its_angle() {
+        let region = Aabb::new(Vec3::splat(-32.0), Vec3::splat(32.0));
+        let mut scene = Scene::new(&GridSpec::covering(region, 1.0).unwrap()).unwrap();
+        let at = |degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            ObjectDesc::fixed(Sphere::new(Vec3::new(cos, 0.0, sin) * 20.0, 0.01))
+        };
+        let ids: Vec<_> = [0.0, 30.0, -60.0, 89.0, 91.0].map(|d| scene.insert(at(d)).unwrap()).to_vec();
+        let mut query = Query::with_method(Method::Frustum).unwrap();
+        for (degrees, inside) in [(1.0, 1), (59.0, 1), (61.0, 2), (121.0, 3), (180.0, 4)] {
+            let pvs = query.run(&scene, &opening(Vec3::ZERO, degrees).unwrap());
+            let seen: Vec<bool> = ids.iter().map(|&id| pvs.contains(id)).collect();
+            assert_eq!(seen, (0..5).map(|i| i < inside).collect::<Vec<_>>(), "{degrees} degrees");
+        }
+    }
+
+    #[test]
+    fn the_eye_is_in_no_sphere() {
+        let world = build(SceneKind::Spheres, &SceneOptions::default());
+        let eye = free_eye(&world);
+        for o in &world.objects {
+            let Shape::Sphere { center, radius } = &o.shape else { panic!() };
+            assert!((0..=10).all(|i| center.distance(eye + Vec3::X * i as f32) > *radius));
+        }
+        assert!(eye.x < world.grid.min.x + 1.0);
+    }
+
+    #[test]
+    fn shares_are_of_the_last_angle() {
+        let points = [(80.0, 3.0), (180.0, 4.0)];
+        assert_eq!(share(&points, 80.0), 0.75);
+        assert_eq!(relative(&points), [(80.0, 0.75), (180.0, 1.0)]);
+    }
+}

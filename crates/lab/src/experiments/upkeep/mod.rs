@@ -1,0 +1,430 @@
+//! Upkeep of moving objects: the library's grid against the structures that the thesis wished to
+//! compare it with.
+
+pub(super) mod arena;
+mod frustum;
+mod octree;
+mod structures;
+#[cfg(test)]
+mod tests;
+
+use casca::{Aabb, GridSpec, Method};
+
+use super::stage::{Stage, Telling, frame_of, ms};
+use super::{Lab, LabError, Section, Table, grouped, median};
+use crate::pictures::palette::{self, Marker, Style};
+use crate::pictures::{Axis, Line, lines};
+use arena::Arena;
+use casca_scenes::drive::view_of;
+use casca_scenes::measure::timed;
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape, World};
+use casca_truth::oracle::ItemBuffer;
+use frustum::Frustum;
+use octree::LooseOctree;
+use structures::{Box3, Bvh, Linear, RStar, Structure};
+
+const ASPECT: f32 = 16.0 / 9.0;
+/// Frames between two steps of settling.
+const STRIDE: usize = 30;
+/// The library's ways: name, method and how motion is told.
+const WAYS: [(&str, Method, Telling); 4] = [
+    ("casca point", Method::point(), Telling::Always),
+    ("casca point, on expiry", Method::point(), Telling::OnExpiry),
+    ("casca cell", Method::cell(), Telling::Always),
+    ("casca frustum", Method::Frustum, Telling::Always),
+];
+
+/// How much is measured.
+#[derive(Debug, Clone, Copy)]
+struct Sampling {
+    /// Steps before the first frame that counts.
+    settle: usize,
+    frames: usize,
+    /// How many of those are compared with what is exactly visible.
+    judged: usize,
+    /// Pixels of a row of the item buffer.
+    width: usize,
+    /// Milliseconds that one of the library's ways may take in one arena before it settles no
+    /// further and is measured in one frame only.
+    patience: f64,
+}
+
+/// The results of one structure in one arena, for a frame.
+#[derive(Debug, Clone)]
+struct Row {
+    name: &'static str,
+    arena: Arena,
+    /// Medians in milliseconds.
+    update: f64,
+    query: f64,
+    /// Moving objects returned, and exactly visible: means over the judged frames.
+    returned: f64,
+    visible: f64,
+    /// Visible objects that were not returned, in all judged frames.
+    lost: usize,
+    /// Frames measured.
+    frames: usize,
+}
+
+impl Row {
+    fn sum(&self) -> f64 {
+        self.update + self.query
+    }
+}
+
+/// What is measured of a structure, frame by frame.
+#[derive(Default)]
+struct Record {
+    update: Vec<f64>,
+    query: Vec<f64>,
+    returned: usize,
+    lost: usize,
+    judged: usize,
+}
+
+fn boxes(objects: &[Object]) -> Vec<Box3> {
+    let of = |o: &Object| match &o.shape {
+        Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
+        Shape::Box { min, max } => (*min, *max),
+        Shape::Mesh { transform, .. } => (transform.translation.into(), transform.translation.into()),
+    };
+    objects.iter().map(of).collect()
+}
+
+fn others(boxes: &[Box3], world: &World) -> Vec<Box<dyn Structure>> {
+    let size = (world.grid.max - world.grid.min).max_element();
+    vec![
+        Box::new(Linear::new(boxes)),
+        Box::new(Bvh::new(boxes, true)),
+        Box::new(Bvh::new(boxes, false)),
+        Box::new(LooseOctree::new(boxes, world.grid.min, size)),
+        Box::new(RStar::new(boxes)),
+    ]
+}
+
+/// The moving objects that are exactly visible in a frame, where it is judged.
+struct Seen<'a> {
+    /// The index of the first moving object in the world.
+    first: usize,
+    seen: Option<&'a [usize]>,
+}
+
+/// Updates and asks all structures but the library's ways.
+fn measure_others(
+    structures: &mut [Box<dyn Structure>],
+    records: &mut [Record],
+    now: &[Box3],
+    camera: &Camera,
+    truth: &Seen,
+) -> Result<(), LabError> {
+    let frustum = Frustum::of(camera);
+    let mut expected: Option<Vec<u32>> = None;
+    for (structure, record) in structures.iter_mut().zip(records) {
+        let ((), time) = timed(|| structure.update(now));
+        record.update.push(ms(time));
+        let mut found = Vec::new();
+        let ((), time) = timed(|| structure.query(&frustum, &mut found));
+        record.query.push(ms(time));
+        found.sort_unstable();
+        if let Some(seen) = truth.seen {
+            record.judged += 1;
+            record.returned += found.len();
+            let lost = |&&i: &&usize| found.binary_search(&((i - truth.first) as u32)).is_err();
+            record.lost += seen.iter().filter(lost).count();
+        }
+        match &expected {
+            None => expected = Some(found),
+            Some(linear) if *linear != found => {
+                let name = structure.name();
+                return Err(format!("{name} finds other boxes than the linear array").into());
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(())
+}
+
+/// Measures all structures in one arena, in turns.
+fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<Vec<Row>, LabError> {
+    let mut world = arena.build();
+    let first = arena.first();
+    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), arena.count)?;
+    let mut stages = Vec::new();
+    for (_, method, telling) in WAYS {
+        stages.push(Stage::new(&world, &grid, method, telling)?);
+    }
+    let mut buffer = ItemBuffer::new(sampling.width, (sampling.width as f32 / ASPECT) as usize);
+    let mut structures = Vec::new();
+    let mut records: Vec<Record> = Vec::new();
+    let (mut visible, mut judged) = (0, 0);
+    let mut spent = [0.0; WAYS.len()];
+    for step in 0..sampling.settle + sampling.frames {
+        progress(&format!("upkeep of {}, step {step}", arena.count));
+        let measured = step >= sampling.settle;
+        let frame = frame_of(step, sampling.settle, STRIDE);
+        let moved = world.set_frame(frame);
+        let camera = world.camera(frame, ASPECT);
+        let view = view_of(&camera)?;
+        // The others need no time to settle; they start a frame before the first that counts.
+        if step + 1 == sampling.settle || structures.is_empty() && measured {
+            structures = others(&boxes(&world.objects[first..]), &world);
+            records.resize_with(structures.len() + stages.len(), Record::default);
+        }
+        let judge = measured && judged < sampling.judged;
+        let seen: Vec<usize> = if judge {
+            judged += 1;
+            buffer.render(&world.objects, &camera);
+            (first..world.objects.len()).filter(|&i| buffer.visible()[i] > 0).collect()
+        } else {
+            Vec::new()
+        };
+        visible += seen.len();
+        if measured {
+            let now = boxes(&world.objects[first..]);
+            let seen = judge.then_some(&seen[..]);
+            measure_others(&mut structures, &mut records, &now, &camera, &Seen { first, seen })?;
+        }
+        let others = structures.len();
+        for (i, stage) in stages.iter_mut().enumerate() {
+            // The last step of settling is never left out: what is measured follows it by a frame.
+            let rests = step + 1 < sampling.settle || measured && !records[others + i].update.is_empty();
+            if spent[i] > sampling.patience && rests {
+                continue;
+            }
+            let before = stage.upkeep(frame as f64 * FRAME_SECONDS, &world.objects, &moved)?;
+            let query = stage.look(&view, 1);
+            let after = stage.end()?;
+            if measured {
+                let record = &mut records[others + i];
+                if judge {
+                    record.judged += 1;
+                    record.returned += stage.found().filter(|&o| o >= first).count();
+                }
+                record.lost += seen.iter().filter(|&&o| !stage.sees(o)).count();
+                record.query.push(query);
+                record.update.push(before + after);
+            }
+            spent[i] += before + query + after;
+        }
+    }
+    let names = structures.iter().map(|s| s.name()).chain(WAYS.map(|w| w.0));
+    let rows = names.zip(records).map(|(name, mut r)| Row {
+        name,
+        arena,
+        update: median(&mut r.update),
+        query: median(&mut r.query),
+        returned: r.returned as f64 / r.judged.max(1) as f64,
+        visible: visible as f64 / judged.max(1) as f64,
+        lost: r.lost,
+        frames: r.update.len(),
+    });
+    Ok(rows.collect())
+}
+
+fn kind(arena: &Arena) -> String {
+    let place = if arena.hidden { "hidden" } else { "visible" };
+    format!("{place}, {}", if arena.fast { "fast" } else { "slow" })
+}
+
+/// Measures upkeep and query of moving objects in the library and in other structures.
+///
+/// # Errors
+/// If a structure finds other boxes in the frustum than a linear array, a picture cannot be
+/// written, or a scene is refused.
+pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
+    let counts = lab.pick(vec![1000, 10_000, 100_000], vec![300, 2000]);
+    let mut rows = Vec::new();
+    for &count in &counts {
+        for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
+            let sampling = Sampling {
+                // In the open, nothing needs time to settle.
+                settle: lab.pick(
+                    if !hidden {
+                        3
+                    } else if count > 50_000 {
+                        15
+                    } else {
+                        40
+                    },
+                    4,
+                ),
+                frames: lab.pick(if count > 50_000 { 3 } else { 9 }, 3),
+                judged: lab.pick(2, 1),
+                width: lab.pick(1920, 960),
+                patience: lab.pick(3000.0, 1000.0),
+            };
+            rows.extend(measure(Arena { count, hidden, fast, seed: lab.seed }, sampling, lab.progress)?);
+        }
+    }
+    let mut section = Section::new("Upkeep of moving objects, against trees and arrays");
+    section.text(
+        "The thesis ends with the wish to compare its grid with hierarchies. Here all objects move in every frame: small spheres in a hall \
+         of 128x48x128 m, slowly (up to 0.5 m/s) or fast (up to 20 m/s), in the open (*visible*) or behind a wall with a gate \
+         of 3x3 m (*hidden*). An array, bounding volume hierarchies, a loose octree and an R*-tree take all boxes and \
+         collect those in the frustum, all by the same test. **casca answers a harder question:** which objects are \
+         not hidden. Its *update* is the clock, all reports and the feedback of the result; *on expiry*, hidden objects are \
+         reported only when asked for. One thread, grids of `GridSpec::fit`, medians over frames; a way of casca that takes more than \
+         three seconds in one hall is measured in one frame only.",
+    );
+    let last = counts.last().copied().unwrap_or(0);
+    section.text(verdict(&rows, last));
+    summary(&mut section, &rows, last);
+    for (hidden, fast) in [(true, false), (false, true)] {
+        let chosen: Vec<&Row> =
+            rows.iter().filter(|r| (r.arena.hidden, r.arena.fast) == (hidden, fast)).collect();
+        draw(lab, &mut section, &chosen, last)?;
+    }
+    section.rows("All rows as CSV", whole(&rows));
+    Ok(section)
+}
+
+/// The style of a structure or of one of the library's ways.
+fn style(name: &str) -> Style {
+    match name {
+        "casca point" => palette::POINT,
+        "casca point, on expiry" => Style { marker: Marker::Star, ..palette::POINT.dashed() },
+        "casca cell" => palette::CELL,
+        "casca frustum" => palette::FRUSTUM,
+        "linear array" => palette::other(8),
+        "BVH, refit" => palette::other(0),
+        "BVH, rebuilt" => Style { marker: Marker::Wedge, ..palette::other(0).dashed() },
+        "loose octree" => palette::other(5),
+        _ => palette::other(2),
+    }
+}
+
+/// The chart of one arena: time of a frame by the number of objects.
+fn draw(lab: &Lab, section: &mut Section, rows: &[&Row], count: usize) -> Result<(), LabError> {
+    let mut all: Vec<Line> = Vec::new();
+    for row in rows {
+        let point = (row.arena.count as f64, row.sum());
+        match all.iter_mut().find(|l| l.label == row.name) {
+            Some(line) => line.points.push(point),
+            None => all.push(Line::new(row.name, style(row.name), vec![point])),
+        }
+    }
+    let name = rows.first().map_or(String::new(), |r| kind(&r.arena));
+    let file = format!("upkeep-{}.svg", name.replace(", ", "-"));
+    let of = |name: &str| rows.iter().find(|r| r.arena.count == count && r.name == name);
+    let title = match (of("linear array"), of("casca point")) {
+        (Some(array), Some(point)) => format!(
+            "{} moving objects, {name}: the array takes {:.2} ms and returns {}, point takes {:.2} ms and returns {}",
+            grouped(count),
+            array.sum(),
+            whole_number(array.returned),
+            point.sum(),
+            whole_number(point.returned)
+        ),
+        _ => format!("Moving objects, {name}"),
+    };
+    let (x, y) = (Axis::log("moving objects"), Axis::log("update and query, ms, median"));
+    let subtitle = "Time of a frame by the number of objects that move. Only casca's point and cell find out which are hidden.";
+    lines(&lab.folder.join(&file), &title, subtitle, (&x, &y), &all)?;
+    section.picture(&file, &title);
+    Ok(())
+}
+
+fn find<'a>(rows: &'a [Row], name: &str, like: &Arena) -> Option<&'a Row> {
+    rows.iter().find(|r| r.name == name && r.arena == *like)
+}
+
+/// The largest count: update + query, by structure and arena.
+fn summary(section: &mut Section, rows: &[Row], count: usize) {
+    let arenas: Vec<Arena> =
+        rows.iter().filter(|r| r.arena.count == count && r.name == WAYS[0].0).map(|r| r.arena).collect();
+    let mut columns = vec![format!("{} moving objects: update + query, ms", grouped(count))];
+    columns.extend(arenas.iter().map(kind));
+    let names: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let mut table = Table::new("upkeep-summary", &names);
+    let Some(first) = arenas.first() else { return };
+    for row in rows.iter().filter(|r| r.arena == *first) {
+        let cells = arenas.iter().map(|a| {
+            find(rows, row.name, a)
+                .map_or(String::new(), |r| format!("{:.2} + {:.2} = {:.2}", r.update, r.query, r.sum()))
+        });
+        table.row(std::iter::once(row.name.to_owned()).chain(cells));
+    }
+    let cells = |value: fn(&Row) -> f64, name: &'static str| {
+        arenas
+            .iter()
+            .map(move |a| find(rows, name, a).map_or(String::new(), |r| format!("{:.0}", value(r))))
+            .collect::<Vec<_>>()
+    };
+    for (title, name) in
+        [("objects in the frustum", "linear array"), ("objects in the PVS of point", WAYS[0].0)]
+    {
+        table.row(std::iter::once(title.to_owned()).chain(cells(|r| r.returned, name)));
+    }
+    table.row(std::iter::once("exactly visible".to_owned()).chain(cells(|r| r.visible, WAYS[0].0)));
+    section.table(table);
+}
+
+/// A mean number of objects, rounded.
+fn whole_number(n: f64) -> String {
+    grouped(n.round() as usize)
+}
+
+/// The findings in words.
+fn verdict(rows: &[Row], count: usize) -> String {
+    let mut out = format!("With {} objects:\n\n", grouped(count));
+    for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
+        let here: Vec<&Row> = rows
+            .iter()
+            .filter(|r| r.arena.count == count && (r.arena.hidden, r.arena.fast) == (hidden, fast))
+            .collect();
+        let least = |own: bool| {
+            let side = here.iter().filter(|r| r.name.starts_with("casca") == own);
+            side.filter(|r| r.name != "casca frustum").min_by(|a, b| a.sum().total_cmp(&b.sum()))
+        };
+        let (Some(ours), Some(theirs)) = (least(true), least(false)) else { continue };
+        out.push_str(&format!(
+            "- {}: the fastest structure is the {} ({:.2} ms, returns {}), the fastest occlusion query {} ({:.2} ms, returns \
+             {}); {} are visible.\n",
+            kind(&ours.arena),
+            theirs.name,
+            theirs.sum(),
+            whole_number(theirs.returned),
+            ours.name,
+            ours.sum(),
+            whole_number(ours.returned),
+            whole_number(ours.visible)
+        ));
+    }
+    let lost: usize = rows.iter().map(|r| r.lost).sum();
+    out.push_str(&match lost {
+        0 => "\nNo visible object is missing from any result, in all frames compared.".to_owned(),
+        n => format!("\n{n} visible objects are missing from results, in all frames compared."),
+    });
+    out
+}
+
+fn whole(rows: &[Row]) -> Table {
+    let columns = [
+        "objects",
+        "arena",
+        "structure",
+        "update, ms",
+        "query, ms",
+        "sum, ms",
+        "objects returned",
+        "exactly visible",
+        "visible lost",
+        "frames measured",
+    ];
+    let mut table = Table::new("upkeep", &columns);
+    for r in rows {
+        table.row([
+            format!("{}", r.arena.count),
+            kind(&r.arena),
+            r.name.to_owned(),
+            format!("{:.4}", r.update),
+            format!("{:.4}", r.query),
+            format!("{:.4}", r.sum()),
+            format!("{:.1}", r.returned),
+            format!("{:.1}", r.visible),
+            format!("{}", r.lost),
+            format!("{}", r.frames),
+        ]);
+    }
+    table
+}
