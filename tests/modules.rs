@@ -36,7 +36,20 @@ const MORE: [&str; 1] = ["crates/slots/src"];
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 3] = ["src", "crates/plane/src", "crates/slots/src"];
+const TIDY: [&str; 12] = [
+    "src",
+    "crates/plane/src",
+    "crates/slots/src",
+    "crates/scenes/src",
+    "crates/truth/src",
+    "crates/stage/src",
+    "crates/points/src",
+    "crates/light/src",
+    "crates/lines/src",
+    "crates/fur/src",
+    "crates/lab/src",
+    "crates/viewer/src",
+];
 
 /// The most columns of a line that is a comment. Tables and code in comments may be wider.
 const WIDEST: usize = 100;

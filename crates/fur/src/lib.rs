@@ -1,15 +1,19 @@
 //! Fur on any closed mesh, drawn as layers (shells), and what a visibility culler saves on it.
 //!
-//! After B. P. Evangelista, "Real-time rendering of fur on arbitrary meshes obtained from real objects" (Master's thesis in
-//! Portuguese, UFMG 2009), with the errors of the thesis mended. Without the feature `gpu` it is the processor's part: no window, no graphics.
+//! After B. P. Evangelista, "Real-time rendering of fur on arbitrary meshes obtained from real
+//! objects" (Master's thesis in Portuguese, UFMG 2009), with the errors of the thesis mended.
+//! Without the feature `gpu` it is the processor's part: no window, no graphics.
 //!
 //! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, simplification.
-//! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without singularities, for shaders and rays.
+//! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without
+//!   singularities, for shaders and rays.
 //! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
-//! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many layers each object gets.
+//! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many
+//!   layers each object gets.
 //!
-//! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit the same strands.
+//! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit
+//!   the same strands.
 //!
 //! `casca_scenes::fur` generates furry animals and fields of them among walls.
 

@@ -6,73 +6,84 @@ pub(crate) const MAX_COORDINATE: f32 = 1e9;
 /// The most triangles of a mesh: corners are then numbered by 32 bits.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 29;
 
-/// Normals whose squared distance is below this are one normal: a hundredth of a degree, far above the rounding of computed
-/// unit normals and far below the angles between faces that shading shows.
+/// Normals whose squared distance is below this are one normal: a hundredth of a degree, far above
+/// the rounding of computed unit normals and far below the angles between faces that shading shows.
 pub(crate) const SAME_NORMAL: f64 = 3e-8;
 
-/// A sum of unit normals shorter than this share of their number has no direction: it is the rounding of normals that cancel.
+/// A sum of unit normals shorter than this share of their number has no direction: it is the
+/// rounding of normals that cancel.
 pub(crate) const NO_DIRECTION: f64 = 1e-5;
 
-/// The least distance from a ball's surface, relative to its radius, that counts as outside: the rounding of a circumscribed
-/// ball in double precision, with room for badly shaped supports.
+/// The least distance from a ball's surface, relative to its radius, that counts as outside: the
+/// rounding of a circumscribed ball in double precision, with room for badly shaped supports.
 pub(crate) const OUTSIDE_BALL: f64 = 1e-9;
 
-/// The sum of a unit normal and a unit direction shorter than this is rounding: it has no direction (single precision, three
-/// components each off by a few units of 6e-8).
+/// The sum of a unit normal and a unit direction shorter than this is rounding: it has no direction
+/// (single precision, three components each off by a few units of 6e-8).
 pub(crate) const NO_SUM: f32 = 1e-6;
 
-/// Half the thickness of the slab around the surface in which points become roots, in cells. Together with [`MAX_RADIUS`] it
-/// keeps all strands of a point within half a cell, so that eight cells are enough: 0.25² + 0.43² < 0.5².
+/// Half the thickness of the slab around the surface in which points become roots, in cells.
+/// Together with [`MAX_RADIUS`] it keeps all strands of a point within half a cell, so that eight
+/// cells are enough: 0.25² + 0.43² < 0.5².
 pub(crate) const HALF_SLAB: f32 = 0.25;
 
-/// Cells on the radius of a mesh, unless the caller sets another spacing: strands of an animal that fills a picture 700 pixels high are
-/// then about five pixels apart.
+/// Cells on the radius of a mesh, unless the caller sets another spacing: strands of an animal that
+/// fills a picture 700 pixels high are then about five pixels apart.
 pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;
 
 /// The greatest radius of a strand, in cells; see [`HALF_SLAB`].
 pub(crate) const MAX_RADIUS: f32 = 0.43;
 
-/// The least radius of a mesh and spacing of strands: squares of smaller ones come near the least numbers of single precision.
+/// The least radius of a mesh and spacing of strands: squares of smaller ones come near the least
+/// numbers of single precision.
 pub(crate) const LEAST_LENGTH: f64 = 1e-9;
 
-/// The search for the root of a strand ends when a step changes its place by less than this share of its triangle: far below what single
-/// precision, in which roots are handed out, can show.
+/// The search for the root of a strand ends when a step changes its place by less than this share
+/// of its triangle: far below what single precision, in which roots are handed out, can show.
 pub(crate) const SETTLED: f64 = 1e-12;
 
-/// Fur maps of lower densities hold no hair at any size: the density that sets their first distance is not taken below this, so that it
-/// is finite.
+/// Fur maps of lower densities hold no hair at any size: the density that sets their first distance
+/// is not taken below this, so that it is finite.
 pub(crate) const LEAST_DENSITY: f64 = 1e-9;
 
-/// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole surface.
+/// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole
+/// surface.
 pub const MAX_PER_CELL: u32 = 4;
 
 /// The most explicit strands: 64 bytes each, so about a gigabyte.
 pub(crate) const MAX_STRANDS: usize = 1 << 24;
 
-/// The most cells along the edges of all triangles when strands are listed: looking at them takes some seconds.
+/// The most cells along the edges of all triangles when strands are listed: looking at them takes
+/// some seconds.
 pub(crate) const MAX_EDGE_CELLS: f64 = 33_554_432.0;
 
-/// The widest mesh, in cells: cell numbers of single precision are then exact with 2 bits for the place within the cell left.
+/// The widest mesh, in cells: cell numbers of single precision are then exact with 2 bits for the
+/// place within the cell left.
 pub(crate) const MAX_CELLS: f32 = 4_194_304.0;
 
-/// Barycentric coordinates below minus this lie outside of a triangle: roots on an edge must not fall between two triangles.
+/// Barycentric coordinates below minus this lie outside of a triangle: roots on an edge must not
+/// fall between two triangles.
 pub(crate) const ON_EDGE: f64 = 1e-6;
 
-/// The relative error of a vertex that a shader extrudes and transforms in single precision: bounds grow by it. Extruding takes
-/// three products and three sums, a transform four each; 16 units of 2^-24 cover both with room.
+/// The relative error of a vertex that a shader extrudes and transforms in single precision: bounds
+/// grow by it. Extruding takes three products and three sums, a transform four each; 16 units of
+/// 2^-24 cover both with room.
 pub(crate) const EXTRUSION_ERROR: f32 = 1e-6;
 
 /// Layers at most: more bring nothing that a picture shows.
 pub(crate) const MAX_LAYERS: u32 = 256;
 
-/// The distance between layers that hides that they are layers, in pixels. Two neighbouring layers then share most pixels.
+/// The distance between layers that hides that they are layers, in pixels. Two neighbouring layers
+/// then share most pixels.
 pub(crate) const LAYER_GAP: f32 = 1.5;
 
 /// Fur lower than this is less than what one sample of a pixel can show, in pixels.
 pub(crate) const FLAT_FUR: f32 = 0.5;
 
-/// Pixels for each vertex of a mesh: outlines then have corners about four pixels apart, which shading and fur hide.
+/// Pixels for each vertex of a mesh: outlines then have corners about four pixels apart, which
+/// shading and fur hide.
 pub(crate) const PIXELS_PER_VERTEX: f32 = 16.0;
 
-/// An inner ball shrinks by this share of the size of the mesh: the rounding of distances to triangles, with room.
+/// An inner ball shrinks by this share of the size of the mesh: the rounding of distances to
+/// triangles, with room.
 pub(crate) const INNER_ROUNDING: f64 = 1e-5;

@@ -1,8 +1,10 @@
-//! The light of a strand: Kajiya & Kay 1989, "Rendering fur with three dimensional textures", with the errors of the thesis mended.
+//! The light of a strand: Kajiya & Kay 1989, "Rendering fur with three dimensional textures", with
+//! the errors of the thesis mended.
 //!
-//! All directions are unit vectors in one space, world space for example (the listing of the thesis mixes world and view space), and lead
-//! away from the strand. Roots of negative numbers, which rounding makes, are clamped. The cylinder's diffuse light is the same on the dark
-//! side of a body; a factor by the surface's normal removes it there, as Goldman (1997) does for short fur.
+//! All directions are unit vectors in one space, world space for example (the listing of the thesis
+//! mixes world and view space), and lead away from the strand. Roots of negative numbers, which
+//! rounding makes, are clamped. The cylinder's diffuse light is the same on the dark side of a
+//! body; a factor by the surface's normal removes it there, as Goldman (1997) does for short fur.
 
 use glam::Vec3;
 
@@ -11,7 +13,8 @@ use glam::Vec3;
 pub struct Lobes {
     /// The sine of the angle between strand and light: 0 to 1.
     pub diffuse: f32,
-    /// The power of the cosine of the angle between the eye and the cone of mirrored directions: 0 to 1.
+    /// The power of the cosine of the angle between the eye and the cone of mirrored directions: 0
+    /// to 1.
     pub specular: f32,
 }
 
@@ -46,7 +49,8 @@ pub struct Material {
     pub exponent: f32,
     /// How far the light reaches around the body, 0 to 1: fur scatters light beyond the terminator.
     pub wrap: f32,
-    /// The light that reaches the root of a strand between its neighbours, 0 to 1; it grows linearly to 1 at the tip.
+    /// The light that reaches the root of a strand between its neighbours, 0 to 1; it grows
+    /// linearly to 1 at the tip.
     pub root: f32,
 }
 
@@ -57,13 +61,14 @@ impl Default for Material {
 }
 
 impl Material {
-    /// The linear colour of a point of a strand. `along` is its place on the strand, 0 to 1; `sun` the share of sunlight that reaches
-    /// it, 0 in a shadow. The thesis adds only the lobes.
+    /// The linear colour of a point of a strand. `along` is its place on the strand, 0 to 1; `sun`
+    /// the share of sunlight that reaches it, 0 in a shadow. The thesis adds only the lobes.
     pub fn shade(&self, color: Vec3, strand: &Directions, along: f32, sun: f32) -> Vec3 {
         let lobes = kajiya_kay(strand.tangent, strand.to_light, strand.to_eye, self.exponent);
         let facing = ((strand.normal.dot(strand.to_light) + self.wrap) / (1.0 + self.wrap)).clamp(0.0, 1.0);
         let depth = self.root + (1.0 - self.root) * along;
-        // Strands that point at the light show it their sides: half the light comes from the body's slope alone.
+        // Strands that point at the light show it their sides: half the light comes from the body's
+        // slope alone.
         let diffuse = self.diffuse * (0.5 + 0.5 * lobes.diffuse) * facing;
         let lit = color * (self.ambient + sun * diffuse)
             + Vec3::splat(sun * self.specular * lobes.specular * facing);

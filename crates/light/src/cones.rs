@@ -1,8 +1,9 @@
-//! How light is gathered: the cones for a hemisphere, in rings around the normal, and how they march.
+//! How light is gathered: the cones for a hemisphere, in rings around the normal, and how they
+//! march.
 //!
-//! The hemisphere is cut into sectors without gaps or overlaps (the thesis' six cones cover 59 % of it). A cone goes to
-//! the middle of a sector, with the same solid angle; its weight is the integral of the cosine over the sector, divided by π. The
-//! weights add up to 1.
+//! The hemisphere is cut into sectors without gaps or overlaps (the thesis' six cones cover 59 % of
+//! it). A cone goes to the middle of a sector, with the same solid angle; its weight is the
+//! integral of the cosine over the sector, divided by π. The weights add up to 1.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -66,8 +67,8 @@ impl ConeCount {
 pub struct Settings {
     /// Cells along the longest axis: 16 to 512.
     pub resolution: u32,
-    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis' step factor, in diameters, is half
-    /// of it. Light leaks through thin walls above 1.
+    /// Length of a step in texels, a texel being half as wide as the cone: 0.1 to 5. The thesis'
+    /// step factor, in diameters, is half of it. Light leaks through thin walls above 1.
     pub step: f32,
     /// How far cones gather, as a share of the grid's longest edge: 0.01 to 2.
     pub reach: f32,

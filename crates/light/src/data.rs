@@ -1,4 +1,5 @@
-//! Triangles, materials and lights as the shaders take them: lengths in cells from the corner of the grid.
+//! Triangles, materials and lights as the shaders take them: lengths in cells from the corner of
+//! the grid.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
@@ -133,7 +134,8 @@ impl Light {
     }
 }
 
-/// Lights in the units of a grid. There is at least one, so that there is something to bind: it may be black.
+/// Lights in the units of a grid. There is at least one, so that there is something to bind: it may
+/// be black.
 pub fn lights_of(lights: &[lit::Light], volume: &Volume) -> Vec<Light> {
     let black = lit::Light::point(Vec3::ZERO, Vec3::ZERO);
     let lights = if lights.is_empty() { std::slice::from_ref(&black) } else { lights };
@@ -212,7 +214,8 @@ impl Geometry {
         Err(LightError::NoSoundTriangles { triangles, corners, far, materials })
     }
 
-    /// Moves an object; returns the numbers of its triangles. Those that have corners that are not finite become empty.
+    /// Moves an object; returns the numbers of its triangles. Those that have corners that are not
+    /// finite become empty.
     ///
     /// # Errors
     /// There is no such object, or it does not move.
@@ -239,7 +242,8 @@ const NOWHERE: Triangle = {
     Triangle { a: at, material: 0, b: at, share: 0.0, c: at, pad_c: 0 }
 };
 
-/// The triangles of an object in cells. Those that are not sound are a point outside of the grid, so that the others keep their numbers.
+/// The triangles of an object in cells. Those that are not sound are a point outside of the grid,
+/// so that the others keep their numbers.
 fn triangles_of(object: &LitObject, volume: &Volume, emits: &[bool]) -> Vec<Triangle> {
     let mesh = &object.mesh;
     let corner = |v: u32| {
@@ -259,9 +263,10 @@ fn triangles_of(object: &LitObject, volume: &Volume, emits: &[bool]) -> Vec<Tria
     triangles
 }
 
-/// The area of the triangles that emit, as a share of that of their voxels, which are larger: a body grows by [`GROWTH`] on all sides (Steiner's
-/// formula: by the bends of its edges), a sheet by half a cell along its rim. So the power of a small lamp does not depend on the
-/// cells. Rooms that are closed around the light do not grow inwards. O(n log n).
+/// The area of the triangles that emit, as a share of that of their voxels, which are larger: a
+/// body grows by [`GROWTH`] on all sides (Steiner's formula: by the bends of its edges), a sheet by
+/// half a cell along its rim. So the power of a small lamp does not depend on the cells. Rooms that
+/// are closed around the light do not grow inwards. O(n log n).
 fn emission_share(triangles: &[Triangle], emits: &[bool]) -> f32 {
     let (mut areas, mut corners, mut edges) = (Vec::new(), BTreeSet::new(), BTreeMap::<_, Vec<_>>::new());
     for t in triangles.iter().filter(|t| **t != NOWHERE && emits[t.material as usize]) {
@@ -284,7 +289,8 @@ fn emission_share(triangles: &[Triangle], emits: &[bool]) -> f32 {
         let [p, q] = ends.map(|p| Vec3::from_array(p.map(f32::from_bits)));
         match sides[..] {
             [_] => rims += f64::from(p.distance(q)),
-            // Convex if the second triangle lies behind the first; neighbours run along their edge in opposite ways.
+            // Convex if the second triangle lies behind the first; neighbours run along their edge
+            // in opposite ways.
             [(n, _, forward), (m, third, other)] if forward != other => {
                 let bend = n.dot(m).clamp(-1.0, 1.0).acos().copysign(n.dot(p - third));
                 bends += f64::from(p.distance(q) * bend);
@@ -350,7 +356,8 @@ mod tests {
                 let (one, many) = (share(mesh, size), share(&twenty(mesh), size));
                 assert!((one - many).abs() < 1e-3, "{size}: {one} and {many}");
             }
-            // The cells that an axis-parallel square or cube of this size touches, on the mean over its places.
+            // The cells that an axis-parallel square or cube of this size touches, on the mean over
+            // its places.
             let grown = (size / (size + 1.0)).powi(2);
             assert!((share(&square, size) - grown).abs() < 1e-4, "{size}: {}", share(&square, size));
             assert!((share(&cube, size) - grown).abs() < 0.02, "{size}: {}", share(&cube, size));

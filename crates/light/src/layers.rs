@@ -1,7 +1,9 @@
-//! Triangles into voxels: a layer of what stays, a layer of what moves, and both as one (thesis 2.1, 2.1.1; digest S1 to S3).
+//! Triangles into voxels: a layer of what stays, a layer of what moves, and both as one (thesis
+//! 2.1, 2.1.1; digest S1 to S3).
 //!
-//! Sums and counts are integers, so that neither the order of triangles nor of threads matters, and the moving layer can be
-//! taken away again without a trace. Only bricks with triangles have memory.
+//! Sums and counts are integers, so that neither the order of triangles nor of threads matters, and
+//! the moving layer can be taken away again without a trace. Only bricks with triangles have
+//! memory.
 
 use std::ops::Range;
 
@@ -23,7 +25,8 @@ const PAIRS_LIST: Part = Part::of_cells("the list of triangles by brick");
 /// Pairs that a group of the shader takes.
 const PAIRS: usize = 8;
 
-/// The bricks that triangles touch, sorted, and the pairs of a triangle and a place among those bricks.
+/// The bricks that triangles touch, sorted, and the pairs of a triangle and a place among those
+/// bricks.
 fn pairs_of(
     volume: &Volume,
     triangles: &[Triangle],
@@ -192,7 +195,8 @@ impl Layers {
         Ok(())
     }
 
-    /// Adds up the triangles of the layer that stays, or of the one that moves, in sums that were cleared.
+    /// Adds up the triangles of the layer that stays, or of the one that moves, in sums that were
+    /// cleared.
     pub fn voxelize(&self, gpu: &Gpu, encoder: &mut CommandEncoder, moving: bool, others: Others<'_, '_>) {
         let layer = if moving { &self.moving } else { &self.fixed };
         layer.sums.iter().for_each(|sums| encoder.clear_buffer(sums, 0, None));
@@ -208,7 +212,8 @@ impl Layers {
         });
     }
 
-    /// Makes surfaces and occupancy of both layers' sums, in the bricks of `list` (all of them have slots).
+    /// Makes surfaces and occupancy of both layers' sums, in the bricks of `list` (all of them have
+    /// slots).
     pub fn merge(
         &self,
         gpu: &Gpu,

@@ -1,7 +1,8 @@
 //! Light that bounces: voxel cone tracing on the grid of casca, with wgpu.
 //!
-//! After J. G. Villegas Guedez, *Trazado de Conos para el Cálculo de Iluminación Global empleando Sombreado de Vóxeles* (thesis,
-//! Universidad Central de Venezuela 2016), which follows Crassin et al. 2011 with dense textures instead of an octree.
+//! After J. G. Villegas Guedez, *Trazado de Conos para el Cálculo de Iluminación Global empleando
+//! Sombreado de Vóxeles* (thesis, Universidad Central de Venezuela 2016), which follows Crassin et
+//! al. 2011 with dense textures instead of an octree.
 //!
 //! In the order of imports:
 //!

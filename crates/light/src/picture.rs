@@ -1,4 +1,5 @@
-//! The light of each pixel: a visibility buffer as G-buffer, cones from it, and the colours of a screen (thesis 2.4; digest S8 and S9).
+//! The light of each pixel: a visibility buffer as G-buffer, cones from it, and the colours of a
+//! screen (thesis 2.4; digest S8 and S9).
 
 use bytemuck::{Pod, Zeroable};
 use casca_stage::camera::Camera;
@@ -276,7 +277,8 @@ impl Picture {
         pass.draw(0..3, 0..1);
     }
 
-    /// The light of the last picture, row by row: red, green, blue, and 1 where there is a triangle.
+    /// The light of the last picture, row by row: red, green, blue, and 1 where there is a
+    /// triangle.
     ///
     /// # Errors
     /// The device is lost.

@@ -1,15 +1,17 @@
 //! Which bricks a picture can read: the culler's part.
 //!
-//! - *Seen* bricks have voxels, and a point of their box may be seen from the camera (`casca::Sight`, which never says no in doubt).
-//!   All surfaces in the picture lie in them, but for those that leave the grid: bricks beside these count as seen, unasked.
-//! - *Gathered* bricks are within the reach of a cone that starts in a seen one: these may be read by the cones of the picture.
-//!   "Within" counts everything that moves a reading away from its cone: where cones start, and the filter of the widest texel.
-//! - *Lit* bricks are within the reach of a cone that starts in a gathered one: those are read by the second bounce into
-//!   gathered bricks.
+//! - *Seen* bricks have voxels, and a point of their box may be seen from the camera
+//!   (`casca::Sight`, which never says no in doubt). All surfaces in the picture lie in them, but
+//!   for those that leave the grid: bricks beside these count as seen, unasked.
+//! - *Gathered* bricks are within the reach of a cone that starts in a seen one: these may be read
+//!   by the cones of the picture. "Within" counts everything that moves a reading away from its
+//!   cone: where cones start, and the filter of the widest texel.
+//! - *Lit* bricks are within the reach of a cone that starts in a gathered one: those are read by
+//!   the second bounce into gathered bricks.
 //!
-//! Light is brought up to date in these only. What is left out stays marked until a later picture can read it. So the pixels are
-//! the same, bit by bit, as with all bricks up to date. Opacity is always up to date everywhere: shadows come from
-//! anywhere.
+//! Light is brought up to date in these only. What is left out stays marked until a later picture
+//! can read it. So the pixels are the same, bit by bit, as with all bricks up to date. Opacity is
+//! always up to date everywhere: shadows come from anywhere.
 
 use glam::{UVec3, Vec3};
 
@@ -29,7 +31,8 @@ pub struct Reach {
     pub lit: Mask,
 }
 
-/// How far from its start's brick a cone reads, in bricks: `reach` in cells, `slope` of the widest cone.
+/// How far from its start's brick a cone reads, in bricks: `reach` in cells, `slope` of the widest
+/// cone.
 pub fn bricks_read(reach: f32, slope: f32) -> u32 {
     let widest = (slope * reach).clamp(1.0, (1 << LEVELS) as f32);
     // Two levels are mixed; of the coarser one, a texel counts up to one and a half edges away.
@@ -39,8 +42,9 @@ pub fn bricks_read(reach: f32, slope: f32) -> u32 {
     (cells / BRICK as f32).ceil().min(1e6) as u32
 }
 
-/// Marks the bricks that cones may start in or first read from a triangle (in cells) that leaves the grid: those of its box, moved into the grid.
-/// Cones start off the surface, and first read half a step (in texels of a cell) further; a cell more covers rounding.
+/// Marks the bricks that cones may start in or first read from a triangle (in cells) that leaves
+/// the grid: those of its box, moved into the grid. Cones start off the surface, and first read
+/// half a step (in texels of a cell) further; a cell more covers rounding.
 pub fn beside(volume: &Volume, [a, b, c]: [Vec3; 3], step: f32, mask: &mut [bool]) {
     let (low, high, dims) = (a.min(b).min(c), a.max(b).max(c), volume.dims.as_vec3());
     let away = PUSH_OFF * 3.0_f32.sqrt() + 0.5 * step + 1.0;
@@ -71,9 +75,10 @@ impl Reach {
     }
 }
 
-/// Whether a shadow ray from a voxel of a brick to a light may pass one of the bricks `changed`: else the direct light in the brick stays
-/// as it is. The rays fill a body that narrows from the brick to the light; it is tested axis by axis, so that the answer is never no
-/// in doubt. O(lights x changed).
+/// Whether a shadow ray from a voxel of a brick to a light may pass one of the bricks `changed`:
+/// else the direct light in the brick stays as it is. The rays fill a body that narrows from the
+/// brick to the light; it is tested axis by axis, so that the answer is never no in doubt. O(lights
+/// x changed).
 pub fn shadows_change(volume: &Volume, lights: &[Light], changed: &[u32], brick: u32) -> bool {
     let centre = |number| (volume.brick(number).as_vec3() + 0.5) * BRICK as f32;
     let from: Vec3 = centre(brick);
@@ -85,7 +90,8 @@ pub fn shadows_change(volume: &Volume, lights: &[Light], changed: &[u32], brick:
         let way = light - from;
         changed.iter().any(|&other| {
             let off = from - centre(other);
-            // The shares of the way at which all axes overlap: |off + share way| <= half + (1 - share) start.
+            // The shares of the way at which all axes overlap: |off + share way| <= half + (1 -
+            // share) start.
             let (mut low, mut high) = (0.0_f32, 1.0_f32);
             for axis in 0..3 {
                 for sign in [1.0, -1.0] {

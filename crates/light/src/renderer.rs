@@ -1,4 +1,5 @@
-//! A lit scene on the device: its voxels, their light and its pictures, with what is to be done again after a change (thesis 4.1.1).
+//! A lit scene on the device: its voxels, their light and its pictures, with what is to be done
+//! again after a change (thesis 4.1.1).
 //!
 //! | change | done again |
 //! |---|---|
@@ -6,7 +7,8 @@
 //! | an object moved | the moving layer, both layers as one where it was and is, direct light where shadows may change, the second bounce where cones may read a change, mips |
 //! | the scene | everything: make a new renderer |
 //!
-//! Changes of one frame add up. Light is only brought up to date in bricks that the picture can read: see [`crate::reach`].
+//! Changes of one frame add up. Light is only brought up to date in bricks that the picture can
+//! read: see [`crate::reach`].
 
 use bytemuck::{Pod, Zeroable};
 use casca_scenes::lit::{self, LitScene};
@@ -101,10 +103,12 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Puts a scene on the device. Costs its triangles; voxels and light are made by the first [`Renderer::update`].
+    /// Puts a scene on the device. Costs its triangles; voxels and light are made by the first
+    /// [`Renderer::update`].
     ///
     /// # Errors
-    /// A setting out of its range, a scene without triangles or with too many, and what the adapter lacks or cannot hold.
+    /// A setting out of its range, a scene without triangles or with too many, and what the adapter
+    /// lacks or cannot hold.
     pub fn new(gpu: &Gpu, scene: &LitScene, settings: Settings) -> Result<Self, LightError> {
         settings.check()?;
         if gpu.device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
@@ -242,7 +246,8 @@ impl Renderer {
         self.bounced.fill(false);
     }
 
-    /// The bricks that a picture can read, if the boxes that its camera may see (in metres) are those that `sees` says.
+    /// The bricks that a picture can read, if the boxes that its camera may see (in metres) are
+    /// those that `sees` says.
     pub fn reach(&self, sees: &dyn Fn((Vec3, Vec3)) -> bool) -> Reach {
         let mut full = vec![false; self.volume.brick_count()];
         let mut seen = full.clone();
@@ -266,8 +271,8 @@ impl Renderer {
         bricks_read(self.settings.reach_cells(&self.volume), slope)
     }
 
-    /// Marks the light that other voxels in these bricks may change: direct light where shadows may change, and the second bounce where
-    /// cones may read a change.
+    /// Marks the light that other voxels in these bricks may change: direct light where shadows may
+    /// change, and the second bounce where cones may read a change.
     fn voxels_changed(&mut self, changed: &[u32]) {
         if changed.is_empty() {
             return;
@@ -284,10 +289,12 @@ impl Renderer {
         read.iter().zip(&mut self.bounced).for_each(|(r, bounced)| *bounced &= !r);
     }
 
-    /// Brings voxels and light up to date: all light, or that in the bricks that a picture can read ([`Renderer::reach`]).
+    /// Brings voxels and light up to date: all light, or that in the bricks that a picture can read
+    /// ([`Renderer::reach`]).
     ///
     /// # Errors
-    /// What the adapter cannot hold; the device is lost. The next update then makes everything again.
+    /// What the adapter cannot hold; the device is lost. The next update then makes everything
+    /// again.
     pub fn update(
         &mut self,
         gpu: &Gpu,

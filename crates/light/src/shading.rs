@@ -11,7 +11,8 @@ use crate::error::{LightError, Part};
 use crate::layers::Others;
 use crate::volume::{BRICK, BRICK_CELLS, LEVELS, Volume};
 
-/// Mips up to this level have texels that lie in one brick: they are made for the bricks listed. Coarser ones are made whole.
+/// Mips up to this level have texels that lie in one brick: they are made for the bricks listed.
+/// Coarser ones are made whole.
 const LISTED: u32 = 3;
 
 /// The light of voxels, and the textures that cones read.
@@ -160,7 +161,8 @@ impl Shading {
         self.run(gpu, encoder, &self.bounce, list, 8, others);
     }
 
-    /// Writes light and opacity of the bricks listed into the finest texture, with the light that bounced or without.
+    /// Writes light and opacity of the bricks listed into the finest texture, with the light that
+    /// bounced or without.
     pub fn inject(
         &self,
         gpu: &Gpu,
@@ -226,7 +228,8 @@ impl Shading {
         }
     }
 
-    /// The textures, to be read back: the finest one, and that of a direction (along x, against x, along y ...) with its levels.
+    /// The textures, to be read back: the finest one, and that of a direction (along x, against x,
+    /// along y ...) with its levels.
     pub fn textures(&self) -> (&wgpu::Texture, [&wgpu::Texture; 6]) {
         (self.base.texture(), std::array::from_fn(|i| self.mips[i].0.texture()))
     }

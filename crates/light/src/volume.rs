@@ -1,5 +1,6 @@
-//! The grid of voxels: cubic cells, as many along each axis as the scene needs, in bricks of 8x8x8 (thesis 2.1; a cube
-//! of N³ cells, as in the thesis, would be three quarters empty for a hall such as Sponza).
+//! The grid of voxels: cubic cells, as many along each axis as the scene needs, in bricks of 8x8x8
+//! (thesis 2.1; a cube of N³ cells, as in the thesis, would be three quarters empty for a hall such
+//! as Sponza).
 
 use casca::{Grid, GridSpec};
 use glam::{UVec3, Vec3};
@@ -10,9 +11,11 @@ use crate::numeric::{FARTHEST, LEAST_CELL, NORMAL_ROUNDING, TOUCH};
 
 /// Axes have multiples of this many cells, so that every texel of every mip is whole.
 const TEXEL: u32 = 1 << LEVELS;
-/// Cells between the scene and the border of the grid: rays and cones that start above a surface at its edge must start in the grid. They start
-/// up to 2.05 cells away from it along an axis (`PUSH_OFF` n (|n| + ...), at its greatest). Of 3 and 4 cells, 4 loses less light in the furnace
-/// test: 2 % against 10 %, as walls along the scene's box then lie better in texels. A grid of 16 cells has 8 left.
+/// Cells between the scene and the border of the grid: rays and cones that start above a surface at
+/// its edge must start in the grid. They start up to 2.05 cells away from it along an axis
+/// (`PUSH_OFF` n (|n| + ...), at its greatest). Of 3 and 4 cells, 4 loses less light in the furnace
+/// test: 2 % against 10 %, as walls along the scene's box then lie better in texels. A grid of 16
+/// cells has 8 left.
 const BORDER: u32 = 4;
 
 /// The grid of voxels.
@@ -30,7 +33,8 @@ impl Volume {
     /// The grid over a box in metres, with `resolution` cells along the longest axis.
     ///
     /// # Errors
-    /// Refuses resolutions outside of [`RESOLUTIONS`], and boxes over which [`Grid::new`] makes no grid.
+    /// Refuses resolutions outside of [`RESOLUTIONS`], and boxes over which [`Grid::new`] makes no
+    /// grid.
     pub fn new((min, max): (Vec3, Vec3), resolution: u32) -> Result<Self, LightError> {
         if !RESOLUTIONS.contains(&resolution) {
             return Err(LightError::Resolution(resolution));
@@ -85,8 +89,9 @@ impl Volume {
         (point - self.origin) / self.cell
     }
 
-    /// The bricks that a triangle (in cells) may touch, by their numbers: those of its box that its plane reaches. None if a corner is not
-    /// finite or far from the grid. Costs the bricks of its box.
+    /// The bricks that a triangle (in cells) may touch, by their numbers: those of its box that its
+    /// plane reaches. None if a corner is not finite or far from the grid. Costs the bricks of its
+    /// box.
     pub fn bricks_of(&self, [a, b, c]: [Vec3; 3], visit: &mut dyn FnMut(u32)) {
         let (low, high) = (a.min(b).min(c) - TOUCH, a.max(b).max(c) + TOUCH);
         let inside = high.cmpge(Vec3::ZERO).all() && low.cmplt(self.dims.as_vec3()).all();

@@ -1,5 +1,5 @@
-//! Light against closed forms, brute force, and itself done another way. Needs any adapter; a software one will do.
-//! (`missing_docs` holds for tests, too.)
+//! Light against closed forms, brute force, and itself done another way. Needs any adapter; a
+//! software one will do. (`missing_docs` holds for tests, too.)
 
 mod common;
 
@@ -17,8 +17,8 @@ use casca_stage::timing::Clock;
 use common::{ball, draw, gpu, light, texels, wall_scene};
 use glam::{Affine3A, Vec3};
 
-/// A wide cone reads a wall in parts, from two mips. The parts do not always add up to 1. This is the greatest loss of light that the test
-/// accepts, on the mean of the pixels.
+/// A wide cone reads a wall in parts, from two mips. The parts do not always add up to 1. This is
+/// the greatest loss of light that the test accepts, on the mean of the pixels.
 const FURNACE: f32 = 0.05;
 /// The greatest loss of light that the test accepts in one pixel.
 const FURNACE_PIXEL: f32 = 0.15;
@@ -79,8 +79,9 @@ fn walls_stay_opaque_along_their_normals_in_all_mips_and_become_thin_across() {
                 let mut full: Vec<f32> =
                     texels(&gpu, texture, level).iter().map(|t| t[3]).filter(|a| *a > 0.0).collect();
                 full.sort_unstable_by(f32::total_cmp);
-                // Most texels that hold anything hold a piece of the wall, one of 2^(level + 1) cells thick. Looked at along the
-                // wall, half of the columns of a texel hold its halves, one behind the other.
+                // Most texels that hold anything hold a piece of the wall, one of 2^(level + 1)
+                // cells thick. Looked at along the wall, half of the columns of a texel hold its
+                // halves, one behind the other.
                 let across = (0..level).fold(0.5_f32, |a, _| 0.5 * (1.0 - (1.0 - a) * (1.0 - a)));
                 let expected = if direction / 2 == axis { 1.0 } else { across };
                 let most = full[full.len() / 2];
@@ -175,9 +176,10 @@ fn updates_on_need_and_of_several_changes_equal_an_update_of_everything() {
     assert_eq!((done.merged, done.shaded), (0, done.bricks));
 }
 
-/// Draws frames twice: once with an update of all light, and once with an update of the light that changed and that the picture can read. The
-/// pictures must be equal bit by bit. In each frame the last object moves or the camera turns. Returns for each frame the bricks that were
-/// updated and the share of bricks that the picture may read.
+/// Draws frames twice: once with an update of all light, and once with an update of the light that
+/// changed and that the picture can read. The pictures must be equal bit by bit. In each frame the
+/// last object moves or the camera turns. Returns for each frame the bricks that were updated and
+/// the share of bricks that the picture may read.
 fn culled(
     gpu: &Gpu,
     scene: &LitScene,
@@ -223,11 +225,13 @@ fn culled_pictures_are_the_same_bit_by_bit_while_objects_move_and_the_camera_tur
         [0, 1, 2, 3].map(|i| ((i < 2).then_some(start + Vec3::X * 0.7 * i as f32), common::hall_camera(i)));
     let done = culled(&gpu, &scene, Settings { reach: 0.08, ..settings(192) }, &frames);
     done.iter().for_each(|(updated, share)| println!("{updated:?}, may be read: {share:.2}"));
-    // From the first two, the camera sees one room of six; from the others, it looks through a row of doors.
+    // From the first two, the camera sees one room of six; from the others, it looks through a row
+    // of doors.
     assert!(done[..2].iter().all(|(updated, share)| updated.bricks > 200 && *share < HALL_READ));
 }
 
-/// A Cornell box with a small ball, in a grid whose cones read bricks next to theirs; and places in it by cells.
+/// A Cornell box with a small ball, in a grid whose cones read bricks next to theirs; and places in
+/// it by cells.
 fn box_with_ball(radius: f32) -> (LitScene, Settings, impl Fn([f32; 3]) -> Vec3) {
     let mut scene = Kind::CornellPoint.build();
     let volume = Volume::new(scene.bounds(), 96).unwrap();
@@ -240,7 +244,8 @@ fn box_with_ball(radius: f32) -> (LitScene, Settings, impl Fn([f32; 3]) -> Vec3)
 fn what_jumps_into_sight_is_lit_where_it_lands() {
     let Some(gpu) = gpu() else { return };
     let (scene, how, at) = box_with_ball(0.15);
-    // From the middle of a brick to that of the third one beside it, far from all other bricks in sight.
+    // From the middle of a brick to that of the third one beside it, far from all other bricks in
+    // sight.
     let frames = [28.0, 52.0].map(|x| (Some(at([x, 60.0, 12.0])), scene.camera));
     let done = culled(&gpu, &scene, how, &frames);
     // Of what may be read, only bricks are lit again in which the ball's shadow may fall.
@@ -257,7 +262,8 @@ fn what_leaves_a_brick_that_nobody_reads_casts_no_shadow_from_there() {
     let Some(gpu) = gpu() else { return };
     let (mut scene, how, at) = box_with_ball(0.2);
     scene.lights[0].kind = LightKind::Point { position: Vec3::new(2.78, 5.2, 2.8), radius: 0.3 };
-    // From the middle of one brick between lamp and block to a corner of eight, for which there is no memory yet.
+    // From the middle of one brick between lamp and block to a corner of eight, for which there is
+    // no memory yet.
     let (from, to) = (at([44.0, 68.0, 44.0]), at([80.0, 72.0, 72.0]));
     // Voxels exist from the first frame on, so that there is memory for one brick.
     scene.objects.last_mut().unwrap().transform.translation = from.into();
@@ -271,7 +277,8 @@ fn what_leaves_a_brick_that_nobody_reads_casts_no_shadow_from_there() {
 fn what_leaves_the_grid_gathers_light_from_it() {
     let Some(gpu) = gpu() else { return };
     let (scene, how, at) = box_with_ball(0.3);
-    // Through the open front. The camera sees nothing but a part of the ball, and bricks without voxels.
+    // Through the open front. The camera sees nothing but a part of the ball, and bricks without
+    // voxels.
     let [eye, target] = [15.0, 0.0].map(|z| at([48.0, 12.0, z]));
     let camera = Camera::look_at(eye, target, 8.0, 4.0 / 3.0, 0.01, 20.0);
     let places = [[48.0, 12.0, 4.0], [48.0, 12.0, -1.0], [48.0, 12.0, -5.5], [48.0, 12.0, -30.0]];
@@ -344,7 +351,8 @@ fn rooms_are_as_bright_as_by_the_path_tracer() {
     }
 }
 
-/// How bright rooms are that surfaces light, beside the path tracer's; the command is that of the next test.
+/// How bright rooms are that surfaces light, beside the path tracer's; the command is that of the
+/// next test.
 #[test]
 #[ignore = "prints measurements"]
 fn rooms_that_surfaces_light() {
@@ -367,7 +375,8 @@ fn rooms_that_surfaces_light() {
     }
 }
 
-/// What an update saves in a large scene: `cargo test --release -p casca-light --test light -- --ignored --nocapture`.
+/// What an update saves in a large scene: `cargo test --release -p casca-light --test light --
+/// --ignored --nocapture`.
 #[test]
 #[ignore = "prints measurements"]
 fn sponza_with_twenty_moving_balls() {

@@ -46,8 +46,8 @@ fn cones_fill_the_hemisphere_and_weigh_as_its_light() {
         let solid = |c: &Cone| TAU * (1.0 - c.slope.atan().cos());
         let solid: f32 = cones.iter().map(solid).sum();
         assert!((solid - TAU).abs() < 1e-4, "{solid}");
-        // The mean of the directions, weighted, is that of light by the cosine law: two thirds of the normal. The rule of
-        // one direction for a sector is a few percent off.
+        // The mean of the directions, weighted, is that of light by the cosine law: two thirds of
+        // the normal. The rule of one direction for a sector is a few percent off.
         let mean: Vec3 = cones.iter().map(|c| Vec3::from_array(c.direction) * c.share).sum();
         assert!(mean.abs_diff_eq(Vec3::Z * 2.0 / 3.0, 0.05), "{mean}");
     }

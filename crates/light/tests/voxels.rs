@@ -1,4 +1,5 @@
-//! Voxels against brute force: exact clipping in double precision, which shares no code with the test by separating axes.
+//! Voxels against brute force: exact clipping in double precision, which shares no code with the
+//! test by separating axes.
 
 mod common;
 
@@ -190,7 +191,8 @@ fn a_layer_of_one_triangle_in_one_brick_holds_no_other() {
 #[test]
 fn after_an_update_that_failed_the_next_one_makes_everything_again() {
     let Some(gpu) = gpu() else { return };
-    // Room for 200 bricks: the wall and a large ball have 166, and half as many as move are added, for moves to come.
+    // Room for 200 bricks: the wall and a large ball have 166, and half as many as move are added,
+    // for moves to come.
     let gpu = limited(&gpu, |limits| limits.max_storage_buffer_binding_size = 200 * 512 * 16);
     let mut scene = common::wall_scene(1);
     // Small triangles instead of large ones without area, whose boxes have all bricks.

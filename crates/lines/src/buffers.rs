@@ -27,11 +27,13 @@ pub struct LineBuffer {
 }
 
 impl LineBuffer {
-    /// Finds the nearest line in each pixel. Each pixel that a line crosses shows it, so that lines have no gaps. Among lines at
-    /// the same depth the one with the lowest number counts as nearest.
+    /// Finds the nearest line in each pixel. Each pixel that a line crosses shows it, so that lines
+    /// have no gaps. Among lines at the same depth the one with the lowest number counts as
+    /// nearest.
     ///
-    /// Time: proportional to the vertices and to the pixels that lines cross. Memory: 36 bytes a pixel; while it is made, as
-    /// much again, about 80 bytes a vertex, and 4 bytes for each row of tiles that a segment crosses.
+    /// Time: proportional to the vertices and to the pixels that lines cross. Memory: 36 bytes a
+    /// pixel; while it is made, as much again, about 80 bytes a vertex, and 4 bytes for each row of
+    /// tiles that a segment crosses.
     pub fn new(lines: &LineSet, view: &View) -> Self {
         let placed = Placed::new(lines, view);
         let (tangents, lengths) = (lines.tangents(), lines.arc_lengths());

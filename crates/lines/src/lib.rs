@@ -1,17 +1,20 @@
-//! Ambient occlusion for dense sets of lines: streamlines, hair, wires. Where thousands of lines cross, nobody can tell which is
-//! in front; darkening lines by the lines around them shows it.
+//! Ambient occlusion for dense sets of lines: streamlines, hair, wires. Where thousands of lines
+//! cross, nobody can tell which is in front; darkening lines by the lines around them shows it.
 //!
-//! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient occlusion for the rendering of lines;
-//! master's thesis, PUC-Rio 2015). Nothing is precomputed: lines may move in every frame.
+//! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient
+//! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015). Nothing is precomputed:
+//! lines may move in every frame.
 //!
 //! - [`sets`]: sets of polylines, seeded generators, and files.
 //! - [`view`]: orthographic and perspective views.
-//! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can be used alone.
+//! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can
+//!   be used alone.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
-//! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of lines behind walls.
+//! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of
+//!   lines behind walls.
 //!
 //! Results are estimates, the same for any number of threads.
 

@@ -1,40 +1,45 @@
-//! All margins and constants of the estimate, each with its reason. A twin on another processor reads them here.
+//! All margins and constants of the estimate, each with its reason. A twin on another processor
+//! reads them here.
 
-/// The matrix of a view may differ from a rotation by this much in each entry of its product with its transpose: matrices
-/// built in single precision do, by some roundings.
+/// The matrix of a view may differ from a rotation by this much in each entry of its product with
+/// its transpose: matrices built in single precision do, by some roundings.
 pub const NOT_RIGID: f64 = 1e-4;
 
-/// The least sine of an angle to the tangent that the thesis' ratio of sines divides by: it keeps a single prism, whose far end
-/// lies on the line's own direction, from outweighing all others.
+/// The least sine of an angle to the tangent that the thesis' ratio of sines divides by: it keeps a
+/// single prism, whose far end lies on the line's own direction, from outweighing all others.
 pub const LEAST_SINE: f32 = 1e-3;
 
-/// A base plane whose normal has a component along the column below this is parallel to it: the crossing would lie thousands of
-/// radii away, so that the column is wholly above the plane or wholly below.
+/// A base plane whose normal has a component along the column below this is parallel to it: the
+/// crossing would lie thousands of radii away, so that the column is wholly above the plane or
+/// wholly below.
 pub const PARALLEL: f32 = 1e-6;
 
-/// A tangent this close to the direction of view (the sine of the angle) leaves no direction towards the eye that is normal to it:
-/// single precision would give noise.
+/// A tangent this close to the direction of view (the sine of the angle) leaves no direction
+/// towards the eye that is normal to it: single precision would give noise.
 pub const ALONG_VIEW: f32 = 1e-4;
 
-/// The share of a solid angle that must be known for an estimate: below it one column would speak for a whole hemisphere.
+/// The share of a solid angle that must be known for an estimate: below it one column would speak
+/// for a whole hemisphere.
 pub const LEAST_KNOWN: f32 = 1e-3;
 
 /// The mean sine of the angle between a line and a ray, if all directions are alike: pi / 4.
 pub const MEAN_SINE: f32 = std::f32::consts::FRAC_PI_4;
 
-/// Parts of the disc of samples, see [`crate::occlusion::sector_of`]. Lines on one side do not hide light from the other: each part
-/// is a medium of its own. More parts would hold too few samples each.
+/// Parts of the disc of samples, see [`crate::occlusion::sector_of`]. Lines on one side do not hide
+/// light from the other: each part is a medium of its own. More parts would hold too few samples
+/// each.
 pub const SECTORS: usize = 8;
 
-/// The slices that share one sum of lengths in a column: with one sum for a whole column, what lies far off blurs what is near; one
-/// for each slice would take four times the memory of this.
+/// The slices that share one sum of lengths in a column: with one sum for a whole column, what lies
+/// far off blurs what is near; one for each slice would take four times the memory of this.
 pub const GROUP: u32 = 16;
 
-/// The room, as a share of the greatest coordinate, that a view gives to a set whose vertices are all one point.
+/// The room, as a share of the greatest coordinate, that a view gives to a set whose vertices are
+/// all one point.
 pub const DOT_ROOM: f64 = 1e-3;
 
-/// A pseudo-random number from two (the permutation RXS-M-XS of O'Neill 2014, "PCG", once for each). It needs 32 bits only, so that
-/// shaders can compute it.
+/// A pseudo-random number from two (the permutation RXS-M-XS of O'Neill 2014, "PCG", once for
+/// each). It needs 32 bits only, so that shaders can compute it.
 pub fn hash(a: u32, b: u32) -> u32 {
     let permuted = |value: u32| {
         let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);

@@ -1,8 +1,8 @@
 //! Blue-noise points in discs, for the columns around a receiver (Benevides 2015, section 3.3.2).
 //!
-//! The points of a set come from three discs of radii 0.2, 0.5 and 1, a third each, so that they are denser in the middle, where
-//! the lines are that darken most. Points of one disc keep apart: Mitchell 1991, "Spectrally optimal sampling for distribution ray
-//! tracing" (best candidates).
+//! The points of a set come from three discs of radii 0.2, 0.5 and 1, a third each, so that they
+//! are denser in the middle, where the lines are that darken most. Points of one disc keep apart:
+//! Mitchell 1991, "Spectrally optimal sampling for distribution ray tracing" (best candidates).
 
 use glam::Vec2;
 
@@ -13,7 +13,8 @@ pub const RADII: [f32; 3] = [0.2, 0.5, 1.0];
 
 /// The greatest number of points of a set.
 pub const MOST_SAMPLES: u32 = 4096;
-/// The greatest number of points of all sets: best candidates take a time that grows with the square of a set.
+/// The greatest number of points of all sets: best candidates take a time that grows with the
+/// square of a set.
 pub const MOST_POINTS: u32 = 16_384;
 
 /// Candidates for each point.
@@ -36,7 +37,8 @@ pub struct SampleError {
 pub struct Sample {
     /// The point.
     pub at: Vec2,
-    /// The area of the disc that it stands for: the inverse of the density of all points here. Those of a set add up to about pi.
+    /// The area of the disc that it stands for: the inverse of the density of all points here.
+    /// Those of a set add up to about pi.
     pub area: f32,
 }
 
@@ -48,7 +50,8 @@ pub struct SampleSets {
 }
 
 impl SampleSets {
-    /// Makes `sets` sets of `samples` points. Time: 2 `sets * samples^2` distances. Memory: 12 bytes a point.
+    /// Makes `sets` sets of `samples` points. Time: 2 `sets * samples^2` distances. Memory: 12
+    /// bytes a point.
     ///
     /// # Errors
     /// If one of them is 0, or there are too many.
@@ -125,7 +128,8 @@ mod tests {
         for i in 0..sets.count() {
             let set = sets.set(i);
             let within = |r: f32| set.iter().filter(|s| s.at.length() < r).count();
-            // 50 of the smallest disc, and by area 16% and 4% of the others: 50 + 8 + 2, and 50 + 50 + 12.5.
+            // 50 of the smallest disc, and by area 16% and 4% of the others: 50 + 8 + 2, and 50 +
+            // 50 + 12.5.
             assert!((52..68).contains(&within(0.2)) && (104..122).contains(&within(0.5)), "{}", within(0.5));
             let area: f32 = set.iter().map(|s| s.area).sum();
             assert!((area - std::f32::consts::PI).abs() < 0.35, "{area}");

@@ -44,8 +44,9 @@ pub enum ViewError {
 
 /// A view: where its pixels are and which columns of space lie behind them.
 ///
-/// Eye space has x to the right, y upwards and z towards the viewer; the *depth* of a point is -z. Pixel (0, 0) is at the upper
-/// left. Scenes of millions of units are fine: points go through eye space in double precision.
+/// Eye space has x to the right, y upwards and z towards the viewer; the *depth* of a point is -z.
+/// Pixel (0, 0) is at the upper left. Scenes of millions of units are fine: points go through eye
+/// space in double precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     eye_from_world: DAffine3,
@@ -57,10 +58,12 @@ pub struct View {
 }
 
 impl View {
-    /// A view from a matrix that turns and moves the world into eye space; `depths` are the nearest and the farthest depth.
+    /// A view from a matrix that turns and moves the world into eye space; `depths` are the nearest
+    /// and the farthest depth.
     ///
     /// # Errors
-    /// If the matrix is anything but a rotation with a translation, or another value is out of its range.
+    /// If the matrix is anything but a rotation with a translation, or another value is out of its
+    /// range.
     pub fn new(
         eye_from_world: DMat4,
         lens: Lens,
@@ -124,7 +127,8 @@ impl View {
         Self::new(DMat4::from_mat3_translation(turn, turn * -eye), lens, depths, size)
     }
 
-    /// A view that holds all of a box, as seen from the direction `from`; a degenerate box is given some room.
+    /// A view that holds all of a box, as seen from the direction `from`; a degenerate box is given
+    /// some room.
     ///
     /// # Errors
     /// As [`Self::look_at`].
@@ -160,7 +164,8 @@ impl View {
         Self::new(DMat4::from(self.eye_from_world), self.lens, self.depths, [width, height])
     }
 
-    /// The same view in columns of about `side` x `side` pixels, in as few rows and columns as cover the picture; 0 is taken as 1.
+    /// The same view in columns of about `side` x `side` pixels, in as few rows and columns as
+    /// cover the picture; 0 is taken as 1.
     ///
     /// # Errors
     /// None for views that were made by another function of this type.

@@ -1,4 +1,5 @@
-//! The occlusion in perspective beside rays: tubes around lines in the laboratory's hierarchy, and cosine-weighted rays.
+//! The occlusion in perspective beside rays: tubes around lines in the laboratory's hierarchy, and
+//! cosine-weighted rays.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -23,7 +24,8 @@ const RADIUS: f64 = 0.26;
 /// The square root of the rays of a pixel.
 const RAYS: u32 = 12;
 
-/// Tubes with three sides, whose mean width over all directions is twice the radius: that of a convex outline is its length over pi.
+/// Tubes with three sides, whose mean width over all directions is twice the radius: that of a
+/// convex outline is its length over pi.
 fn tubes(lines: &LineSet, radius: f32) -> RayOracle {
     let corner = std::f32::consts::TAU * radius / 27f32.sqrt();
     let mut all = Mesh { positions: Vec::new(), triangles: Vec::new() };

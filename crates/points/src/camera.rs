@@ -3,13 +3,15 @@
 use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{Mat4, Vec3};
 
-/// The largest width or height of a picture. Positions in it are counted in 1/256 of a pixel by floats.
+/// The largest width or height of a picture. Positions in it are counted in 1/256 of a pixel by
+/// floats.
 pub const MAX_SIDE: u32 = 8192;
 
 /// The largest number of pixels of a picture: 4 bytes each, in a few images of this size.
 pub const MAX_PIXELS: u32 = 1 << 25;
 
-/// A pinhole camera with square pixels. It looks at its target, which is in the middle of the picture.
+/// A pinhole camera with square pixels. It looks at its target, which is in the middle of the
+/// picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: Vec3,
@@ -31,7 +33,8 @@ pub struct Projected {
     pub x: f32,
     /// Pixels below the upper border.
     pub y: f32,
-    /// The distance from the plane through the eye that is parallel to the picture, in units of the world.
+    /// The distance from the plane through the eye that is parallel to the picture, in units of the
+    /// world.
     pub depth: f32,
 }
 
@@ -39,7 +42,8 @@ pub struct Projected {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// A coordinate is infinite or not a number, or the distance to the target is more than a float can hold.
+    /// A coordinate is infinite or not a number, or the distance to the target is more than a float
+    /// can hold.
     #[error("the eye, the target or the direction upwards is not finite, or the target is too far")]
     NotFinite,
     /// The eye is at the target, or the direction upwards is that of the view or 0.
@@ -70,8 +74,9 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera at `eye`. `fov_y` is the vertical angle of the picture in radians, `size` its width and height in pixels; points nearer
-    /// than the depth `near` or farther than `far` are not seen.
+    /// A camera at `eye`. `fov_y` is the vertical angle of the picture in radians, `size` its width
+    /// and height in pixels; points nearer than the depth `near` or farther than `far` are not
+    /// seen.
     ///
     /// # Errors
     ///
@@ -130,17 +135,20 @@ impl Camera {
         self.view_projection
     }
 
-    /// The pixels that a length of 1, parallel to the picture, covers at the depth 1: half the height over the tangent of half the angle.
+    /// The pixels that a length of 1, parallel to the picture, covers at the depth 1: half the
+    /// height over the tangent of half the angle.
     pub fn pixels_per_tangent(&self) -> f32 {
         self.pixels_per_tangent
     }
 
-    /// The directions right, down and forward, in this order. The first two are [`Camera::pixels_per_tangent`] long, the third is 1 long.
+    /// The directions right, down and forward, in this order. The first two are
+    /// [`Camera::pixels_per_tangent`] long, the third is 1 long.
     pub fn axes(&self) -> [Vec3; 3] {
         [self.right, self.down, self.forward]
     }
 
-    /// Where a point is in the picture; `None` outside, nearer than `near`, farther than `far`, or if it is not finite.
+    /// Where a point is in the picture; `None` outside, nearer than `near`, farther than `far`, or
+    /// if it is not finite.
     pub fn project(&self, p: Vec3) -> Option<Projected> {
         let at = self.place(p);
         let seen = at.depth >= self.near && at.depth <= self.far;
@@ -190,7 +198,8 @@ mod tests {
         let forward = Vec3::new(0.6, 0.0, -0.8);
         let camera =
             Camera::look_at(eye, eye + forward * 1024.0, Vec3::Y, 0.8, (640, 480), 1.0, 1e4).unwrap();
-        // The eye's own coordinates in a matrix of floats are off by a few units at such a distance, its direction is not.
+        // The eye's own coordinates in a matrix of floats are off by a few units at such a
+        // distance, its direction is not.
         let row = camera.view_projection().row(3).truncate();
         let [_, _, along] = camera.axes();
         assert!((row - along).length() < 1e-6, "{row} {along}");

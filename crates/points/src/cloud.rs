@@ -3,10 +3,11 @@
 use bitvec::slice::BitSlice;
 use glam::{DVec3, Vec3};
 
-/// Points with their attributes. A vector of an attribute that no point has is empty; all others have one entry for each point.
+/// Points with their attributes. A vector of an attribute that no point has is empty; all others
+/// have one entry for each point.
 ///
-/// Coordinates of surveys are millions of metres, which single precision resolves to half a metre. So positions are relative to an
-/// origin in double precision.
+/// Coordinates of surveys are millions of metres, which single precision resolves to half a metre.
+/// So positions are relative to an origin in double precision.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointCloud {
     /// The place that positions are relative to.

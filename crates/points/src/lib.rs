@@ -1,12 +1,15 @@
 //! Point clouds: the points that an eye can see, clouds from files, and clouds larger than memory.
 //!
-//! Points hide nothing by themselves. They are taken as samples of a surface that nobody knows, so every answer here is an
-//! estimate, and none is conservative. Two kinds of errors are counted apart: a *false visible* point is reported though the
-//! surface hides it, a *false hidden* point is left out though it can be seen.
+//! Points hide nothing by themselves. They are taken as samples of a surface that nobody knows, so
+//! every answer here is an estimate, and none is conservative. Two kinds of errors are counted
+//! apart: a *false visible* point is reported though the surface hides it, a *false hidden* point
+//! is left out though it can be seen.
 //!
-//! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their convex hull are visible.
+//! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their
+//!   convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
-//! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it are hidden.
+//! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it
+//!   are hidden.
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 //!
@@ -16,9 +19,12 @@
 //!
 //! None is on by default. These pages show the crate with all of them.
 //!
-//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in chunks, and writes PLY.
-//! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far as a picture needs them.
-//! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor. It needs the Rust of `casca-stage`.
+//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in
+//!   chunks, and writes PLY.
+//! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
+//!   as a picture needs them.
+//! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor.
+//!   It needs the Rust of `casca-stage`.
 
 #[cfg(feature = "bricks")]
 pub mod bricks;

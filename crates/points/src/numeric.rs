@@ -1,86 +1,101 @@
-//! All floating-point margins and factors of the crate, each with its reason, and the exact predicates.
+//! All floating-point margins and factors of the crate, each with its reason, and the exact
+//! predicates.
 //!
-//! The predicates are Shewchuk's (1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates"),
-//! from the crate `robust`. They are exact as long as nothing over- or underflows; [`normalized`] makes sure of that.
+//! The predicates are Shewchuk's (1997, "Adaptive Precision Floating-Point Arithmetic and Fast
+//! Robust Geometric Predicates"), from the crate `robust`. They are exact as long as nothing over-
+//! or underflows; [`normalized`] makes sure of that.
 
 use glam::DVec3;
 use robust::{Coord, Coord3D};
 
-/// Coordinates below this fraction of the largest one are rounded to multiples of [`FINEST`]. Larger doubles are multiples of it.
+/// Coordinates below this fraction of the largest one are rounded to multiples of [`FINEST`].
+/// Larger doubles are multiples of it.
 const FINE: f64 = FINEST * (1_u64 << 53) as f64;
 
-/// 2^-160. Determinants of three coordinates are then multiples of 2^-480, which a double can hold: the exact predicates need it.
+/// 2^-160. Determinants of three coordinates are then multiples of 2^-480, which a double can hold:
+/// the exact predicates need it.
 const FINEST: f64 = 1.0 / ((1_u128 << 80) as f64 * (1_u128 << 80) as f64);
 
-/// The rounding error of `normal * p - offset`, for coordinates within ±2, in units of the product of the two edges' largest
-/// coordinates. A component of the normal is off by 8 units of 2^-53 (two products of rounded differences, and their difference);
-/// the three products and their sum add 18; the offset has the same error again: 84 units for coordinates within ±1,
-/// twice as many within ±2, below these 256.
+/// The rounding error of `normal * p - offset`, for coordinates within ±2, in units of the product
+/// of the two edges' largest coordinates. A component of the normal is off by 8 units of 2^-53 (two
+/// products of rounded differences, and their difference); the three products and their sum add 18;
+/// the offset has the same error again: 84 units for coordinates within ±1, twice as many within
+/// ±2, below these 256.
 pub(crate) const PLANE_ERROR: f64 = 128.0 * f64::EPSILON;
 
-/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the squares of their coordinates are
-/// near the smallest that a double can hold, so they have no direction.
+/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the
+/// squares of their coordinates are near the smallest that a double can hold, so they have no
+/// direction.
 pub(crate) const AT_EYE: f64 = 1e-150;
 
-/// The largest relative difference of one distance computed in two ways: a few roundings, far below this.
+/// The largest relative difference of one distance computed in two ways: a few roundings, far below
+/// this.
 pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
 
-/// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the image of a far point under a steep
-/// kernel would be rounded to the eye itself.
+/// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the
+/// image of a far point under a steep kernel would be rounded to the eye itself.
 pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
 
-/// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums of them are exact, so that a square has
-/// the same pixels wherever it is computed.
+/// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums
+/// of them are exact, so that a square has the same pixels wherever it is computed.
 pub(crate) const SUBPIXELS: u32 = 256;
 
-/// A float of at least 2^15 and below 2^16 is a multiple of 1/256, so that adding this one rounds to these.
+/// A float of at least 2^15 and below 2^16 is a multiple of 1/256, so that adding this one rounds
+/// to these.
 const ROUNDS_TO_SUBPIXELS: f32 = 49152.0;
 
-/// A position in pixels, rounded to 1/256 of a pixel; those below -1 and above 16383 become these. NaN is far outside.
+/// A position in pixels, rounded to 1/256 of a pixel; those below -1 and above 16383 become these.
+/// NaN is far outside.
 #[inline(always)]
 pub(crate) fn to_subpixels(pixels: f32) -> i32 {
     let rounded = pixels.clamp(-1.0, 16383.0) + ROUNDS_TO_SUBPIXELS;
     (rounded.to_bits() as i32).wrapping_sub(ROUNDS_TO_SUBPIXELS.to_bits() as i32)
 }
 
-/// Origins of clouds are multiples of it, in units of the cloud: a small cloud near zero keeps the origin zero, and sums of an origin below
-/// 2^39 and a position are exact in double precision. Positions up to it from the origin resolve to 6e-5 units in single precision.
+/// Origins of clouds are multiples of it, in units of the cloud: a small cloud near zero keeps the
+/// origin zero, and sums of an origin below 2^39 and a position are exact in double precision.
+/// Positions up to it from the origin resolve to 6e-5 units in single precision.
 #[cfg(feature = "files")]
 const ORIGIN_STEP: f64 = 1024.0;
 
-/// The multiple of 1,024 in each coordinate nearest to a point, or zero: no survey goes beyond 2^39 units, so such a point is an error, and
-/// positions relative to it would lose all others.
+/// The multiple of 1,024 in each coordinate nearest to a point, or zero: no survey goes beyond 2^39
+/// units, so such a point is an error, and positions relative to it would lose all others.
 #[cfg(feature = "files")]
 pub(crate) fn origin_near(point: DVec3) -> DVec3 {
     let near = (point / ORIGIN_STEP).round() * ORIGIN_STEP;
     if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
 }
 
-/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had the fewest errors in
-/// the streets that `casca-viewer points generate` makes, with the thesis' bias of 0.05.
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6
+/// and 1 it had the fewest errors in the streets that `casca-viewer points generate` makes, with
+/// the thesis' bias of 0.05.
 #[cfg(feature = "bricks")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 
-/// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`; those below 2^-1000 stay smaller.
+/// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`; those below 2^-1000
+/// stay smaller.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {
     let exponent = largest.log2().floor().clamp(-1000.0, 1023.0);
     (-exponent).exp2()
 }
 
-/// A point multiplied by a power of two, with tiny coordinates rounded so that the predicates are exact.
+/// A point multiplied by a power of two, with tiny coordinates rounded so that the predicates are
+/// exact.
 pub(crate) fn normalized(point: DVec3, scale: f64) -> DVec3 {
     let fine = |x: f64| if x.abs() < FINE { (x / FINEST).round_ties_even() * FINEST } else { x };
     let scaled = point * scale;
     DVec3::new(fine(scaled.x), fine(scaled.y), fine(scaled.z))
 }
 
-/// Positive if `p` lies above the plane of `a`, `b`, `c`, on the side from which they go counterclockwise; 0 exactly on it.
+/// Positive if `p` lies above the plane of `a`, `b`, `c`, on the side from which they go
+/// counterclockwise; 0 exactly on it.
 pub(crate) fn above(a: DVec3, b: DVec3, c: DVec3, p: DVec3) -> f64 {
     let coord = |v: DVec3| Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }
 
-/// Positive if the points go counterclockwise in the plane without the coordinate `axis`; 0 exactly on a line.
+/// Positive if the points go counterclockwise in the plane without the coordinate `axis`; 0 exactly
+/// on a line.
 pub(crate) fn turn(axis: usize, a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let coord = |v: DVec3| Coord { x: v[(axis + 1) % 3], y: v[(axis + 2) % 3] };
     robust::orient2d(coord(a), coord(b), coord(c))

@@ -13,7 +13,8 @@ pub fn sphere(count: usize) -> Vec<DVec3> {
     (0..count).map(at).collect()
 }
 
-/// The configuration of a property test of `n` cases: the same in every run. `CASCA_CASES` multiplies their number.
+/// The configuration of a property test of `n` cases: the same in every run. `CASCA_CASES`
+/// multiplies their number.
 pub fn cases(n: u32) -> proptest::test_runner::Config {
     let factor = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(1);
     proptest::test_runner::Config {

@@ -1,7 +1,8 @@
 //! Radii of squares from the distances between neighbouring points.
 //!
-//! Tavares 2009, section 5.1.5, has one radius by hand, and suggests the distance of one point to its nearest neighbour. Here a side is
-//! the distance to the sixth nearest, so that squares of neighbours overlap: a point of an even surface has about six.
+//! Tavares 2009, section 5.1.5, has one radius by hand, and suggests the distance of one point to
+//! its nearest neighbour. Here a side is the distance to the sixth nearest, so that squares of
+//! neighbours overlap: a point of an even surface has about six.
 
 use crate::hull::MAX_POINTS;
 use crate::splat::SplatError;
@@ -19,29 +20,35 @@ const NEIGHBOUR: u32 = 6;
 /// The part of points whose squares reach their sixth neighbour if all have the automatic radius.
 const PART: f64 = 0.95;
 
-/// Distances that are measured for the automatic radius: their 95th percentile is then off by at most about 0.3 percentile ranks.
+/// Distances that are measured for the automatic radius: their 95th percentile is then off by at
+/// most about 0.3 percentile ranks.
 const QUERIES: usize = 1 << 14;
 
 /// Points of which all neighbours can be found in less than a second.
 const FEW: usize = 1 << 19;
 
-/// The boxes that stand for more points than that, one for each bit of a word, and the number of points in a box.
+/// The boxes that stand for more points than that, one for each bit of a word, and the number of
+/// points in a box.
 const BOXES: usize = 64;
 const POINTS_OF_A_BOX: usize = 1 << 14;
 
 /// The points of a sample within a box.
 const NEAREST: usize = 16;
 
-/// Cells along an axis of the grid that finds the boxes of a point: 256 kB, which a core's cache holds.
+/// Cells along an axis of the grid that finds the boxes of a point: 256 kB, which a core's cache
+/// holds.
 const CELLS: usize = 32;
 
-/// The largest number of points in a box. Those of more are left out: they hold a place that many points share.
+/// The largest number of points in a box. Those of more are left out: they hold a place that many
+/// points share.
 const MOST_OF_A_BOX: usize = 8 * POINTS_OF_A_BOX;
 
-/// A radius for each point: half the distance to its sixth nearest neighbour. Points at one place count once and have the same radius.
-/// With fewer neighbours it is the farthest that counts; with none the radius is 0.
+/// A radius for each point: half the distance to its sixth nearest neighbour. Points at one place
+/// count once and have the same radius. With fewer neighbours it is the farthest that counts; with
+/// none the radius is 0.
 ///
-/// For clouds whose density changes. Takes `O(n log n)` on usual inputs, and about 150 bytes for each point, on all threads.
+/// For clouds whose density changes. Takes `O(n log n)` on usual inputs, and about 150 bytes for
+/// each point, on all threads.
 ///
 /// # Errors
 ///
@@ -65,11 +72,12 @@ pub fn radii(points: &[Vec3]) -> Result<Vec<f32>, SplatError> {
     Ok(radii)
 }
 
-/// One radius for all points: half the distance to the sixth nearest neighbour that 95 percent of points do not exceed; 0 for less than two
-/// places.
+/// One radius for all points: half the distance to the sixth nearest neighbour that 95 percent of
+/// points do not exceed; 0 for less than two places.
 ///
-/// For clouds of even density. Of more than half a million points it looks only at those in 64 small boxes around random points, so that it
-/// takes three passes over the points and about a second. The same in every run.
+/// For clouds of even density. Of more than half a million points it looks only at those in 64
+/// small boxes around random points, so that it takes three passes over the points and about a
+/// second. The same in every run.
 ///
 /// # Errors
 ///
@@ -122,7 +130,8 @@ fn some(points: &[Vec3], count: usize, random: &mut Pcg64Mcg) -> Vec<Vec3> {
         .collect()
 }
 
-/// A point for the tree, which cuts boxes in the middle: in doubles the middle of two different floats is between them.
+/// A point for the tree, which cuts boxes in the middle: in doubles the middle of two different
+/// floats is between them.
 #[derive(Clone, Copy, Default)]
 struct Place([f64; 3]);
 
@@ -169,7 +178,8 @@ impl Near {
         self.reach - (p - self.centre).abs().max_element()
     }
 
-    /// The distances from some of the points in the box to the neighbours that count, as long as no point outside may be nearer.
+    /// The distances from some of the points in the box to the neighbours that count, as long as no
+    /// point outside may be nearer.
     fn distances(&self, points: &[Vec3], count: usize, random: &mut Pcg64Mcg) -> Vec<f64> {
         let mut points = points.to_vec();
         points.par_sort_unstable_by(compare);

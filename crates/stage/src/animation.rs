@@ -15,8 +15,9 @@ const COLOURS: usize = 64;
 /// The palette is found from that many frames.
 const SAMPLES: usize = 8;
 
-/// Writes frames of four bytes a pixel, all of one size, as an animated PNG that repeats for ever. All frames
-/// share one palette, and a frame stores only the pixels that changed: the others cannot flicker.
+/// Writes frames of four bytes a pixel, all of one size, as an animated PNG that repeats for ever.
+/// All frames share one palette, and a frame stores only the pixels that changed: the others cannot
+/// flicker.
 ///
 /// # Errors
 /// There are no frames, or the file cannot be written.
@@ -56,7 +57,8 @@ pub fn write_animation(
     write().map_err(|why| PngError::new(path, why))
 }
 
-/// A palette for all frames, with one more entry for pixels that do not change, and the frames in its numbers.
+/// A palette for all frames, with one more entry for pixels that do not change, and the frames in
+/// its numbers.
 fn indexed(frames: &[Vec<u8>]) -> (Vec<u8>, Vec<Vec<u8>>) {
     let step = frames.len().div_ceil(SAMPLES).max(1);
     let sample: Vec<u8> = frames.iter().step_by(step).flatten().copied().collect();

@@ -1,4 +1,5 @@
-//! What command lines share: exit codes, and places that are tried before the work and not after it.
+//! What command lines share: exit codes, and places that are tried before the work and not after
+//! it.
 
 use std::fmt::Display;
 use std::fs::OpenOptions;
@@ -56,8 +57,8 @@ pub fn make_folder(path: &Path) -> Result<(), PathError> {
     std::fs::create_dir_all(path).map_err(PathError::to("make the folder", path))
 }
 
-/// Tries whether a file can be written, and makes the folders above it. A file that is there stays as it is;
-/// none is left where there was none.
+/// Tries whether a file can be written, and makes the folders above it. A file that is there stays
+/// as it is; none is left where there was none.
 ///
 /// # Errors
 /// It cannot be written.

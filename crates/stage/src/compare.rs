@@ -10,7 +10,8 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// For each pixel, whether its colour or its object is another in `other`, a shot of the same size.
+    /// For each pixel, whether its colour or its object is another in `other`, a shot of the same
+    /// size.
     pub fn differing(&self, other: &Self) -> Vec<bool> {
         let colours = self.pixels.chunks(4).zip(other.pixels.chunks(4));
         let items = self.items.iter().zip(&other.items);

@@ -150,7 +150,8 @@ impl Gpu {
         self.try_room(work).ok_or(GpuError::NoRoom { bytes, most })
     }
 
-    /// Does what takes memory of the device; `None` if it has none left. Without this, a device that is out of memory ends the program.
+    /// Does what takes memory of the device; `None` if it has none left. Without this, a device
+    /// that is out of memory ends the program.
     pub fn try_room<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let done = work();

@@ -20,7 +20,8 @@ impl PngError {
     }
 }
 
-/// The size of a picture on a command line, such as `1280x720`: width and height in pixels, each within `sides`.
+/// The size of a picture on a command line, such as `1280x720`: width and height in pixels, each
+/// within `sides`.
 ///
 /// # Errors
 /// Says what is expected.

@@ -74,7 +74,8 @@ impl Kernel {
         pass.dispatch_workgroups(x, y, 1);
     }
 
-    /// Runs it in so many groups. The shader numbers them: `x + y * 32768`; those of the last row may be too many.
+    /// Runs it in so many groups. The shader numbers them: `x + y * 32768`; those of the last row
+    /// may be too many.
     pub fn run_groups(
         &self,
         gpu: &Gpu,
@@ -98,7 +99,8 @@ impl Kernel {
     }
 }
 
-/// A buffer with these contents; an empty one holds a zero of 16 bytes, since none of size 0 can be bound.
+/// A buffer with these contents; an empty one holds a zero of 16 bytes, since none of size 0 can be
+/// bound.
 ///
 /// # Errors
 /// It is larger than the adapter's limits, or than its memory.

@@ -54,8 +54,8 @@ impl Panel {
         self.paint(gpu, target, output);
     }
 
-    /// Draws what `show` shows over `target`, with the window's mouse and keys: sliders and buttons work. The panel must come from
-    /// [`Panel::on`]. Once a frame.
+    /// Draws what `show` shows over `target`, with the window's mouse and keys: sliders and buttons
+    /// work. The panel must come from [`Panel::on`]. Once a frame.
     pub fn control(&mut self, screen: &Screen, target: &Target, show: &mut dyn FnMut(&egui::Context)) {
         let input = screen.input();
         let mut output = self.context.clone().run_ui(input, |ui| show(ui.ctx()));

@@ -121,7 +121,8 @@ impl Screen {
         self.depth = self.gpu.texture(self.size(), DEPTH);
     }
 
-    /// Makes way for the panels of another program: those of the last one are drawn with its own textures.
+    /// Makes way for the panels of another program: those of the last one are drawn with its own
+    /// textures.
     pub(crate) fn forget_panels(&mut self) {
         (self.panels, self.events) = panels_of(&self.window, &self.gpu);
     }

@@ -1,4 +1,5 @@
-//! The time of each stage: by timestamps of a graphics processor that has them, else by waiting for the queue.
+//! The time of each stage: by timestamps of a graphics processor that has them, else by waiting for
+//! the queue.
 
 use std::time::{Duration, Instant};
 
@@ -74,7 +75,8 @@ impl Clock {
     }
 }
 
-/// Does what the device may refuse. Without scopes, a device that is out of memory ends the program.
+/// Does what the device may refuse. Without scopes, a device that is out of memory ends the
+/// program.
 fn checked(gpu: &Gpu, stage: &'static str, work: impl FnOnce()) -> Result<(), GpuError> {
     let memory = gpu.device.push_error_scope(ErrorFilter::OutOfMemory);
     let valid = gpu.device.push_error_scope(ErrorFilter::Validation);
@@ -87,7 +89,8 @@ fn checked(gpu: &Gpu, stage: &'static str, work: impl FnOnce()) -> Result<(), Gp
     }
 }
 
-/// Whether timestamps tell when work was done. Software adapters write them when it is recorded: Mesa's gives microseconds for any dispatch.
+/// Whether timestamps tell when work was done. Software adapters write them when it is recorded:
+/// Mesa's gives microseconds for any dispatch.
 fn has_timestamps(gpu: &Gpu) -> bool {
     let is_software = gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
     !is_software && gpu.device.features().contains(Features::TIMESTAMP_QUERY)

@@ -14,12 +14,14 @@ use crate::panel::Panel;
 use crate::screen::NO_WINDOW;
 pub use crate::screen::{Done, Screen, WindowOptions};
 
-/// Frames that show words before a program starts: the first may be lost before the window is on the screen.
+/// Frames that show words before a program starts: the first may be lost before the window is on
+/// the screen.
 const WORDS: u32 = 2;
 
 /// A program that draws to a window.
 pub trait Demo {
-    /// A key goes down. Escape is not reported: it closes the window. Nor are keys that a panel takes.
+    /// A key goes down. Escape is not reported: it closes the window. Nor are keys that a panel
+    /// takes.
     ///
     /// # Errors
     /// The program ends.

@@ -47,7 +47,8 @@ struct Chooser {
     chosen: Option<Choice>,
 }
 
-/// Starts what was chosen. Reading and making it takes a moment, so it happens after the words of the window.
+/// Starts what was chosen. Reading and making it takes a moment, so it happens after the words of
+/// the window.
 fn started(choice: Choice) -> Start {
     let make = move |screen: &Screen| {
         let start = (choice.start)()?;

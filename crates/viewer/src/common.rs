@@ -7,7 +7,8 @@ use casca_stage::image::parse_size;
 use casca_stage::window::{Start, WindowOptions, open};
 use clap::{Args, value_parser};
 
-/// Width and height of pictures and of the window. Larger ones are more than some devices have room for.
+/// Width and height of pictures and of the window. Larger ones are more than some devices have room
+/// for.
 const SIDES: std::ops::RangeInclusive<u32> = 1..=8192;
 
 /// Why something failed.

@@ -1,6 +1,7 @@
 //! The viewer: casca and the systems around it, each in a window or in pictures.
 //!
-//! - [`scene`]: draws exactly the objects that casca finds visible, and proves pixel by pixel that none is missing.
+//! - [`scene`]: draws exactly the objects that casca finds visible, and proves pixel by pixel that
+//!   none is missing.
 //! - [`points`]: the points of a cloud that an eye can see.
 //! - [`light`]: light that bounces, by voxels.
 //! - [`lines`]: dense sets of lines, and their occlusion.
@@ -8,7 +9,8 @@
 //! - [`chooser`]: the list of them, in a window.
 //! - [`common`]: the options that all share.
 //!
-//! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for the tests.
+//! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for
+//! the tests.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

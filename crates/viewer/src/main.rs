@@ -1,7 +1,8 @@
-//! One program for casca and the systems around it: scenes, points, light, lines and fur, in windows or pictures.
+//! One program for casca and the systems around it: scenes, points, light, lines and fur, in
+//! windows or pictures.
 //!
-//! `cargo run --release -p casca-viewer` opens a window with a list to choose from; `-- --help` lists the systems,
-//! `-- scene --help` the options of one.
+//! `cargo run --release -p casca-viewer` opens a window with a list to choose from; `-- --help`
+//! lists the systems, `-- scene --help` the options of one.
 
 use std::process::ExitCode;
 

@@ -118,7 +118,8 @@ fn a_lost_object_shows() {
     }
 }
 
-/// From above the frozen camera, each colour that the legend names fills pixels, and numbers add up.
+/// From above the frozen camera, each colour that the legend names fills pixels, and numbers add
+/// up.
 #[test]
 fn a_frame_from_above_shows_what_its_legend_names() {
     let Some(gpu) = gpu() else { return };

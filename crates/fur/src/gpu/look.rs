@@ -15,7 +15,8 @@ use crate::gpu::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
 pub enum Mapping {
     /// Points in hashed cells: [`Fur::strand_at`].
     Cells,
-    /// The thesis' map on the faces of a cube, looked up in the direction normal + position, for comparison. Its hairs are blue noise.
+    /// The thesis' map on the faces of a cube, looked up in the direction normal + position, for
+    /// comparison. Its hairs are blue noise.
     CubeMap,
 }
 
@@ -26,8 +27,9 @@ pub struct Look {
     pub fur: Fur,
     /// How fragments find them.
     pub mapping: Mapping,
-    /// Whether a fragment follows its ray through the slab below its shell, so that shells seen from the side do not come apart.
-    /// Without it a fragment knows only its own height, as in the thesis.
+    /// Whether a fragment follows its ray through the slab below its shell, so that shells seen
+    /// from the side do not come apart. Without it a fragment knows only its own height, as in the
+    /// thesis.
     pub marched: bool,
     /// How strands throw light back.
     pub material: Material,
@@ -67,7 +69,8 @@ impl Look {
         }
     }
 
-    /// The side of the faces of the fur map, and their texels; a single empty texel where it is not used.
+    /// The side of the faces of the fur map, and their texels; a single empty texel where it is not
+    /// used.
     ///
     /// # Errors
     /// The map cannot hold as many hairs as the fur has.

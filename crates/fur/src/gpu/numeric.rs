@@ -1,26 +1,29 @@
 //! Constants of the pictures, each with its reason.
 
-/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to their mean...
+/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
+/// their mean...
 pub(crate) const FINE: f32 = 0.6;
 /// ...and here they have done so: pixels wider than the spacing cannot show single strands.
 pub(crate) const COARSE: f32 = 1.2;
 
-/// The most steps of a fragment through its slab, each as long as a strand's radius. More do not show at 8 layers and up,
-/// and each costs as much as a fragment without them.
+/// The most steps of a fragment through its slab, each as long as a strand's radius. More do not
+/// show at 8 layers and up, and each costs as much as a fragment without them.
 pub(crate) const STEPS: u32 = 6;
 
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
 pub(crate) const MAP_SIDE: u32 = 256;
 
-/// Tubes of a strand of the reference. Between neighbours of ten the radius of a needle changes by a tenth of that at the root, and
-/// a bent strand leaves its chord by less than 1/100 of its height.
+/// Tubes of a strand of the reference. Between neighbours of ten the radius of a needle changes by
+/// a tenth of that at the root, and a bent strand leaves its chord by less than 1/100 of its
+/// height.
 pub(crate) const TUBES: u32 = 10;
 
-/// Boxes of the reference's hierarchy are wider by this share of their coordinates, and hits count as so much farther, so that
-/// rays in single precision lose nothing.
+/// Boxes of the reference's hierarchy are wider by this share of their coordinates, and hits count
+/// as so much farther, so that rays in single precision lose nothing.
 pub(crate) const WIDER: f64 = 4e-6;
 
-/// The highlight of bald skin, for the reference; the same as in the shader. Eyes and noses look dull without one.
+/// The highlight of bald skin, for the reference; the same as in the shader. Eyes and noses look
+/// dull without one.
 pub(crate) const WET: f32 = 0.7;
 /// How narrow that highlight is.
 pub(crate) const WET_EXPONENT: f32 = 140.0;

@@ -131,7 +131,8 @@ pub struct Block {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DrawList {
     pub(crate) records: Vec<Record>,
-    /// Of each shell: the number of its record, and its layer in the low half and the number of layers in the high one.
+    /// Of each shell: the number of its record, and its layer in the low half and the number of
+    /// layers in the high one.
     pub(crate) shells: Vec<[u32; 2]>,
     /// The shells of each mesh.
     pub(crate) runs: Vec<(usize, Range<u32>)>,
@@ -140,9 +141,10 @@ pub struct DrawList {
 }
 
 impl DrawList {
-    /// A list of animals with their numbers of layers above the skin, near to far, as seen from `eye`. One draw holds all
-    /// layers of all animals of one mesh: first the skins, then the shells of each animal from the outermost to the
-    /// innermost, so that nearer fragments come first.
+    /// A list of animals with their numbers of layers above the skin, near to far, as seen from
+    /// `eye`. One draw holds all layers of all animals of one mesh: first the skins, then the
+    /// shells of each animal from the outermost to the innermost, so that nearer fragments come
+    /// first.
     pub fn new(animals: &[(Stand, u32)], eye: Vec3, blocks: Vec<Block>) -> Self {
         let mut list = Self { blocks, ..Self::default() };
         list.records = animals.iter().map(|(stand, _)| Record::new(stand, eye)).collect();

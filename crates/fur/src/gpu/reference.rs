@@ -1,5 +1,5 @@
-//! The reference: strands one by one as chains of tubes, and the skin, hit by rays. It shares the strands' places, their shape and their
-//! light with the shells, but neither layers nor fragments.
+//! The reference: strands one by one as chains of tubes, and the skin, hit by rays. It shares the
+//! strands' places, their shape and their light with the shells, but neither layers nor fragments.
 
 use std::time::Duration;
 
@@ -82,8 +82,9 @@ impl<'a> Reference<'a> {
         self.strands.len()
     }
 
-    /// The picture that a camera takes of the object where it is modelled, with `side * side` rays in each pixel: red, green, blue, opacity, row by
-    /// row from the top. `to_sun` is a unit vector. Nothing casts shadows, as in a picture without a shadow map.
+    /// The picture that a camera takes of the object where it is modelled, with `side * side` rays
+    /// in each pixel: red, green, blue, opacity, row by row from the top. `to_sun` is a unit
+    /// vector. Nothing casts shadows, as in a picture without a shadow map.
     pub fn picture(
         &self,
         camera: &Camera,
@@ -160,7 +161,8 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// The light of skin under a coat of a length, as a share of the greatest: below fur it is as dark as roots, bald it is wet.
+/// The light of skin under a coat of a length, as a share of the greatest: below fur it is as dark
+/// as roots, bald it is wet.
 fn skin(material: &Material, color: Vec3, length: f32, strand: &Directions) -> Vec3 {
     let t = (length / 0.2).clamp(0.0, 1.0);
     let covered = t * t * (3.0 - 2.0 * t);

@@ -164,8 +164,8 @@ impl Renderer {
             look_group(&gpu.device, &self.layouts[1], &self.look, &self.records.buffer, &self.map);
     }
 
-    /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor anything in its light
-    /// moves, one is enough for all frames.
+    /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor
+    /// anything in its light moves, one is enough for all frames.
     ///
     /// # Errors
     /// The list does not fit into the memory of the device.
@@ -373,7 +373,8 @@ fn look_group(
     })
 }
 
-/// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with colours.
+/// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with
+/// colours.
 struct Pipelines<'a> {
     device: &'a wgpu::Device,
     shader: &'a wgpu::ShaderModule,

@@ -15,8 +15,8 @@ pub struct CubePlace {
     pub v: f32,
 }
 
-/// Where a direction of any length meets a cube map (algorithm 5): the face of the largest component, of equal ones the first of x, y and
-/// z. `None` if the direction is zero or not finite.
+/// Where a direction of any length meets a cube map (algorithm 5): the face of the largest
+/// component, of equal ones the first of x, y and z. `None` if the direction is zero or not finite.
 pub fn cube_uv(direction: Vec3) -> Option<CubePlace> {
     let size = direction.abs();
     let largest = size.max_element();
@@ -37,7 +37,8 @@ pub fn cube_uv(direction: Vec3) -> Option<CubePlace> {
     Some(CubePlace { face: 2 * axis as u8 + u8::from(back), u: (u + 1.0) * 0.5, v: (v + 1.0) * 0.5 })
 }
 
-/// The direction of a place on a cube map: the inverse of [`cube_uv`], of length 1. Faces above 5 count as 5.
+/// The direction of a place on a cube map: the inverse of [`cube_uv`], of length 1. Faces above 5
+/// count as 5.
 pub fn cube_direction(place: CubePlace) -> Vec3 {
     let (u, v) = (2.0 * place.u - 1.0, 2.0 * place.v - 1.0);
     let direction = match place.face {
@@ -51,16 +52,18 @@ pub fn cube_direction(place: CubePlace) -> Vec3 {
     direction.normalize_or_zero()
 }
 
-/// Where a unit direction meets a sphere map around the z axis (algorithm 6): 0 to 1 each. `None` for -z, which is the whole rim, and
-/// for values that are not finite. Equal areas of the sphere are equal areas of the map; away from the axis it stretches.
+/// Where a unit direction meets a sphere map around the z axis (algorithm 6): 0 to 1 each. `None`
+/// for -z, which is the whole rim, and for values that are not finite. Equal areas of the sphere
+/// are equal areas of the map; away from the axis it stretches.
 pub fn sphere_uv(direction: Vec3) -> Option<(f32, f32)> {
     let length = (direction + Vec3::Z).length();
     let (u, v) = (direction.x / (2.0 * length) + 0.5, direction.y / (2.0 * length) + 0.5);
     (length > NO_SUM && u.is_finite() && v.is_finite()).then_some((u, v))
 }
 
-/// The direction by which the thesis looks fur up: that of `normal + position / |position|`, for a unit normal. `None` where both cancel,
-/// as on the inner equator of a torus around the origin, at the origin itself and for values that are not finite.
+/// The direction by which the thesis looks fur up: that of `normal + position / |position|`, for a
+/// unit normal. `None` where both cancel, as on the inner equator of a torus around the origin, at
+/// the origin itself and for values that are not finite.
 pub fn fur_direction(normal: Vec3, position: Vec3) -> Option<Vec3> {
     let sum = normal + position.try_normalize()?;
     (sum.length() > NO_SUM).then(|| sum.try_normalize()).flatten()

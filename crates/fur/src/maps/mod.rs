@@ -1,6 +1,8 @@
-//! The fur maps of the thesis, for comparison with [`crate::strands`]: textures with hairs as opaque texels, looked up by direction.
+//! The fur maps of the thesis, for comparison with [`crate::strands`]: textures with hairs as
+//! opaque texels, looked up by direction.
 //!
-//! The lookups have seams and stretched places, and [`fur_direction`] has singularities; strands by hashed cells have none of these.
+//! The lookups have seams and stretched places, and [`fur_direction`] has singularities; strands by
+//! hashed cells have none of these.
 
 mod lookup;
 mod texture;

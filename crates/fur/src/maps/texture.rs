@@ -50,7 +50,8 @@ impl FurMap {
         self.hairs.iter().filter(|&&h| h).count()
     }
 
-    /// The texels as RGBA: white everywhere, so that filtering makes no grey fringes; alpha is 255 for hairs and 0 elsewhere.
+    /// The texels as RGBA: white everywhere, so that filtering makes no grey fringes; alpha is 255
+    /// for hairs and 0 elsewhere.
     pub fn texels(&self) -> Vec<[u8; 4]> {
         self.hairs.iter().map(|&hair| [255, 255, 255, if hair { 255 } else { 0 }]).collect()
     }
@@ -70,12 +71,13 @@ fn shuffled(size: u32, seed: u64) -> Vec<usize> {
     order
 }
 
-/// A map of `floor(density * size²)` hairs at random places (thesis, algorithm 4). Each texel is tried once, in random order: the same
-/// distribution as trying random texels again and again, but it ends. Linear in the texels; `size` is 1 to 4096.
+/// A map of `floor(density * size²)` hairs at random places (thesis, algorithm 4). Each texel is
+/// tried once, in random order: the same distribution as trying random texels again and again, but
+/// it ends. Linear in the texels; `size` is 1 to 4096.
 ///
 /// # Errors
-/// [`Error::Jammed`] if the neighbourhoods leave no room for so many hairs: at a density of about 0.364 with four neighbours, 0.187 with
-/// eight. Refuses sizes and densities out of range.
+/// [`Error::Jammed`] if the neighbourhoods leave no room for so many hairs: at a density of about
+/// 0.364 with four neighbours, 0.187 with eight. Refuses sizes and densities out of range.
 pub fn fur_map(size: u32, density: f64, neighborhood: Neighborhood, seed: u64) -> Result<FurMap, Error> {
     let goal = FurMap::check(size, density)?;
     let offsets: &[(i64, i64)] = match neighborhood {
@@ -102,9 +104,10 @@ pub fn fur_map(size: u32, density: f64, neighborhood: Neighborhood, seed: u64) -
     Ok(map)
 }
 
-/// A map of `floor(density * size²)` hairs that keep their distance: blue noise, without clumps and gaps, the better choice. Texels are
-/// tried in random order, with a circle around each hair that excludes others; whenever no room is left, the circles shrink (relaxed dart
-/// throwing, McCool & Fiume 1992). It always ends. Costs some ten passes over the texels.
+/// A map of `floor(density * size²)` hairs that keep their distance: blue noise, without clumps and
+/// gaps, the better choice. Texels are tried in random order, with a circle around each hair that
+/// excludes others; whenever no room is left, the circles shrink (relaxed dart throwing, McCool &
+/// Fiume 1992). It always ends. Costs some ten passes over the texels.
 ///
 /// # Errors
 /// Refuses sizes and densities out of range.
@@ -186,7 +189,8 @@ mod tests {
         assert!(matches!(fur_map(256, 0.2, Neighborhood::Eight, 1), Err(Error::Jammed { .. })));
     }
 
-    /// The variance of the number of hairs in squares of 8x8 texels, relative to that of independent hairs.
+    /// The variance of the number of hairs in squares of 8x8 texels, relative to that of
+    /// independent hairs.
     fn clumping(map: &FurMap) -> f64 {
         let n = map.size() as usize / 8;
         let counts = (0..n * n).map(|b| {

@@ -11,7 +11,8 @@ use crate::numeric::OUTSIDE_BALL;
 pub struct Placing {
     /// The centre of the box around the vertices, before centring: add it to get the old positions.
     pub center: Vec3,
-    /// Half the diagonal of that box. The thesis calls it the radius of the smallest enclosing sphere, which it is for a box only.
+    /// Half the diagonal of that box. The thesis calls it the radius of the smallest enclosing
+    /// sphere, which it is for a box only.
     pub aabb_radius: f32,
     /// The centre of the smallest enclosing ball, after centring.
     pub ball_center: Vec3,
@@ -19,8 +20,9 @@ pub struct Placing {
     pub ball_radius: f32,
 }
 
-/// Moves the middle of the box around all vertices to the origin (thesis, algorithm 1), and measures the mesh. Lookups by
-/// direction ([`crate::maps`]) need that; strands do not. Costs a few passes.
+/// Moves the middle of the box around all vertices to the origin (thesis, algorithm 1), and
+/// measures the mesh. Lookups by direction ([`crate::maps`]) need that; strands do not. Costs a few
+/// passes.
 ///
 /// # Errors
 /// Refuses no vertices, and coordinates that are not finite or above 1e9.
@@ -46,8 +48,9 @@ pub fn center(vertices: &mut [Vertex]) -> Result<Placing, Error> {
     })
 }
 
-/// The smallest ball around points: the farthest point outside joins the support, the smallest ball of that (at most five points) is
-/// found by trying all subsets, and so on. The radius grows with each step, so that it ends; ten steps are usual.
+/// The smallest ball around points: the farthest point outside joins the support, the smallest ball
+/// of that (at most five points) is found by trying all subsets, and so on. The radius grows with
+/// each step, so that it ends; ten steps are usual.
 fn smallest_ball(points: &[DVec3]) -> (DVec3, f64) {
     let mut support = vec![points[0]];
     let mut ball = (points[0], 0.0);

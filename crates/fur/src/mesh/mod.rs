@@ -1,7 +1,7 @@
 //! Preparation of meshes: triangle lists become indexed meshes that are cheap to draw many times.
 //!
-//! The steps, after chapter 4 of the thesis: [`center`], [`continuous_normals`], [`weld`], [`Mesh::ordered`]; or all by
-//! [`prepare`].
+//! The steps, after chapter 4 of the thesis: [`center`], [`continuous_normals`], [`weld`],
+//! [`Mesh::ordered`]; or all by [`prepare`].
 //!
 //! ```
 //! use casca_fur::mesh::{NormalRule, prepare};

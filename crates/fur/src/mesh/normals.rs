@@ -11,24 +11,30 @@ use crate::numeric::{NO_DIRECTION, SAME_NORMAL};
 /// How the normals at one position become one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NormalRule {
-    /// The sum of all given normals at the position. A flat side that is cut into more triangles pulls harder.
+    /// The sum of all given normals at the position. A flat side that is cut into more triangles
+    /// pulls harder.
     SumAll,
-    /// The sum of the normals that differ (thesis, algorithm 2); those within a hundredth of a degree are one.
+    /// The sum of the normals that differ (thesis, algorithm 2); those within a hundredth of a
+    /// degree are one.
     SumDistinct,
-    /// The sum of the faces' normals, each weighted by the face's angle at the corner (Thürmer & Wüthrich 1998). Ignores the
-    /// normals given, and does not depend on how flat sides are cut.
+    /// The sum of the faces' normals, each weighted by the face's angle at the corner (Thürmer &
+    /// Wüthrich 1998). Ignores the normals given, and does not depend on how flat sides are cut.
     #[default]
     AngleWeighted,
 }
 
-/// Gives all vertices at one position the same normal, bit for bit. Positions are equal if their coordinates are.
+/// Gives all vertices at one position the same normal, bit for bit. Positions are equal if their
+/// coordinates are.
 ///
-/// Where a vertex of the list has no normal (length 0), that of its face counts. Where normals cancel, as on the two sides of a thin
-/// sheet, the position gets its first normal that is not zero; the result counts these positions. If all faces at a position have
-/// no area and no normals are given, it gets the y axis. Costs a hash table of the positions, and with [`NormalRule::SumDistinct`] one of the normals at each.
+/// Where a vertex of the list has no normal (length 0), that of its face counts. Where normals
+/// cancel, as on the two sides of a thin sheet, the position gets its first normal that is not
+/// zero; the result counts these positions. If all faces at a position have no area and no normals
+/// are given, it gets the y axis. Costs a hash table of the positions, and with
+/// [`NormalRule::SumDistinct`] one of the normals at each.
 ///
 /// # Errors
-/// Refuses lists whose length is no multiple of 3, empty ones, more than 2^29 triangles, and values that are not finite or above 1e9.
+/// Refuses lists whose length is no multiple of 3, empty ones, more than 2^29 triangles, and values
+/// that are not finite or above 1e9.
 pub fn continuous_normals(soup: &mut [Vertex], rule: NormalRule) -> Result<usize, Error> {
     if !soup.len().is_multiple_of(3) {
         return Err(Error::Corners { vertices: soup.len() });
@@ -126,7 +132,8 @@ mod tests {
             let mut leaning = 0;
             for v in &soup {
                 let error = v.normal.dot(v.position.normalize()).min(1.0).acos().to_degrees();
-                // Where sides have one and two triangles at a corner, their sum leans (thesis, figure 4.5).
+                // Where sides have one and two triangles at a corner, their sum leans (thesis,
+                // figure 4.5).
                 let at = |axis: Vec3| {
                     given.iter().filter(|g| g.position == v.position && g.normal.abs() == axis).count()
                 };

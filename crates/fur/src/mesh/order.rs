@@ -9,25 +9,28 @@ use crate::error::{Error, range};
 use crate::numeric::MAX_COORDINATE;
 
 impl Mesh {
-    /// The average cache miss ratio: vertices that a first-in-first-out cache of `cache` vertices must compute, for each triangle. At least
-    /// about 0.5 for large closed meshes, at most 3. The size is taken as 3 to 1024.
+    /// The average cache miss ratio: vertices that a first-in-first-out cache of `cache` vertices
+    /// must compute, for each triangle. At least about 0.5 for large closed meshes, at most 3. The
+    /// size is taken as 3 to 1024.
     pub fn acmr(&self, cache: u32) -> f32 {
         let indices = self.triangles().as_flattened();
         // No warps and no groups of primitives: a plain cache.
         meshopt::analyze_vertex_cache(indices, self.vertices().len(), cache.clamp(3, 1024), 0, 0).acmr
     }
 
-    /// The same mesh in an order that graphics processors compute fastest: triangles for the cache of computed vertices, then vertices in
-    /// the order of use. Vertices that no triangle uses are dropped. Linear in the mesh.
+    /// The same mesh in an order that graphics processors compute fastest: triangles for the cache
+    /// of computed vertices, then vertices in the order of use. Vertices that no triangle uses are
+    /// dropped. Linear in the mesh.
     pub fn ordered(&self) -> Self {
         let count = self.vertices().len();
         let order = meshopt::optimize_vertex_cache(self.triangles().as_flattened(), count);
         self.used(&order)
     }
 
-    /// A coarser mesh of about `triangles` triangles, whose vertices are vertices of this one (edge collapse by quadrics, Garland &
-    /// Heckbert 1997). More are left where the shape cannot become simpler. The result is [ordered](Mesh::ordered), and comes with the
-    /// greatest distance to this mesh that the quadrics estimate, in units.
+    /// A coarser mesh of about `triangles` triangles, whose vertices are vertices of this one (edge
+    /// collapse by quadrics, Garland & Heckbert 1997). More are left where the shape cannot become
+    /// simpler. The result is [ordered](Mesh::ordered), and comes with the greatest distance to
+    /// this mesh that the quadrics estimate, in units.
     ///
     /// Vertices at one position must share normal and coat, else seams keep apart what they part.
     ///
@@ -76,8 +79,8 @@ impl Mesh {
     }
 }
 
-/// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave such pairs: they enclose nothing, but
-/// their edges would belong to four triangles.
+/// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave
+/// such pairs: they enclose nothing, but their edges would belong to four triangles.
 fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     for t in &mut triangles {
         let first = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
@@ -136,7 +139,8 @@ mod tests {
         let vertex = |i: u32| Vertex::at(Vec3::new(i as f32, (i * i) as f32, 0.0));
         let strip = vec![[0, 1, 2], [2, 1, 3], [2, 3, 4], [0, 1, 2]];
         let mesh = Mesh::new((0..6).map(vertex).collect(), Vec::new(), strip).unwrap();
-        // 3 misses, 1, 1, and 3 of the last triangle: its own vertices push out the one that was there.
+        // 3 misses, 1, 1, and 3 of the last triangle: its own vertices push out the one that was
+        // there.
         assert_eq!([0, 3, 6].map(|cache| mesh.acmr(cache)), [2.0, 2.0, 1.25]);
         // The vertex that no triangle uses is gone.
         assert_eq!(mesh.ordered().vertices().len(), 5);

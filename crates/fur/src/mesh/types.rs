@@ -49,12 +49,13 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh of vertices and triangles, counter-clockwise seen from outside; one coat for each vertex, or none for white fur of full
-    /// length. Normals are scaled to length 1; those of length 0 stay zero. Costs one pass.
+    /// A mesh of vertices and triangles, counter-clockwise seen from outside; one coat for each
+    /// vertex, or none for white fur of full length. Normals are scaled to length 1; those of
+    /// length 0 stay zero. Costs one pass.
     ///
     /// # Errors
-    /// Refuses no triangles, more than 2^29, indices without a vertex, values that are not finite, coordinates above 1e9, coats
-    /// outside of 0 to 1 and a wrong number of coats.
+    /// Refuses no triangles, more than 2^29, indices without a vertex, values that are not finite,
+    /// coordinates above 1e9, coats outside of 0 to 1 and a wrong number of coats.
     pub fn new(
         mut vertices: Vec<Vertex>,
         mut coats: Vec<Coat>,
@@ -119,7 +120,8 @@ impl Mesh {
             .unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ZERO))
     }
 
-    /// Bytes of the vertices and indices on the graphics processor, without coats, as [`indexed_bytes`].
+    /// Bytes of the vertices and indices on the graphics processor, without coats, as
+    /// [`indexed_bytes`].
     pub fn bytes(&self) -> u64 {
         indexed_bytes(self.vertices.len() as u64, self.triangles.len() as u64)
     }
@@ -139,8 +141,9 @@ impl Mesh {
             .sum()
     }
 
-    /// How many edges do not belong to exactly two triangles that run along them in opposite directions; 0 for a closed two-manifold
-    /// mesh. Edges are pairs of positions, so that seams of normals or coats count as closed. Costs a sort of the edges.
+    /// How many edges do not belong to exactly two triangles that run along them in opposite
+    /// directions; 0 for a closed two-manifold mesh. Edges are pairs of positions, so that seams of
+    /// normals or coats count as closed. Costs a sort of the edges.
     pub fn open_edges(&self) -> usize {
         let bits = |v: u32| self.vertices[v as usize].position.to_array().map(|c| (c + 0.0).to_bits());
         let mut edges: Vec<_> = self
@@ -159,8 +162,8 @@ impl Mesh {
     }
 }
 
-/// The bytes of an indexed mesh: 24 for each vertex, and for each of three indices of a face 2 bytes below 65,536 vertices, else 4
-/// (thesis, section 7.1.1).
+/// The bytes of an indexed mesh: 24 for each vertex, and for each of three indices of a face 2
+/// bytes below 65,536 vertices, else 4 (thesis, section 7.1.1).
 ///
 /// ```
 /// // The first simplified bunny of the thesis, whose table 7.4 has transposed digits: 208.436 kB.

@@ -9,8 +9,9 @@ use super::normals::{NormalRule, continuous_normals};
 use super::types::{Coat, Mesh, Vertex, check_count};
 use crate::error::Error;
 
-/// Makes one vertex of all corners with the same position, normal and coat (thesis, algorithm 3), in the order of their first
-/// corner. Coats may be left out: white fur of full length. Costs a hash table of the vertices.
+/// Makes one vertex of all corners with the same position, normal and coat (thesis, algorithm 3),
+/// in the order of their first corner. Coats may be left out: white fur of full length. Costs a
+/// hash table of the vertices.
 ///
 /// # Errors
 /// Refuses lists whose length is no multiple of 3, and what [`Mesh::new`] refuses.
@@ -43,8 +44,9 @@ pub fn weld(soup: &[Vertex], coats: &[Coat]) -> Result<Mesh, Error> {
     Mesh::new(vertices, kept, triangles)
 }
 
-/// Prepares an indexed mesh, of a file for example: [`center`], [`continuous_normals`], [`weld`] and [`Mesh::ordered`]. Coats are one for
-/// each position, or none for white fur of full length. Vertices at one position become one if their coats are equal.
+/// Prepares an indexed mesh, of a file for example: [`center`], [`continuous_normals`], [`weld`]
+/// and [`Mesh::ordered`]. Coats are one for each position, or none for white fur of full length.
+/// Vertices at one position become one if their coats are equal.
 ///
 /// # Errors
 /// What these steps refuse, and indices without a position.
@@ -86,7 +88,8 @@ mod tests {
 
     #[test]
     fn the_sizes_of_table_7_4() {
-        // Faces, vertices and kilobytes. The thesis prints 208.436 for the second bunny, with transposed digits.
+        // Faces, vertices and kilobytes. The thesis prints 208.436 for the second bunny, with
+        // transposed digits.
         let rows = [
             ("cube, torus", vec![(12, 8, 0.258), (384, 192, 6.750)]),
             (

@@ -16,8 +16,9 @@ use crate::numeric::{
 pub struct Fur {
     /// The length of the longest strands, before they bend.
     pub height: f32,
-    /// How far the tips of the longest strands are moved along the surface, in multiples of the height: the part along the surface of this
-    /// vector, times the square of the relative height. For gravity and combing; its length is at most 4.
+    /// How far the tips of the longest strands are moved along the surface, in multiples of the
+    /// height: the part along the surface of this vector, times the square of the relative height.
+    /// For gravity and combing; its length is at most 4.
     pub bend: Vec3,
     /// The edge of the hash cells. There are `per_cell / (2 * spacing²)` strands on a square unit.
     pub spacing: f32,
@@ -38,19 +39,22 @@ pub struct Fur {
 pub struct Strand {
     /// A random word of the strand, the same in all its fragments: for its colour.
     pub id: u32,
-    /// The distance from the middle of the strand, 0 to 1: its share of the strand's radius at this height.
+    /// The distance from the middle of the strand, 0 to 1: its share of the strand's radius at this
+    /// height.
     pub offset: f32,
     /// The place along the strand: 0 at the root, 1 at the tip.
     pub along: f32,
 }
 
 impl Fur {
-    /// Fur for a mesh of a radius, as the thesis gives it: the height is a share of the radius (it uses 0.02 and 0.05), the density the
-    /// share of the skin that roots cover, if they did not overlap (0.1 and 0.2). The other parameters have usual values and may be set
-    /// afterwards: 60 cells on a radius, one point each up to the density of 0.29 and more above.
+    /// Fur for a mesh of a radius, as the thesis gives it: the height is a share of the radius (it
+    /// uses 0.02 and 0.05), the density the share of the skin that roots cover, if they did not
+    /// overlap (0.1 and 0.2). The other parameters have usual values and may be set afterwards: 60
+    /// cells on a radius, one point each up to the density of 0.29 and more above.
     ///
     /// # Errors
-    /// Refuses radii outside of 1e-9 to 1e9, heights outside of 0 to 1 and densities outside of 0.001 to 1.
+    /// Refuses radii outside of 1e-9 to 1e9, heights outside of 0 to 1 and densities outside of
+    /// 0.001 to 1.
     pub fn for_radius(radius: f32, height: f32, density: f32) -> Result<Self, Error> {
         range("the radius of the mesh", radius.into(), LEAST_LENGTH, MAX_COORDINATE.into())?;
         range("the height of the fur as a share of the radius", height.into(), 0.0, 1.0)?;
@@ -67,7 +71,8 @@ impl Fur {
         fur.with_density(density)
     }
 
-    /// The same fur with another density: sets the radius of strands, and more points for each cell if strands would be too wide.
+    /// The same fur with another density: sets the radius of strands, and more points for each cell
+    /// if strands would be too wide.
     ///
     /// # Errors
     /// Refuses densities outside of 0.001 to 1.
@@ -113,15 +118,16 @@ impl Fur {
         range("the variation of lengths", self.variation.into(), 0.0, 1.0)
     }
 
-    /// The greatest distance of a point of the fur from the point of the base mesh below it, rounded up. `magnitude` is the greatest
-    /// absolute coordinate of the mesh, for the rounding of shaders.
+    /// The greatest distance of a point of the fur from the point of the base mesh below it,
+    /// rounded up. `magnitude` is the greatest absolute coordinate of the mesh, for the rounding of
+    /// shaders.
     pub fn reach(&self, magnitude: f32) -> f32 {
         let exact = self.height * (1.0 + self.bend.length_squared()).sqrt();
         exact + EXTRUSION_ERROR * (magnitude + 2.0 * exact)
     }
 
-    /// Where the point of the base mesh at `position` with the unit normal `normal` is in the layer at `height`, 0 to 1. All layers of a
-    /// mesh are this function of its vertices.
+    /// Where the point of the base mesh at `position` with the unit normal `normal` is in the layer
+    /// at `height`, 0 to 1. All layers of a mesh are this function of its vertices.
     #[inline]
     pub fn extruded(&self, position: Vec3, normal: Vec3, height: f32) -> Vec3 {
         position + (normal * height + self.side(normal) * (height * height)) * self.height
@@ -151,11 +157,13 @@ impl Fur {
         self.spacing * self.radius * (1.0 - self.taper * along)
     }
 
-    /// The strand at a point of a layer, or none. `position` and the unit `normal` are of the base mesh, `height` is that of the layer as
-    /// a share of the greatest height, and `length` the length of the coat there ([`crate::mesh::Coat`]); both are 0 to 1.
+    /// The strand at a point of a layer, or none. `position` and the unit `normal` are of the base
+    /// mesh, `height` is that of the layer as a share of the greatest height, and `length` the
+    /// length of the coat there ([`crate::mesh::Coat`]); both are 0 to 1.
     ///
-    /// Of several strands it is the one whose middle is relatively nearest; of those equally near, the one in the cell found first: least z,
-    /// then y, then x. Costs `8 * per_cell` hashes. NaN has no strand.
+    /// Of several strands it is the one whose middle is relatively nearest; of those equally near,
+    /// the one in the cell found first: least z, then y, then x. Costs `8 * per_cell` hashes. NaN
+    /// has no strand.
     pub fn strand_at(&self, position: Vec3, normal: Vec3, height: f32, length: f32) -> Option<Strand> {
         let place = position * (1.0 / self.spacing);
         let first = (place - 0.5).floor();
@@ -180,7 +188,8 @@ impl Fur {
         best
     }
 
-    /// The point `k` of a cell, relative to the cell's least corner and in cells, and its random word.
+    /// The point `k` of a cell, relative to the cell's least corner and in cells, and its random
+    /// word.
     #[inline]
     pub fn point(&self, cell: IVec3, k: u32) -> (Vec3, u32) {
         let [x, y, z, id] = hash([
@@ -223,7 +232,8 @@ mod tests {
             let (p, n, h) = (random.point(), random.direction(), random.next() as f32);
             let step = fur.extruded(p, n, h + 1e-2) - fur.extruded(p, n, h - 1e-2);
             assert!(step.normalize().distance(fur.tangent(n, h)) < 1e-3);
-            // Each layer is as high above the surface as a straight one, and no farther than the reach.
+            // Each layer is as high above the surface as a straight one, and no farther than the
+            // reach.
             let way = fur.extruded(p, n, h) - p;
             assert!((way.dot(n) - 0.3 * h).abs() < 1e-5 && way.length() <= fur.reach(1.0));
         }

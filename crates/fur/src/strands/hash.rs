@@ -1,7 +1,8 @@
 //! A hash of four numbers, by operations that shaders have.
 
-/// Four well-mixed words of four: `pcg4d` of Jarzynski & Olano, "Hash Functions for GPU Rendering" (JCGT 9(3), 2020). Only products,
-/// sums and shifts of 32-bit words that wrap around, so that shaders compute the same bits.
+/// Four well-mixed words of four: `pcg4d` of Jarzynski & Olano, "Hash Functions for GPU Rendering"
+/// (JCGT 9(3), 2020). Only products, sums and shifts of 32-bit words that wrap around, so that
+/// shaders compute the same bits.
 #[inline]
 pub fn hash(words: [u32; 4]) -> [u32; 4] {
     let mut v = words.map(|w| w.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
@@ -44,7 +45,8 @@ mod tests {
             }
         }
         let (total, even) = (f64::from(n.pow(3)), f64::from(n.pow(3)) / 16.0);
-        // 15 degrees of freedom: above 50 once in 100,000 times. A sum of n products has the deviation sqrt(n) / 12.
+        // 15 degrees of freedom: above 50 once in 100,000 times. A sum of n products has the
+        // deviation sqrt(n) / 12.
         let chi2 = counts.map(|c| c.map(|c| (f64::from(c) - even).powi(2) / even).iter().sum::<f64>());
         assert!(
             chi2.iter().all(|&c| c < 50.0) && products.iter().all(|p| p.abs() < 5.0 * total.sqrt() / 12.0)

@@ -44,8 +44,9 @@ struct Foot {
     root: Root,
 }
 
-/// All strands of a mesh, in the order of their cells. Normals are interpolated within triangles, as shaders do it; vertices without
-/// normals have no fur. Costs about the cells that the surface touches.
+/// All strands of a mesh, in the order of their cells. Normals are interpolated within triangles,
+/// as shaders do it; vertices without normals have no fur. Costs about the cells that the surface
+/// touches.
 ///
 /// # Errors
 /// Refuses parameters out of range, and more than 16,777,216 strands.
@@ -98,7 +99,8 @@ struct Patch<'a> {
 /// Boxes of at most so many cells along each edge are searched cell by cell.
 const SMALL: i32 = 3;
 
-/// How often a foot is improved. Each step gains the factor of the slab's thickness to the radius of curvature.
+/// How often a foot is improved. Each step gains the factor of the slab's thickness to the radius
+/// of curvature.
 const STEPS: usize = 12;
 
 impl<'a> Patch<'a> {
@@ -157,7 +159,8 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// The point of the triangle whose interpolated normal leads to a point of a cell, if it is near enough.
+    /// The point of the triangle whose interpolated normal leads to a point of a cell, if it is
+    /// near enough.
     fn foot(&self, cell: IVec3, k: u32) -> Option<Foot> {
         let (inside, id) = self.fur.point(cell, k);
         let point = cell.as_dvec3() + inside.as_dvec3();
@@ -312,7 +315,8 @@ mod tests {
         }
         let dense = Fur { spacing: 1e-5, ..fur };
         assert!(matches!(roots(&mesh, &dense), Err(Error::TooMany { what: "strands", .. })));
-        // A triangle as long as 100,000 cells and much thinner than one takes no time, and one a billion long an error.
+        // A triangle as long as 100,000 cells and much thinner than one takes no time, and one a
+        // billion long an error.
         let thin = |long: f32| {
             let corners = [Vec3::ZERO, Vec3::splat(long), Vec3::splat(long) + Vec3::X * 1e-3];
             let corners = corners.map(|position| Vertex { position, normal: Vec3::Y }).to_vec();

@@ -1,7 +1,9 @@
-//! Furry objects in a scene of casca: what may be culled, what hides, and how many layers each object gets.
+//! Furry objects in a scene of casca: what may be culled, what hides, and how many layers each
+//! object gets.
 //!
-//! Three rules keep the picture whole: the bounds contain the fur ([`furry_object`]); only what lies inside the base mesh hides others
-//! ([`base_occluder`], [`inner_ball`]), never the fur, which has gaps; and a budget takes layers before it takes objects ([`plan`]).
+//! Three rules keep the picture whole: the bounds contain the fur ([`furry_object`]); only what
+//! lies inside the base mesh hides others ([`base_occluder`], [`inner_ball`]), never the fur, which
+//! has gaps; and a budget takes layers before it takes objects ([`plan`]).
 
 mod objects;
 mod plan;

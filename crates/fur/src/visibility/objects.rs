@@ -17,12 +17,13 @@ pub fn inflate(aabb: Aabb, reach: f32) -> Aabb {
     Aabb::new(down(aabb.min), up(aabb.max))
 }
 
-/// An object for [`casca::Scene::insert`]: the box `base` of a mesh in object space, inflated by the reach of its fur (bent tips
-/// included), under a placement. All layers of the mesh lie within these bounds, and so do those of its [`simplified`](Mesh::simplified)
-/// levels, whose vertices are some of its own.
+/// An object for [`casca::Scene::insert`]: the box `base` of a mesh in object space, inflated by
+/// the reach of its fur (bent tips included), under a placement. All layers of the mesh lie within
+/// these bounds, and so do those of its [`simplified`](Mesh::simplified) levels, whose vertices are
+/// some of its own.
 ///
-/// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing; balls need a placement that scales all axes
-/// alike. With `moves`, the object is dynamic.
+/// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing;
+/// balls need a placement that scales all axes alike. With `moves`, the object is dynamic.
 ///
 /// # Errors
 /// Refuses fur with parameters out of range, as [`Fur::check`].
@@ -43,8 +44,9 @@ pub fn furry_object(
     Ok(desc.placed(placement))
 }
 
-/// The base mesh as an occluder, prepared once; objects share it. It hides exactly what the opaque base hides, so draw that level of
-/// detail and no other: a simplified mesh may be smaller. For several levels use [`inner_ball`]. Costs as [`TriMesh::new`].
+/// The base mesh as an occluder, prepared once; objects share it. It hides exactly what the opaque
+/// base hides, so draw that level of detail and no other: a simplified mesh may be smaller. For
+/// several levels use [`inner_ball`]. Costs as [`TriMesh::new`].
 ///
 /// # Errors
 /// Refuses meshes that are not closed: one could look through their holes.
@@ -60,9 +62,10 @@ pub fn base_occluder(mesh: &Mesh) -> Result<Arc<TriMesh>, Error> {
 /// Cells along each axis of the lattice on which [`inner_ball`] looks for a centre.
 const CENTERS: i32 = 12;
 
-/// A large ball inside all meshes, in their common object space; `None` if no point of a coarse lattice is inside all of them. It hides
-/// less than the meshes, but safely, whichever level of detail is drawn. Costs 1,728 passes over the triangles of the coarsest mesh, and
-/// some over the others.
+/// A large ball inside all meshes, in their common object space; `None` if no point of a coarse
+/// lattice is inside all of them. It hides less than the meshes, but safely, whichever level of
+/// detail is drawn. Costs 1,728 passes over the triangles of the coarsest mesh, and some over the
+/// others.
 ///
 /// # Errors
 /// Refuses no meshes, and meshes that are not closed.
@@ -97,7 +100,8 @@ pub fn inner_ball(meshes: &[&Mesh]) -> Result<Option<Sphere>, Error> {
     Ok(best.map(|(center, radius)| Sphere::new(center.as_vec3(), (radius as f32).next_down())))
 }
 
-/// How deep a point is inside a closed mesh: its distance to the nearest triangle; 0 or less outside.
+/// How deep a point is inside a closed mesh: its distance to the nearest triangle; 0 or less
+/// outside.
 fn depth(mesh: &Mesh, point: DVec3) -> f64 {
     let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
     for t in mesh.triangles() {

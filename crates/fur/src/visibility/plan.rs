@@ -5,17 +5,20 @@ use casca::{DrawItem, ObjectId};
 use crate::error::{Error, range};
 use crate::numeric::{FLAT_FUR, LAYER_GAP, MAX_LAYERS, PIXELS_PER_VERTEX};
 
-/// A length in the picture: `length` world units at `distance`, in pixels. `focal` is the number of pixels under which a length at its
-/// own distance appears, `height / (2 tan(field_of_view / 2))`. At distance 0 or below it is infinite.
+/// A length in the picture: `length` world units at `distance`, in pixels. `focal` is the number of
+/// pixels under which a length at its own distance appears, `height / (2 tan(field_of_view / 2))`.
+/// At distance 0 or below it is infinite.
 pub fn pixels_of(length: f32, distance: f32, focal: f32) -> f32 {
     if length <= 0.0 { 0.0 } else { (length / distance.max(0.0)) * focal }
 }
 
-/// The layers that fur needs: one for each 1.5 pixels of its height, so that gaps between layers stay below two pixels, at most
-/// `most`. Fur below half a pixel needs none: the base mesh shows its colour.
+/// The layers that fur needs: one for each 1.5 pixels of its height, so that gaps between layers
+/// stay below two pixels, at most `most`. Fur below half a pixel needs none: the base mesh shows
+/// its colour.
 ///
-/// If only the share `fraction` of the object is seen ([`DrawItem::fraction`]), the root of that share of the layers is enough; a share is
-/// an estimate, so that one layer is left. NaN counts as all.
+/// If only the share `fraction` of the object is seen ([`DrawItem::fraction`]), the root of that
+/// share of the layers is enough; a share is an estimate, so that one layer is left. NaN counts as
+/// all.
 pub fn layers_for(height: f32, fraction: f32, most: u32) -> u32 {
     let most = most.min(MAX_LAYERS);
     if height < FLAT_FUR || most == 0 {
@@ -26,8 +29,9 @@ pub fn layers_for(height: f32, fraction: f32, most: u32) -> u32 {
     if wanted.is_nan() { most } else { (wanted as u32).clamp(1, most) }
 }
 
-/// The level of detail for an object that covers about `pixels` pixels: the coarsest whose vertices are, on average, four pixels apart.
-/// `vertices` are those of the levels, finest first; with none the result is 0.
+/// The level of detail for an object that covers about `pixels` pixels: the coarsest whose vertices
+/// are, on average, four pixels apart. `vertices` are those of the levels, finest first; with none
+/// the result is 0.
 pub fn level_for(pixels: f32, vertices: &[u32]) -> usize {
     let fine = |&n: &u32| n as f32 >= pixels / PIXELS_PER_VERTEX;
     vertices.iter().rposition(fine).unwrap_or(0)
@@ -60,7 +64,8 @@ pub struct PlanOptions {
 }
 
 impl Default for PlanOptions {
-    /// A picture of 1280 x 720 pixels with a vertical angle of 60 degrees, 32 layers at most and no budget.
+    /// A picture of 1280 x 720 pixels with a vertical angle of 60 degrees, 32 layers at most and no
+    /// budget.
     fn default() -> Self {
         let (focal, screen) = (360.0 * 3f32.sqrt(), 1280.0 * 720.0);
         Self { focal, screen, most_layers: 32, budget: f64::INFINITY, pixel_weight: 1.0, by_fraction: true }
@@ -85,18 +90,22 @@ pub struct Entry {
 pub struct Plan {
     /// What is drawn, in the order of the draw list.
     pub entries: Vec<Entry>,
-    /// Objects for which the budget is too small even without any fur, in the order of the draw list. **They could be seen.**
+    /// Objects for which the budget is too small even without any fur, in the order of the draw
+    /// list. **They could be seen.**
     pub dropped: Vec<ObjectId>,
     /// The sum of the weights.
     pub weight: f64,
 }
 
-/// Gives each object of a draw list ([`casca::Pvs::draw_list`]: nearest first) its level of detail and its layers.
+/// Gives each object of a draw list ([`casca::Pvs::draw_list`]: nearest first) its level of detail
+/// and its layers.
 ///
-/// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels from the projected size
-/// ([`level_for`]). A budget takes layers from all objects by the same factor; furry objects keep one layer each. Then the farthest lose this
-/// one, and only if the bases alone are too much, the objects that appear smallest are dropped. What is left over of the budget goes to the
-/// nearest. The result depends on nothing but the arguments. Costs some fifty passes over the list if there is a budget.
+/// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels
+/// from the projected size ([`level_for`]). A budget takes layers from all objects by the same
+/// factor; furry objects keep one layer each. Then the farthest lose this one, and only if the
+/// bases alone are too much, the objects that appear smallest are dropped. What is left over of the
+/// budget goes to the nearest. The result depends on nothing but the arguments. Costs some fifty
+/// passes over the list if there is a budget.
 ///
 /// # Errors
 /// Refuses options that are negative or NaN.
@@ -192,8 +201,8 @@ fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
     plan
 }
 
-/// Keeps the objects that appear largest, as far as their bases are within the budget. A base that does not fit leaves its room to
-/// smaller ones.
+/// Keeps the objects that appear largest, as far as their bases are within the budget. A base that
+/// does not fit leaves its room to smaller ones.
 fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId>) {
     let mut order: Vec<usize> = (0..wishes.len()).collect();
     // Largest first; among equals the nearest.
@@ -219,7 +228,8 @@ mod tests {
     use super::*;
     use crate::samples::dice;
 
-    /// The draw list of some balls in a row: the nearest at distance 1, the next at distance 2, and so on.
+    /// The draw list of some balls in a row: the nearest at distance 1, the next at distance 2, and
+    /// so on.
     fn list(count: usize) -> Vec<DrawItem> {
         let spec = GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: UVec3::new(320, 8, 8) };
         let mut scene = Scene::new(&spec).unwrap();

@@ -17,8 +17,8 @@ pub struct FrameCounts {
     pub exact: usize,
 }
 
-/// Draws objects in the frustum, in the PVS and visible, frame by frame, as an SVG. The finding is its title, and
-/// `title` stands below.
+/// Draws objects in the frustum, in the PVS and visible, frame by frame, as an SVG. The finding is
+/// its title, and `title` stands below.
 ///
 /// # Errors
 /// If the file cannot be written.

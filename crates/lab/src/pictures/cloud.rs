@@ -72,7 +72,8 @@ const CAPTION: usize = 34;
 const GROUND: RGBColor = RGBColor(250, 250, 252);
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 
-/// Draws the points of a cloud as a PNG, once for each answer, side by side. The finding is its title.
+/// Draws the points of a cloud as a PNG, once for each answer, side by side. The finding is its
+/// title.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -89,8 +89,9 @@ fn mark(canvas: &mut Canvas, at: (f32, f32), fate: Fate) {
     }
 }
 
-/// Draws a frame as a PNG: the scene, in orange the visible objects that were lost, and marks where hidden
-/// objects are, left out or drawn in vain. The finding is its title, and `title` stands below.
+/// Draws a frame as a PNG: the scene, in orange the visible objects that were lost, and marks where
+/// hidden objects are, left out or drawn in vain. The finding is its title, and `title` stands
+/// below.
 ///
 /// # Errors
 /// If the file cannot be written.

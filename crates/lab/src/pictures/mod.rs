@@ -1,5 +1,6 @@
-//! Pictures of the experiments: the chart of a walk, the grid from above, the objects that a frame shows and
-//! hides, speed against accuracy. Lines, bars, sheets, colours and marks are those of [`casca_stage::pictures`].
+//! Pictures of the experiments: the chart of a walk, the grid from above, the objects that a frame
+//! shows and hides, speed against accuracy. Lines, bars, sheets, colours and marks are those of
+//! [`casca_stage::pictures`].
 //!
 //! Titles say the finding, computed from the data.
 

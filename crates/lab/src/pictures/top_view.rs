@@ -123,8 +123,9 @@ impl TopView<'_> {
     }
 }
 
-/// Draws the slice of the grid at the eye's height from above, as an SVG: opaque, hidden and visible cells,
-/// temporal bounding volumes, frustum and path. The finding is its title, and `title` stands below.
+/// Draws the slice of the grid at the eye's height from above, as an SVG: opaque, hidden and
+/// visible cells, temporal bounding volumes, frustum and path. The finding is its title, and
+/// `title` stands below.
 ///
 /// # Errors
 /// If the file cannot be written.

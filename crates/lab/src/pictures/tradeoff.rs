@@ -32,9 +32,9 @@ const WIDTH: u32 = 1200;
 const PANEL: u32 = 350;
 const COLUMNS: usize = 3;
 
-/// Draws speed against accuracy: a panel for each scene, a line for each method, a filled mark for each setting
-/// that lost nothing, with a ring on the Pareto front, and an empty one for each that did. SVG. The finding is
-/// its title, and `title` stands below.
+/// Draws speed against accuracy: a panel for each scene, a line for each method, a filled mark for
+/// each setting that lost nothing, with a ring on the Pareto front, and an empty one for each that
+/// did. SVG. The finding is its title, and `title` stands below.
 ///
 /// # Errors
 /// If the file cannot be written.

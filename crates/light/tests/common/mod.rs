@@ -57,7 +57,8 @@ pub fn draw(gpu: &Gpu, renderer: &mut Renderer, scene: &LitScene, layer: Layer) 
     renderer.read_light(gpu).unwrap()
 }
 
-/// The picture by the path tracer: light scattered up to three times, as by voxels with a second bounce.
+/// The picture by the path tracer: light scattered up to three times, as by voxels with a second
+/// bounce.
 pub fn truth(scene: &LitScene, samples: u32) -> Vec<Vec3> {
     let render = PathTracer::new(scene).render(
         &scene.camera,
@@ -69,7 +70,8 @@ pub fn truth(scene: &LitScene, samples: u32) -> Vec<Vec3> {
     render.unwrap().image.pixels().to_vec()
 }
 
-/// A square wall of 4 m, and a small square that makes the grid a cube; the wall's plane is in the middle of a cell.
+/// A square wall of 4 m, and a small square that makes the grid a cube; the wall's plane is in the
+/// middle of a cell.
 pub fn wall_scene(axis: usize) -> LitScene {
     let mut scene = Kind::Plane.build();
     let turned = |p: Vec3| {
@@ -131,7 +133,8 @@ pub fn light(lights: &[Light], at: Vec3, scene: &LitScene) -> Vec3 {
     sum * scene.materials[0].albedo / PI
 }
 
-/// A hall of 24 m with walls across that leave doors, lit by lamps, and a ball that moves at its end.
+/// A hall of 24 m with walls across that leave doors, lit by lamps, and a ball that moves at its
+/// end.
 pub fn long_hall() -> LitScene {
     let mut scene = Kind::CornellPoint.build();
     (scene.objects, scene.lights) = (Vec::new(), Vec::new());
@@ -205,7 +208,8 @@ fn half(bits: u16) -> f32 {
     if exponent == 0 { fraction * 2.0_f32.powi(-14) } else { (1.0 + fraction) * 2.0_f32.powi(exponent - 15) }
 }
 
-/// The cells, grown by a share of their edge, in which something of a triangle is left after clipping it.
+/// The cells, grown by a share of their edge, in which something of a triangle is left after
+/// clipping it.
 pub fn touched_by_clipping(scene: &LitScene, volume: &Volume, grow: f64) -> HashSet<UVec3> {
     let mut touched = HashSet::new();
     for triangle in scene.triangles() {

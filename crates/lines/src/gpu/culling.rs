@@ -1,8 +1,9 @@
 //! Bundles of lines as objects of a scene, in which walls hide them.
 //!
-//! Lines fill a fraction of a pixel, so they never hide anything: only walls are occluders. A pixel depends on the line that it
-//! shows and on the lines that its occlusion reads. Both lie near a point that the eye sees, as near as [`Reach`] says. A bundle
-//! whose bounds, inflated by that reach, are hidden holds no such line. So a picture without it is the same in every pixel.
+//! Lines fill a fraction of a pixel, so they never hide anything: only walls are occluders. A pixel
+//! depends on the line that it shows and on the lines that its occlusion reads. Both lie near a
+//! point that the eye sees, as near as [`Reach`] says. A bundle whose bounds, inflated by that
+//! reach, are hidden holds no such line. So a picture without it is the same in every pixel.
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
 use glam::Vec3;
@@ -38,7 +39,8 @@ pub struct Culling {
     query: Query,
     objects: Vec<ObjectId>,
     bounds: Vec<Aabb>,
-    /// By how much the bounds of the objects are inflated; NaN if not all of them are inflated alike.
+    /// By how much the bounds of the objects are inflated; NaN if not all of them are inflated
+    /// alike.
     inflated: f32,
 }
 
@@ -46,8 +48,8 @@ impl Culling {
     /// A scene of the bundles and of walls.
     ///
     /// # Errors
-    /// If a wall or the bounds of a bundle are not finite, or all of them lie at one place so far from the origin that no grid is
-    /// possible.
+    /// If a wall or the bounds of a bundle are not finite, or all of them lie at one place so far
+    /// from the origin that no grid is possible.
     pub fn new(bundles: &[Bundle], walls: &[[Vec3; 2]]) -> Result<Self, LinesGpuError> {
         let bounds: Vec<Aabb> = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
         let walls: Vec<Aabb> = walls.iter().map(|w| Aabb::new(w[0], w[1])).collect();
@@ -76,8 +78,9 @@ impl Culling {
         self.place(if self.inflated.is_nan() { 0.0 } else { self.inflated })
     }
 
-    /// Puts the objects of all bundles where their bounds are, inflated by `by`. After an error no reach is that of the objects, so that
-    /// the next view places them anew instead of trusting bounds that are too small.
+    /// Puts the objects of all bundles where their bounds are, inflated by `by`. After an error no
+    /// reach is that of the objects, so that the next view places them anew instead of trusting
+    /// bounds that are too small.
     fn place(&mut self, by: f32) -> Result<(), LinesGpuError> {
         self.inflated = f32::NAN;
         while self.objects.len() > self.bounds.len() {
@@ -96,7 +99,8 @@ impl Culling {
         Ok(())
     }
 
-    /// The bundles that a view needs. Costs a query; if the reach is another than in the last call, also an update of each bundle.
+    /// The bundles that a view needs. Costs a query; if the reach is another than in the last call,
+    /// also an update of each bundle.
     ///
     /// # Errors
     /// If the scene refuses the view, or bounds with this reach: they must be finite.

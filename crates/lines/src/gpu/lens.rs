@@ -1,4 +1,5 @@
-//! A view as the shaders take it, as a scene takes it, and how far the occlusion of a pixel reaches.
+//! A view as the shaders take it, as a scene takes it, and how far the occlusion of a pixel
+//! reaches.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, DVec4};
@@ -59,11 +60,13 @@ impl GpuLens {
 /// How far from a pixel's fragment lines can change the pixel, in units of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
-    /// Lines that the pixel may show: the side of a pixel at the farthest depth. A pixel shows a line where the ray through its
-    /// centre meets no wall; the line itself is up to 0.71 pixels beside that ray, maybe behind the wall's edge.
+    /// Lines that the pixel may show: the side of a pixel at the farthest depth. A pixel shows a
+    /// line where the ray through its centre meets no wall; the line itself is up to 0.71 pixels
+    /// beside that ray, maybe behind the wall's edge.
     pub drawn: f32,
-    /// Lines that may darken it. The occlusion reads the columns in a ball of the radius, and of each the groups of slices in it:
-    /// lines there are at most the radius, a column's diagonal and the thickness of a group away from the fragment.
+    /// Lines that may darken it. The occlusion reads the columns in a ball of the radius, and of
+    /// each the groups of slices in it: lines there are at most the radius, a column's diagonal and
+    /// the thickness of a group away from the fragment.
     pub read: f32,
 }
 

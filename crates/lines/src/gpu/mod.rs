@@ -1,5 +1,5 @@
-//! The columns, the nearest lines and the occlusion on the graphics processor, as compute shaders of
-//! `wgpu`, for lines that move in every frame; and bundles of lines as objects of a
+//! The columns, the nearest lines and the occlusion on the graphics processor, as compute shaders
+//! of `wgpu`, for lines that move in every frame; and bundles of lines as objects of a
 //! [`casca::Scene`], so that lines behind walls are not drawn, and those beyond the reach of the
 //! occlusion not voxelised either.
 //!
@@ -9,7 +9,8 @@
 //! - [`settings`]: what is computed.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
 //!
-//! The results are those of the processor's version but for rounding: [`numeric`] says where that decides and how far.
+//! The results are those of the processor's version but for rounding: [`numeric`] says where that
+//! decides and how far.
 
 pub mod culling;
 pub mod error;

@@ -1,27 +1,32 @@
 //! All margins and constants of the shaders, each with its reason.
 //!
-//! The processor's version places vertices in double precision, the shaders in single. So the two may disagree on the columns and
-//! slices that a line just touches. A line sets all slices that it enters deeper than [`IN_DOUBT`], and none that it misses by
-//! more: the tests compare both bounds with exact clipping.
+//! The processor's version places vertices in double precision, the shaders in single. So the two
+//! may disagree on the columns and slices that a line just touches. A line sets all slices that it
+//! enters deeper than [`IN_DOUBT`], and none that it misses by more: the tests compare both bounds
+//! with exact clipping.
 
 use crate::numeric::{ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, PARALLEL};
 
-/// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up to 14 bits before the binary
-/// point, so that the last of its 24 bits is worth 2^-10 of a pixel; a walk adds up some roundings of it. It holds for segments
-/// with ends up to 16,384 pixels from the picture's middle, and depths up to [`FARTHEST`] ranges away: those are 8,192 slices.
+/// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up
+/// to 14 bits before the binary point, so that the last of its 24 bits is worth 2^-10 of a pixel; a
+/// walk adds up some roundings of it. It holds for segments with ends up to 16,384 pixels from the
+/// picture's middle, and depths up to [`FARTHEST`] ranges away: those are 8,192 slices.
 pub const IN_DOUBT: f32 = 1.0 / 128.0;
 
-/// The greatest depth of a view, in units of the range of its depths. Depths are computed in single precision: farther away their
-/// rounding would put lines into wrong slices, so that such views are refused.
+/// The greatest depth of a view, in units of the range of its depths. Depths are computed in single
+/// precision: farther away their rounding would put lines into wrong slices, so that such views are
+/// refused.
 pub const FARTHEST: f64 = 32.0;
 
-/// The occlusion of a pixel may differ by this from the processor's: sums of 150 terms in single precision, in another order, and
-/// exponentials with some units in the last place. It holds where both take the same samples in the same columns. Where rounding puts
-/// a sample into the next column or a fragment into the next set of samples, it differs by the noise of the samples.
+/// The occlusion of a pixel may differ by this from the processor's: sums of 150 terms in single
+/// precision, in another order, and exponentials with some units in the last place. It holds where
+/// both take the same samples in the same columns. Where rounding puts a sample into the next
+/// column or a fragment into the next set of samples, it differs by the noise of the samples.
 pub const OCCLUSION_OFF: f32 = 2e-3;
 
-/// Units of length in the range of depths, 2^27. A 32-bit number holds parts of segments 32 times as long, so that parts that leave a
-/// column steeply fit; a part as long as a pixel is thousands of units.
+/// Units of length in the range of depths, 2^27. A 32-bit number holds parts of segments 32 times
+/// as long, so that parts that leave a column steeply fit; a part as long as a pixel is thousands
+/// of units.
 pub const LENGTH_UNITS: f64 = 134_217_728.0;
 
 /// Constants as the shaders take them.

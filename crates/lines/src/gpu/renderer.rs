@@ -120,15 +120,17 @@ impl Renderer {
         Ok(())
     }
 
-    /// Computes a view of lines: columns of `seen.read`, the nearest lines of `seen.drawn`, and the occlusion. `walls` are boxes
-    /// that hide lines, by their least and greatest corners; they take no part in the occlusion.
+    /// Computes a view of lines: columns of `seen.read`, the nearest lines of `seen.drawn`, and the
+    /// occlusion. `walls` are boxes that hide lines, by their least and greatest corners; they take
+    /// no part in the occlusion.
     ///
-    /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to the pixels with lines times the
-    /// samples. Memory on the device: 80 bytes a column with 128 slices, 160 with 256; 52 bytes a pixel.
+    /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to
+    /// the pixels with lines times the samples. Memory on the device: 80 bytes a column with 128
+    /// slices, 160 with 256; 52 bytes a pixel.
     ///
     /// # Errors
-    /// If the device has no room or is lost, a bundle is not there, or a depth of the view is more than [`FARTHEST`] times the range
-    /// of its depths away.
+    /// If the device has no room or is lost, a bundle is not there, or a depth of the view is more
+    /// than [`FARTHEST`] times the range of its depths away.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -188,8 +190,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Paints the last frame, and the background alone if there is none: before the first, and after one that the device had no room
-    /// for. `strength` scales the occlusion.
+    /// Paints the last frame, and the background alone if there is none: before the first, and
+    /// after one that the device had no room for. `strength` scales the occlusion.
     ///
     /// # Errors
     /// If the device is lost or out of memory.

@@ -48,9 +48,11 @@ pub struct GpuLines {
 }
 
 impl GpuLines {
-    /// Copies lines to the device and puts segments that lie near each other into bundles of [`BUNDLE`].
+    /// Copies lines to the device and puts segments that lie near each other into bundles of
+    /// [`BUNDLE`].
     ///
-    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex and 12 a segment.
+    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex and 12 a
+    /// segment.
     ///
     /// # Errors
     /// The device has no room.
@@ -111,8 +113,9 @@ impl GpuLines {
     }
 }
 
-/// Segments in an order in which neighbours lie near each other: along the Z-curve through their middles (Morton 1966, "A computer
-/// oriented geodetic data base and a new technique in file sequencing").
+/// Segments in an order in which neighbours lie near each other: along the Z-curve through their
+/// middles (Morton 1966, "A computer oriented geodetic data base and a new technique in file
+/// sequencing").
 fn near_order(ends: &[[Vec3; 2]], [min, max]: [Vec3; 2]) -> Vec<u32> {
     // Bounds of opposite huge coordinates: halves do not overflow.
     let size = (max * 0.5 - min * 0.5).max_element().max(f32::MIN_POSITIVE);

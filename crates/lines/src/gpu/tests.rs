@@ -1,4 +1,5 @@
-//! The shaders beside the processor's version and exact clipping, and pictures with and without culling.
+//! The shaders beside the processor's version and exact clipping, and pictures with and without
+//! culling.
 
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu, GpuError};
@@ -74,8 +75,8 @@ fn run_on(gpu: &Gpu, view: &View, lines: (&GpuLines, &Seen)) -> Result<(), Lines
     renderer.update(gpu, view, lines, &[], &mut Clock::off())
 }
 
-/// Whether a segment enters a cell of a column: exact clipping in homogeneous coordinates, in double precision. The cell is larger
-/// on each side by a part of a pixel and of a slice.
+/// Whether a segment enters a cell of a column: exact clipping in homogeneous coordinates, in
+/// double precision. The cell is larger on each side by a part of a pixel and of a slice.
 fn enters(view: &View, [a, b]: [DVec3; 2], [x, y]: [u32; 2], slice: u32, slices: u32, larger: f64) -> bool {
     let [near, far] = view.depths();
     let thick = (far - near) / f64::from(slices);
@@ -313,7 +314,8 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
 #[test]
 fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixels_would_differ() {
     let Some(gpu) = gpu() else { return };
-    // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden ones.
+    // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden
+    // ones.
     let walls = [[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]];
     let cube = Recipe { lines: 1000, vertices: 100, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
     let lines = GpuLines::new(&gpu, &cube).unwrap();

@@ -1,13 +1,15 @@
 //! How much of the hemisphere above a line is hidden by other lines (Benevides 2015, section 3.3).
 //!
-//! The hemisphere of a radius R has its base tangent to the line and its pole turned to the viewer. Samples of a disc choose
-//! columns of a [`SlabGrid`]; each is clipped to the hemisphere, and its set slices are counted. What the counts become is the
-//! [`Estimator`]'s matter.
+//! The hemisphere of a radius R has its base tangent to the line and its pole turned to the viewer.
+//! Samples of a disc choose columns of a [`SlabGrid`]; each is clipped to the hemisphere, and its
+//! set slices are counted. What the counts become is the [`Estimator`]'s matter.
 //!
-//! The thesis multiplies the share of set slices by a factor. That share is proportional to the width of a column and the
-//! thickness of a slice, so its result fades with a finer grid. [`Estimator::OpticalDepth`] asks instead how far light gets: lines of
-//! a radius r and a length L in a volume V hide 2 r L sin(angle) / V of a ray for each unit of its way, and a share exp(-sum) of the
-//! rays passes. L comes from the columns' lengths, so nothing depends on the grid but the noise.
+//! The thesis multiplies the share of set slices by a factor. That share is proportional to the
+//! width of a column and the thickness of a slice, so its result fades with a finer grid.
+//! [`Estimator::OpticalDepth`] asks instead how far light gets: lines of a radius r and a length L
+//! in a volume V hide 2 r L sin(angle) / V of a ray for each unit of its way, and a share exp(-sum)
+//! of the rays passes. L comes from the columns' lengths, so nothing depends on the grid but the
+//! noise.
 
 mod options;
 mod prism;
@@ -33,7 +35,8 @@ pub struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    /// The grid may have other pixels than the picture, but must be made for the same eye and direction.
+    /// The grid may have other pixels than the picture, but must be made for the same eye and
+    /// direction.
     ///
     /// # Errors
     /// If an option is out of its range.
@@ -46,8 +49,8 @@ impl<'a> Occlusion<'a> {
         Ok(Self { grid, samples, options })
     }
 
-    /// The occlusion in all pixels, row by row; 0 where there is no line. Time: proportional to the pixels with lines and to the
-    /// samples of a set.
+    /// The occlusion in all pixels, row by row; 0 where there is no line. Time: proportional to the
+    /// pixels with lines and to the samples of a set.
     pub fn of(&self, buffer: &LineBuffer) -> Vec<f32> {
         let width = buffer.view().size()[0] as usize;
         let at = |(i, fragment): (usize, &Option<Fragment>)| {
@@ -84,7 +87,8 @@ impl<'a> Occlusion<'a> {
         if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The prism of a sample, its column, and the range of its depths; `None` where there is nothing or nothing is known.
+    /// The prism of a sample, its column, and the range of its depths; `None` where there is
+    /// nothing or nothing is known.
     fn prism(&self, above: &Hemisphere, sample: &Sample) -> Option<(Prism, [u32; 2], [f64; 2])> {
         let prism = above.prism(sample.at, self.options.plane, 0.0)?;
         let column = self.grid.view().pixel(above.place(prism.start))?;
@@ -103,7 +107,8 @@ impl<'a> Occlusion<'a> {
             let ends = [prism.at(prism.from), prism.at(prism.to)];
             let (mut near, mut sine) = (1.0, [1.0; 2]);
             if self.options.by_distance {
-                // In radii: the thesis' units would make the result depend on the size of the scene.
+                // In radii: the thesis' units would make the result depend on the size of the
+                // scene.
                 let mean = (ends[0].length() + ends[1].length()) / 2.0;
                 near = 1.0 / (mean * mean);
             }
@@ -132,8 +137,8 @@ impl<'a> Occlusion<'a> {
         let slice = ((far - near) / (f64::from(self.grid.slices().count()) * radius)) as f32;
         let pixel = side(f64::from(-above.middle.z));
         let pole = above.pole.abs();
-        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the receiver's own line. They are
-        // taken as unknown: the cells above them stand for them, too.
+        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the
+        // receiver's own line. They are taken as unknown: the cells above them stand for them, too.
         let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
         for sample in set {
             let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };
@@ -164,8 +169,8 @@ impl<'a> Occlusion<'a> {
         sectors.iter().map(hidden).sum::<f32>() / known
     }
 
-    /// The sum over the set slices of a column of the length of lines in each times a weight of its depth. The length of a group of
-    /// slices is spread evenly over those that are set.
+    /// The sum over the set slices of a column of the length of lines in each times a weight of its
+    /// depth. The length of a group of slices is spread evenly over those that are set.
     fn in_column(&self, [x, y]: [u32; 2], [first, last]: [u32; 2], weight: impl Fn(f64) -> f32) -> f64 {
         let (column, lengths) = (self.grid.column(x, y), self.grid.lengths(x, y));
         let mut sum = 0.0;

@@ -8,19 +8,22 @@ pub enum Estimator {
         /// The thesis uses 4.
         factor: f32,
     },
-    /// All set slices over all slices of the columns, weighted alike, times a factor; the thesis' equation 3.4.
+    /// All set slices over all slices of the columns, weighted alike, times a factor; the thesis'
+    /// equation 3.4.
     RatioOfSums {
         /// As above.
         factor: f32,
     },
-    /// 1 - exp(-k x), where x is the mean of ratios: the share of the light that a medium of density x takes.
+    /// 1 - exp(-k x), where x is the mean of ratios: the share of the light that a medium of
+    /// density x takes.
     Extinction {
         /// About 10 for the thesis' grids; it depends on the grid.
         k: f32,
     },
-    /// The share of cosine-weighted rays that the lines stop, as tubes of a radius. Only noise and blur depend on the grid: finer
-    /// columns hold thin lines more rarely, so that fewer samples meet one; coarser ones and few slices blur dense bundles. Lines
-    /// along the view need coarse columns, a third to an eighth of the picture's rows.
+    /// The share of cosine-weighted rays that the lines stop, as tubes of a radius. Only noise and
+    /// blur depend on the grid: finer columns hold thin lines more rarely, so that fewer samples
+    /// meet one; coarser ones and few slices blur dense bundles. Lines along the view need coarse
+    /// columns, a third to an eighth of the picture's rows.
     OpticalDepth {
         /// The radius of the tubes, in units of the scene.
         line_radius: f32,
@@ -33,7 +36,8 @@ pub enum BasePlane {
     /// Those above the plane that is tangent to the line.
     #[default]
     Tangent,
-    /// Those above that plane mirrored in depth, as the sign in the thesis' equation 3.17 has it. For comparison only.
+    /// Those above that plane mirrored in depth, as the sign in the thesis' equation 3.17 has it.
+    /// For comparison only.
     ThesisSign,
 }
 
@@ -42,9 +46,11 @@ pub enum BasePlane {
 pub enum SetChoice {
     /// The same for all: patterns show.
     One,
-    /// By the pixel, as in the thesis: noise stands still on the screen while lines move under it, so they flicker.
+    /// By the pixel, as in the thesis: noise stands still on the screen while lines move under it,
+    /// so they flicker.
     Screen,
-    /// By the line and the place along it, in steps of this length in units of the scene: noise moves with the line.
+    /// By the line and the place along it, in steps of this length in units of the scene: noise
+    /// moves with the line.
     Surface {
         /// Greater than 0.
         step: f32,
@@ -54,12 +60,13 @@ pub enum SetChoice {
 /// What an estimate is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AoOptions {
-    /// The radius of the hemisphere in units of the scene. The thesis takes 0.13 of the scene's extent.
+    /// The radius of the hemisphere in units of the scene. The thesis takes 0.13 of the scene's
+    /// extent.
     pub radius: f32,
     /// How counts become an occlusion.
     pub estimator: Estimator,
-    /// Whether near columns count more (by the inverse square of the distance over the radius). Only for the first three estimators;
-    /// the last one weighs each slice by its solid angle.
+    /// Whether near columns count more (by the inverse square of the distance over the radius).
+    /// Only for the first three estimators; the last one weighs each slice by its solid angle.
     pub by_distance: bool,
     /// Whether columns beside the line count more than those along it, likewise.
     pub by_angle: bool,

@@ -1,6 +1,7 @@
 //! Columns clipped to the hemisphere of a receiver (Benevides 2015, sections 3.3.1 and 3.3.2).
 //!
-//! Lengths are in radii of the hemisphere, so that no product under- or overflows in scenes of very small or very large units.
+//! Lengths are in radii of the hemisphere, so that no product under- or overflows in scenes of very
+//! small or very large units.
 
 use glam::{Vec2, Vec3};
 
@@ -9,7 +10,8 @@ use crate::buffers::Fragment;
 use crate::numeric::{ALONG_VIEW, PARALLEL};
 use crate::view::View;
 
-/// The hemisphere around a point of a line: its base is tangent to the line, its pole is turned to the viewer.
+/// The hemisphere around a point of a line: its base is tangent to the line, its pole is turned to
+/// the viewer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hemisphere {
     /// The receiver in eye space, in units of the scene.
@@ -22,8 +24,8 @@ pub(crate) struct Hemisphere {
     perspective: bool,
 }
 
-/// A column in the hemisphere. Its points are `start + t * step` from the receiver, for `t` from `from` to `to`; `t` is a depth,
-/// counted from that of `start`.
+/// A column in the hemisphere. Its points are `start + t * step` from the receiver, for `t` from
+/// `from` to `to`; `t` is a depth, counted from that of `start`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Prism {
     /// The sampled point of the disc, from the receiver.
@@ -43,13 +45,15 @@ impl Hemisphere {
         }
         let away = view.away(at.position);
         let pole = -away - at.tangent * at.tangent.dot(-away);
-        // A line along the view: every direction is normal to it but the one to the eye, which shows best.
+        // A line along the view: every direction is normal to it but the one to the eye, which
+        // shows best.
         let pole = if pole.length() > ALONG_VIEW { pole.normalize() } else { -away };
         let right = (Vec3::X - away * away.x).normalize_or(Vec3::Y);
         Some(Self { middle: at.position, pole, radius, across: [right, right.cross(away)], perspective })
     }
 
-    /// The column through a sample of the disc; `None` where it lies outside of the hemisphere. The base is raised by `lift`.
+    /// The column through a sample of the disc; `None` where it lies outside of the hemisphere. The
+    /// base is raised by `lift`.
     pub(crate) fn prism(&self, sample: Vec2, plane: BasePlane, lift: f32) -> Option<Prism> {
         let start = self.across[0] * sample.x + self.across[1] * sample.y;
         let step = match self.perspective {
@@ -73,7 +77,8 @@ impl Hemisphere {
             BasePlane::Tangent => -height / slope,
             BasePlane::ThesisSign => height / slope,
         };
-        // The pole may turn away from the viewer in perspective: the column then enters the hemisphere through its base.
+        // The pole may turn away from the viewer in perspective: the column then enters the
+        // hemisphere through its base.
         if slope < 0.0 {
             to = to.min(crossing)
         } else {
@@ -104,8 +109,9 @@ impl Prism {
         self.start + self.step * t
     }
 
-    /// The integral of cos(angle to the pole) / (pi distance^2) along the column: with the area across, the share of all
-    /// cosine-weighted directions times the way that they have in the column. The shares of a hemisphere add up to 1.
+    /// The integral of cos(angle to the pole) / (pi distance^2) along the column: with the area
+    /// across, the share of all cosine-weighted directions times the way that they have in the
+    /// column. The shares of a hemisphere add up to 1.
     pub(crate) fn weight(&self, pole: Vec3) -> f32 {
         // The integral of (g + m t) / (c + 2 b t + a t^2)^(3/2).
         let (g, m) = (pole.dot(self.start), pole.dot(self.step));

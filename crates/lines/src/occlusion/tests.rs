@@ -65,7 +65,8 @@ proptest! {
     ) {
         let fov_y = if perspective { Some(1.0) } else { None };
         let position = vec3(at.0, at.1, -at.2);
-        // A tangent along the view gives a base that is parallel to the picture; one across it may give w_z near 0.
+        // A tangent along the view gives a base that is parallel to the picture; one across it may
+        // give w_z near 0.
         let tangent = if along_view { vec3(tangent.0 * 1e-3, 0.0, 1.0) } else { vec3(tangent.0, tangent.1, tangent.2) };
         let mut above = Hemisphere::new(&receiver(position, tangent), 0.5, &view(fov_y, 8)).unwrap();
         let sample = glam::Vec2::new(sample.0, sample.1);
@@ -150,7 +151,8 @@ fn an_empty_grid_is_open_a_full_one_closed_and_a_random_one_between() {
             let other = [Estimator::Extinction { k: 3.0 }, Estimator::OpticalDepth { line_radius: 0.1 }];
             assert_eq!(other.map(|e| at(&empty, e, f)), [0.0; 2]);
         }
-        // The base of a line across the view is parallel to the picture (nearly, in perspective): no slice behind it counts.
+        // The base of a line across the view is parallel to the picture (nearly, in perspective):
+        // no slice behind it counts.
         if fov_y.is_none() {
             assert_eq!(PLAIN.map(|e| at(&behind, e, &receivers[0])), [0.0; 2]);
             assert!(at(&behind, PLAIN[1], &receiver(middle, vec3(0.0, 1.0, 1.0))) > 0.1);
@@ -172,7 +174,8 @@ fn fog(lines: u32) -> LineSet {
 #[test]
 fn in_a_fog_of_lines_the_optical_depth_is_known_and_depends_on_no_grid() {
     let lines = fog(20_000);
-    // 20,000 lines of length 0.1 and radius 0.004 in a box of volume 8 hide pi / 4 * 2 * 0.004 * 2000 / 8 of a ray for each unit.
+    // 20,000 lines of length 0.1 and radius 0.004 in a box of volume 8 hide pi / 4 * 2 * 0.004 *
+    // 2000 / 8 of a ray for each unit.
     let truth = 1.0 - (-std::f32::consts::FRAC_PI_4 * 2.0 * 0.004 * 250.0 * 0.4f32).exp();
     let samples = SampleSets::new(2000, 8, 1).unwrap();
     let mean = |view: &View, slices, estimator: Estimator| {

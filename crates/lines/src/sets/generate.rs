@@ -1,4 +1,5 @@
-//! Seeded sets of lines, which move with a time: stand-ins for the models of the thesis, and streamlines.
+//! Seeded sets of lines, which move with a time: stand-ins for the models of the thesis, and
+//! streamlines.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +17,8 @@ pub enum Family {
     Dipole,
     /// Curved hairs from a ball outwards.
     PomPom,
-    /// Streamlines of the Arnold-Beltrami-Childress flow (Dombre et al. 1986, "Chaotic streamlines in the ABC flows").
+    /// Streamlines of the Arnold-Beltrami-Childress flow (Dombre et al. 1986, "Chaotic streamlines
+    /// in the ABC flows").
     Abc,
     /// Streamlines between wells in thin layers of ground: dense bundles that part and meet.
     Reservoir,
@@ -76,7 +78,8 @@ impl Recipe {
         Self { family, lines, vertices, seed, time: 0.0 }
     }
 
-    /// Makes the set. Each line depends on its own number and the seed only. Time: proportional to the vertices.
+    /// Makes the set. Each line depends on its own number and the seed only. Time: proportional to
+    /// the vertices.
     ///
     /// # Errors
     /// If there are more than [`MOST_VERTICES`]. A time that is not finite is taken as 0.
@@ -107,7 +110,8 @@ impl Recipe {
         (0..self.vertices).map(|i| at(f64::from(i) / last)).collect()
     }
 
-    /// A path through a flow by steps of equal length (midpoint rule), until the flow or the box ends.
+    /// A path through a flow by steps of equal length (midpoint rule), until the flow or the box
+    /// ends.
     fn path(
         &self,
         start: DVec3,
@@ -215,7 +219,8 @@ impl Wells {
         Self { sources: some(5), sinks: some(6) }
     }
 
-    /// The flow at a place: away from sources, to sinks, bent by ground that each layer has otherwise.
+    /// The flow at a place: away from sources, to sinks, bent by ground that each layer has
+    /// otherwise.
     fn flow(&self, p: DVec2, layer: f64, time: f64) -> DVec2 {
         let pull = |well: &DVec2| (p - *well) / ((p - *well).length_squared() + 1e-6);
         let away: DVec2 = self.sources.iter().map(pull).sum();

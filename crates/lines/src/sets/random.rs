@@ -1,6 +1,7 @@
 //! Seeded pseudo-random numbers, the same on every machine.
 
-/// A pseudo-random number from a number (SplitMix64, Steele et al. 2014, "Fast splittable pseudorandom number generators").
+/// A pseudo-random number from a number (SplitMix64, Steele et al. 2014, "Fast splittable
+/// pseudorandom number generators").
 pub fn hash(state: u64) -> u64 {
     let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -29,8 +29,8 @@ pub struct House {
 }
 
 impl House {
-    /// `side` times `side` rooms with `lines` lines each, at a time in seconds. There is a door in the middle of each wall between two
-    /// rooms.
+    /// `side` times `side` rooms with `lines` lines each, at a time in seconds. There is a door in
+    /// the middle of each wall between two rooms.
     ///
     /// # Errors
     /// As [`Recipe::make`]. A room without lines counts as one with a line.

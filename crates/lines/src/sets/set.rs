@@ -88,8 +88,8 @@ impl LineSet {
         self.starts.windows(2).map(|w| &self.points[w[0] as usize..w[1] as usize])
     }
 
-    /// For each segment its line and the index of its first vertex in [`Self::points`]; a dot is a segment without length, whose
-    /// two ends are one vertex.
+    /// For each segment its line and the index of its first vertex in [`Self::points`]; a dot is a
+    /// segment without length, whose two ends are one vertex.
     pub fn segments(&self) -> impl Iterator<Item = Segment> {
         self.starts.windows(2).enumerate().flat_map(|(line, w)| {
             let (from, to) = (w[0], w[1]);
@@ -104,7 +104,8 @@ impl LineSet {
         self.points.iter().fold([first; 2], |[min, max], p| [min.min(*p), max.max(*p)])
     }
 
-    /// The unit tangent at each vertex: the central difference, one-sided at the ends; zero where neighbours coincide.
+    /// The unit tangent at each vertex: the central difference, one-sided at the ends; zero where
+    /// neighbours coincide.
     pub fn tangents(&self) -> Vec<Vec3> {
         let of = |line: &[Vec3], i: usize| {
             let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);

@@ -1,12 +1,15 @@
 //! A grid of bits along the view: a column of 128 or 256 slices behind each pixel.
 //!
-//! Eisemann and Décoret 2008, "Single-pass GPU solid voxelization for real-time applications", for solids; for lines with the
-//! depth spans of Benevides 2015, section 3.2. Each column also holds the length of the lines in each group of 16 slices. The bits
-//! say where in depth lines are, the lengths say how much of them: so sums over a column depend neither on its width nor on the number of slices,
-//! and many lines in one slice count as many. (Groß and Gumhold 2021 keep line densities in isotropic voxels to the same end.)
+//! Eisemann and Décoret 2008, "Single-pass GPU solid voxelization for real-time applications", for
+//! solids; for lines with the depth spans of Benevides 2015, section 3.2. Each column also holds
+//! the length of the lines in each group of 16 slices. The bits say where in depth lines are, the
+//! lengths say how much of them: so sums over a column depend neither on its width nor on the
+//! number of slices, and many lines in one slice count as many. (Groß and Gumhold 2021 keep line
+//! densities in isotropic voxels to the same end.)
 //!
-//! Columns keep every layer, so they also answer whether anything lies before a depth. Lines fill a fraction of a pixel: a column
-//! that is set by lines never hides objects behind it. Columns of solids are sampled at the pixel's centre: not conservative.
+//! Columns keep every layer, so they also answer whether anything lies before a depth. Lines fill a
+//! fraction of a pixel: a column that is set by lines never hides objects behind it. Columns of
+//! solids are sampled at the pixel's centre: not conservative.
 
 mod slices;
 mod solid;
@@ -41,7 +44,8 @@ pub enum SpanRule {
     /// All from the depth where it enters the column to the depth where it leaves it.
     #[default]
     Span,
-    /// The one in the middle, as plain rasterisation does: steep lines lose most of their bits. To show the difference.
+    /// The one in the middle, as plain rasterisation does: steep lines lose most of their bits. To
+    /// show the difference.
     Middle,
 }
 
@@ -78,8 +82,8 @@ fn bins(view: &View, rows: &[Option<Range<u32>>]) -> Vec<Vec<u32>> {
     bins
 }
 
-/// A set of lines in a view: its vertices in eye space, and its segments by the rows of tiles that they cross. Work that goes row
-/// by row over them gives the same result for any number of threads.
+/// A set of lines in a view: its vertices in eye space, and its segments by the rows of tiles that
+/// they cross. Work that goes row by row over them gives the same result for any number of threads.
 pub(crate) struct Placed {
     pub(crate) points: Vec<DVec3>,
     pub(crate) segments: Vec<Segment>,
@@ -111,7 +115,8 @@ impl Placed {
         [self.points[segment.a as usize], self.points[segment.b as usize]]
     }
 
-    /// For each row of tiles, in order and in parallel: the rows of pixels and the segments in them.
+    /// For each row of tiles, in order and in parallel: the rows of pixels and the segments in
+    /// them.
     pub(crate) fn bands<T: Send>(
         &self,
         view: &View,
@@ -159,9 +164,10 @@ impl Band {
 impl SlabGrid {
     /// The columns that lines cross, with the slices and the length of the lines in each.
     ///
-    /// Time: proportional to the vertices and to the columns that lines cross. Memory: 48 bytes a pixel with 128 slices, 96 with 256,
-    /// in tiles of 8 x 8 pixels that lines cross, and 4 bytes a tile; while it is made, as much again,
-    /// about 60 bytes a vertex, and 4 bytes for each row of tiles that a segment crosses.
+    /// Time: proportional to the vertices and to the columns that lines cross. Memory: 48 bytes a
+    /// pixel with 128 slices, 96 with 256, in tiles of 8 x 8 pixels that lines cross, and 4 bytes a
+    /// tile; while it is made, as much again, about 60 bytes a vertex, and 4 bytes for each row of
+    /// tiles that a segment crosses.
     pub fn of_lines(lines: &LineSet, view: &View, slices: Slices, rule: SpanRule) -> Self {
         let placed = Placed::new(lines, view);
         let bands = placed.bands(view, |rows, segments| {
@@ -187,8 +193,9 @@ impl SlabGrid {
         Self::joined(view, slices, bands)
     }
 
-    /// The slices whose middle lies inside closed triangle meshes: where the ray through the pixel's centre has crossed an odd
-    /// number of triangles. Meshes with holes give odd columns, but no error. Columns have no length.
+    /// The slices whose middle lies inside closed triangle meshes: where the ray through the
+    /// pixel's centre has crossed an odd number of triangles. Meshes with holes give odd columns,
+    /// but no error. Columns have no length.
     ///
     /// Time: proportional to the pixels in the bounding rectangles of the triangles.
     ///
@@ -258,8 +265,8 @@ impl SlabGrid {
         (tile != EMPTY).then(|| tile as usize * TILE_PIXELS + ((y % TILE) * TILE + x % TILE) as usize)
     }
 
-    /// The words of a column; bit 0 of the first is the nearest slice. The second is 0 if there are 128 slices; both are 0 outside
-    /// of the picture.
+    /// The words of a column; bit 0 of the first is the nearest slice. The second is 0 if there are
+    /// 128 slices; both are 0 outside of the picture.
     pub fn column(&self, x: u32, y: u32) -> [u128; 2] {
         let Some(at) = self.place(x, y) else { return [0; 2] };
         match self.slices {
@@ -268,8 +275,8 @@ impl SlabGrid {
         }
     }
 
-    /// The length of the lines in each group of [`GROUP`](crate::numeric::GROUP) slices of a column, in units of the scene; no
-    /// group has any outside of the picture.
+    /// The length of the lines in each group of [`GROUP`](crate::numeric::GROUP) slices of a
+    /// column, in units of the scene; no group has any outside of the picture.
     pub fn lengths(&self, x: u32, y: u32) -> &[f32] {
         static NONE: [f32; MOST_GROUPS] = [0.0; MOST_GROUPS];
         let groups = self.slices.groups();
@@ -292,13 +299,15 @@ impl SlabGrid {
         near + (far - near) * (f64::from(slice) + 0.5) / f64::from(self.slices.count())
     }
 
-    /// The first and last slice of a range of depths; `None` if it lies outside of the view's depths, or is empty or not a number.
+    /// The first and last slice of a range of depths; `None` if it lies outside of the view's
+    /// depths, or is empty or not a number.
     pub fn slices_in(&self, [from, to]: [f64; 2]) -> Option<[u32; 2]> {
         let [near, far] = self.view.depths();
         (from <= to && from <= far && to >= near).then(|| [self.slice(from), self.slice(to)])
     }
 
-    /// Set slices and all slices of a column in a range of depths; slices that the range touches count.
+    /// Set slices and all slices of a column in a range of depths; slices that the range touches
+    /// count.
     pub fn count(&self, x: u32, y: u32, depths: [f64; 2]) -> Count {
         let Some([first, last]) = self.slices_in(depths) else { return Count::default() };
         let column = self.column(x, y);
@@ -317,8 +326,9 @@ impl SlabGrid {
         end > 0 && (0..2).any(|i| column[i as usize] & mask(0, end - 1, i) != 0)
     }
 
-    /// The share of the slices that are set, of the columns in a rectangle (its first and its end column, its first and its end
-    /// row) and a range of depths; 0 of none. Time: proportional to the columns.
+    /// The share of the slices that are set, of the columns in a rectangle (its first and its end
+    /// column, its first and its end row) and a range of depths; 0 of none. Time: proportional to
+    /// the columns.
     pub fn fill_fraction(&self, columns: Range<u32>, rows: Range<u32>, depths: [f64; 2]) -> f64 {
         let [width, height] = self.view.size();
         let (mut on, mut total) = (0u64, 0u64);

@@ -35,7 +35,8 @@ impl Slices {
     }
 }
 
-/// The words with the slices `first` to `last` set, both inclusive; `word` is the first or second 128 of them.
+/// The words with the slices `first` to `last` set, both inclusive; `word` is the first or second
+/// 128 of them.
 pub(crate) fn mask(first: u32, last: u32, word: u32) -> u128 {
     let (base, top) = (word * 128, word * 128 + 127);
     if first > top || last < base || first > last {
@@ -53,7 +54,8 @@ pub(crate) fn slice_of(view: &View, slices: Slices, depth: f64) -> u32 {
     (((depth - near) / (far - near) * count) as u32).min(slices.count() - 1)
 }
 
-/// Adds the length of a line between two depths, the lesser one first, to the groups of slices, by their shares of the way.
+/// Adds the length of a line between two depths, the lesser one first, to the groups of slices, by
+/// their shares of the way.
 pub(crate) fn spread(view: &View, slices: Slices, [from, to]: [f64; 2], length: f64, lengths: &mut [f32]) {
     // Absurd coordinates give places that are no numbers.
     if !length.is_finite() {

@@ -1,7 +1,9 @@
-//! Where the rays through the centres of pixels cross triangles, so that closed meshes are crossed an even number of times.
+//! Where the rays through the centres of pixels cross triangles, so that closed meshes are crossed
+//! an even number of times.
 //!
-//! Whether a ray passes a triangle is decided exactly: an edge that two triangles share gives both the same answer, and a ray that
-//! meets an edge or a vertex is moved aside by an infinitesimal way (Edelsbrunner and Mücke 1990, "Simulation of simplicity").
+//! Whether a ray passes a triangle is decided exactly: an edge that two triangles share gives both
+//! the same answer, and a ray that meets an edge or a vertex is moved aside by an infinitesimal way
+//! (Edelsbrunner and Mücke 1990, "Simulation of simplicity").
 
 use std::ops::Range;
 
@@ -80,7 +82,8 @@ fn compare_products([a, d]: [f64; 2], [b, c]: [f64; 2]) -> i32 {
     i32::from(difference > 0.0) - i32::from(difference < 0.0)
 }
 
-/// On which side of the edge from `a` to `b` the origin lies; moved by an infinitesimal way if it lies on it.
+/// On which side of the edge from `a` to `b` the origin lies; moved by an infinitesimal way if it
+/// lies on it.
 fn side(a: DVec2, b: DVec2) -> i32 {
     let order = |a: f64, b: f64| i32::from(a > b) - i32::from(a < b);
     match compare_products([a.x, b.y], [a.y, b.x]) {

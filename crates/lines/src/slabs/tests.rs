@@ -49,7 +49,8 @@ fn hash_of(random: &mut Random) -> u128 {
     u128::from((random.unit() * 2f64.powi(53)) as u64) << 11 | u128::from((random.unit() * 2048.0) as u64)
 }
 
-/// Columns and slices that points all along a segment lie in; those so near to a border that rounding decides are left out.
+/// Columns and slices that points all along a segment lie in; those so near to a border that
+/// rounding decides are left out.
 fn marched(view: &View, grid: &SlabGrid, ends: [Vec3; 2]) -> BTreeMap<(u32, u32), Vec<u32>> {
     let [near, far] = view.depths();
     let [a, b] = ends.map(|e| view.to_eye(e));

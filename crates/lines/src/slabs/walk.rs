@@ -1,8 +1,9 @@
 //! The columns that a segment crosses, and the part of it in each.
 //!
-//! Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing", in homogeneous pixel coordinates, so that the same
-//! steps serve both lenses. The thesis' rasteriser visits one column for each step along the longer axis; here each column that a
-//! segment crosses is visited, so that the parts of a segment are contiguous and their lengths add up.
+//! Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing", in homogeneous
+//! pixel coordinates, so that the same steps serve both lenses. The thesis' rasteriser visits one
+//! column for each step along the longer axis; here each column that a segment crosses is visited,
+//! so that the parts of a segment are contiguous and their lengths add up.
 
 use std::ops::Range;
 
@@ -17,8 +18,9 @@ pub(crate) struct Part {
     pub(crate) to: f64,
 }
 
-/// The part of a segment of eye space in the view's depths and in some rows of its picture (Liang and Barsky 1984). A segment on
-/// the border of two rows is in the lower one only, but at the bottom of the picture.
+/// The part of a segment of eye space in the view's depths and in some rows of its picture (Liang
+/// and Barsky 1984). A segment on the border of two rows is in the lower one only, but at the
+/// bottom of the picture.
 pub(crate) fn clip(view: &View, [a, b]: [DVec3; 2], rows: &Range<u32>) -> Option<Part> {
     let [near, far] = view.depths();
     let (pa, pb) = (view.project(a), view.project(b));
@@ -49,7 +51,8 @@ pub(crate) fn clip(view: &View, [a, b]: [DVec3; 2], rows: &Range<u32>) -> Option
     (part.from <= part.to).then_some(part)
 }
 
-/// Calls `visit` with column, row and part for each column that a segment of eye space crosses, in order; only `rows`.
+/// Calls `visit` with column, row and part for each column that a segment of eye space crosses, in
+/// order; only `rows`.
 pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: impl FnMut(u32, u32, Part)) {
     let Some(part) = clip(view, ends, rows) else { return };
     let [pa, pb] = ends.map(|e| view.project(e));
@@ -83,7 +86,8 @@ pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: 
             return;
         }
         t = next;
-        // Towards the last column in any case: a crossing may be no number if coordinates are absurd.
+        // Towards the last column in any case: a crossing may be no number if coordinates are
+        // absurd.
         if y == end_y || (x != end_x && over_x <= over_y) {
             x += step_x;
         } else {

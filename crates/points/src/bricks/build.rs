@@ -1,7 +1,8 @@
 //! Bricks built out of core, by external sorting along the Morton curve.
 //!
-//! Points go to a scratch file. Once their bounds are known, runs of them are sorted in memory and written, then merged. The merged
-//! points are cut at the largest cells of an octree that hold at most as many points as a brick may.
+//! Points go to a scratch file. Once their bounds are known, runs of them are sorted in memory and
+//! written, then merged. The merged points are cut at the largest cells of an octree that hold at
+//! most as many points as a brick may.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -27,10 +28,11 @@ const BUFFER: usize = 1 << 18;
 /// How bricks are built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// The most points of a brick, from 1 to 262,144; other numbers count as the nearest of these. Small ones are culled better, large
-    /// ones load faster.
+    /// The most points of a brick, from 1 to 262,144; other numbers count as the nearest of these.
+    /// Small ones are culled better, large ones load faster.
     pub most_points: u32,
-    /// Bytes for sorting; at least 4 MiB, and enough for 1/256 of the points are taken anyway. It does not change the result.
+    /// Bytes for sorting; at least 4 MiB, and enough for 1/256 of the points are taken anyway. It
+    /// does not change the result.
     pub memory: u64,
     /// The seed of the order of points.
     pub seed: u64,
@@ -51,8 +53,8 @@ impl Drop for Scratch {
     }
 }
 
-/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 16 bytes a point, it needs twice its size on
-/// the disk until the end.
+/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 16 bytes
+/// a point, it needs twice its size on the disk until the end.
 pub struct Builder {
     target: PathBuf,
     options: BuildOptions,
@@ -64,7 +66,8 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Begins a file. Beside it, files that end in `.raw` and `.runs` are written and removed again.
+    /// Begins a file. Beside it, files that end in `.raw` and `.runs` are written and removed
+    /// again.
     ///
     /// # Errors
     /// Those of the file system.
@@ -75,7 +78,8 @@ impl Builder {
         Ok(Self { target: target.into(), options, header: Header::default(), low, high, raw, scratch })
     }
 
-    /// Adds points. The origin is that of the first cloud. Points without colours are white; normals and radii are not kept.
+    /// Adds points. The origin is that of the first cloud. Points without colours are white;
+    /// normals and radii are not kept.
     ///
     /// # Errors
     /// Those of the file system; positions that are not finite; colours for some points only.
@@ -99,7 +103,8 @@ impl Builder {
         Ok(())
     }
 
-    /// Sorts the points and writes the bricks. `progress` gets the steps done and all steps, two a point.
+    /// Sorts the points and writes the bricks. `progress` gets the steps done and all steps, two a
+    /// point.
     ///
     /// # Errors
     /// Those of the file system.
@@ -223,8 +228,8 @@ impl<F: Fn(&BrickPoint) -> u64> Merge<F> {
         Ok(())
     }
 
-    /// The points of the largest cell of the octree that begins with the next point and holds at most `most`; of a smallest cell that
-    /// holds more, `most`. Empty at the end.
+    /// The points of the largest cell of the octree that begins with the next point and holds at
+    /// most `most`; of a smallest cell that holds more, `most`. Empty at the end.
     fn brick(&mut self, most: usize) -> io::Result<Vec<BrickPoint>> {
         while self.ahead.len() <= most {
             let Some(Reverse((code, run))) = self.heap.pop() else { break };

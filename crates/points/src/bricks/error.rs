@@ -22,7 +22,8 @@ pub enum BrickError {
         /// What is wrong.
         cause: String,
     },
-    /// A point to build bricks from is infinite, not a number, or too far from the first ones for single precision.
+    /// A point to build bricks from is infinite, not a number, or too far from the first ones for
+    /// single precision.
     #[error("the position of point {index} is not finite")]
     NotFinite {
         /// Its number among all points.

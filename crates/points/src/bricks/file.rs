@@ -1,8 +1,9 @@
 //! Files of bricks, opened and read.
 //!
-//! All numbers are little-endian. 64 bytes: "CASCABRK", version (u32), levels (u32), origin (3 f64), points (u64), bricks (u64), 0 (u64).
-//! Then 16 bytes for each point: position minus origin (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of
-//! their points: least and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
+//! All numbers are little-endian. 64 bytes: "CASCABRK", version (u32), levels (u32), origin (3
+//! f64), points (u64), bricks (u64), 0 (u64). Then 16 bytes for each point: position minus origin
+//! (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of their points: least
+//! and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -16,7 +17,8 @@ use glam::{DVec3, Vec3};
 use super::error::BrickError;
 use crate::Camera;
 
-/// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256 cells along its longest edge, and all.
+/// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256
+/// cells along its longest edge, and all.
 pub(super) const LEVELS: usize = 10;
 /// The most points of a brick: 4 MiB.
 pub(super) const MOST: u32 = 1 << 18;
@@ -155,7 +157,8 @@ pub struct Want {
     pub points: u32,
 }
 
-/// An open file of bricks. Coordinates of bricks, points and the scene are relative to [`Bricks::origin`].
+/// An open file of bricks. Coordinates of bricks, points and the scene are relative to
+/// [`Bricks::origin`].
 #[derive(Debug)]
 pub struct Bricks {
     name: String,
@@ -168,7 +171,8 @@ impl Bricks {
     /// Opens a file and reads its index, but no points.
     ///
     /// # Errors
-    /// If it cannot be opened, is of another format or version, or its length or index contradicts its header.
+    /// If it cannot be opened, is of another format or version, or its length or index contradicts
+    /// its header.
     pub fn open(path: &Path) -> Result<Self, BrickError> {
         let name = path.display().to_string();
         let io = |source| BrickError::Io { name: name.clone(), source };
@@ -239,7 +243,8 @@ impl Bricks {
         all.unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ZERO))
     }
 
-    /// Inserts every brick as a fixed object that hides nothing, with its number as user data. The ids are in the order of the bricks.
+    /// Inserts every brick as a fixed object that hides nothing, with its number as user data. The
+    /// ids are in the order of the bricks.
     ///
     /// # Errors
     /// Those of [`Scene::insert`]; the bricks before the error are inserted.
@@ -249,8 +254,9 @@ impl Bricks {
         objects.map(|(brick, i)| scene.insert(ObjectDesc::fixed(brick.bounds).user_data(i))).collect()
     }
 
-    /// The points that a picture needs of some bricks, in the given order, which should be from near to far as in a PVS: as many as lie
-    /// about `pixels` apart in the picture, at the place of the brick that is nearest to the eye. Numbers that are not bricks are ignored.
+    /// The points that a picture needs of some bricks, in the given order, which should be from
+    /// near to far as in a PVS: as many as lie about `pixels` apart in the picture, at the place of
+    /// the brick that is nearest to the eye. Numbers that are not bricks are ignored.
     pub fn wants(&self, bricks: impl IntoIterator<Item = u32>, camera: &Camera, pixels: f32) -> Vec<Want> {
         let want = |number: u32| {
             let brick = self.index.get(number as usize)?;
@@ -264,7 +270,8 @@ impl Bricks {
         bricks.into_iter().filter_map(want).collect()
     }
 
-    /// About how far apart the first `points` points of a brick are: the number of occupied cells of a grid tells the area of the surface.
+    /// About how far apart the first `points` points of a brick are: the number of occupied cells
+    /// of a grid tells the area of the surface.
     pub fn spacing(&self, brick: u32, points: u32) -> f32 {
         let Some(brick) = self.index.get(brick as usize) else { return 0.0 };
         // The finest grid of which each occupied cell has about four of the points.

@@ -12,8 +12,9 @@ use super::file::{Bricks, Want};
 use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 
-/// Loads the first points of wanted bricks, nearest first, and evicts the least recently wanted. No call but [`Loader::settle`] waits for
-/// the disk: the others use the points that are loaded, and the rest comes later.
+/// Loads the first points of wanted bricks, nearest first, and evicts the least recently wanted. No
+/// call but [`Loader::settle`] waits for the disk: the others use the points that are loaded, and
+/// the rest comes later.
 #[derive(Debug)]
 pub struct Loader {
     shared: Arc<Shared>,
@@ -35,7 +36,8 @@ struct State {
     wants: Vec<Want>,
     /// The bricks of `wants`.
     wanted: BTreeSet<u32>,
-    /// The loaded bricks that are not wanted, the least recently wanted last. They are listed when room is first needed for `wants`.
+    /// The loaded bricks that are not wanted, the least recently wanted last. They are listed when
+    /// room is first needed for `wants`.
     unwanted: Option<Vec<u32>>,
     /// Of the wants from here on, no more points are loaded than wanted.
     trimmed: usize,
@@ -75,9 +77,9 @@ impl Loader {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Sets the wanted bricks, most important first. Those at the end that do not fit into the budget are not loaded. Of a brick that is
-    /// in the list more than once, the largest number of points counts, at its first place. The cost is `n log n` in the length of the
-    /// list.
+    /// Sets the wanted bricks, most important first. Those at the end that do not fit into the
+    /// budget are not loaded. Of a brick that is in the list more than once, the largest number of
+    /// points counts, at its first place. The cost is `n log n` in the length of the list.
     pub fn want(&self, wants: &[Want]) {
         let Shared { bricks, budget, .. } = &*self.shared;
         let mut state = self.shared.lock();
@@ -114,8 +116,9 @@ impl Loader {
         self.shared.lock().points
     }
 
-    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a picture. Radii are half
-    /// the sides of squares that close most gaps, as [`crate::splat`] takes them.
+    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an
+    /// operator or a picture. Radii are half the sides of squares that close most gaps, as
+    /// [`crate::splat`] takes them.
     pub fn gather(&self, wants: &[Want]) -> PointCloud {
         let bricks = &self.shared.bricks;
         let parts: Vec<_> = {
@@ -134,7 +137,8 @@ impl Loader {
         cloud
     }
 
-    /// Waits until all wanted points that fit into the budget are loaded, or the thread has ended with an error.
+    /// Waits until all wanted points that fit into the budget are loaded, or the thread has ended
+    /// with an error.
     pub fn settle(&self) {
         let mut state = self.shared.lock();
         while !state.idle && !state.stopped {
@@ -228,8 +232,8 @@ impl State {
         None
     }
 
-    /// Drops bricks until a wanted one fits: those that are not wanted, the least recently wanted first, then what others have more than
-    /// is wanted of them, the farthest first.
+    /// Drops bricks until a wanted one fits: those that are not wanted, the least recently wanted
+    /// first, then what others have more than is wanted of them, the farthest first.
     fn make_room(&mut self, want: Want, budget: usize) {
         let have = self.loaded.get(&want.brick).map_or(0, |l| l.points.len());
         let limit = budget.saturating_sub((want.points as usize).saturating_sub(have));

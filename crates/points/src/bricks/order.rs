@@ -1,7 +1,8 @@
 //! The order of the points in a brick: every beginning of it is spread over the whole brick.
 //!
-//! A hierarchy of grids, as in Schütz, Ohrhallinger, Wimmer 2020 ("Fast Out-of-Core Octree Generation for Massive Point Clouds"), but with
-//! random points: each occupied cell of the coarsest grid gives one point, then each of the next grid that has given none, and so on.
+//! A hierarchy of grids, as in Schütz, Ohrhallinger, Wimmer 2020 ("Fast Out-of-Core Octree
+//! Generation for Massive Point Clouds"), but with random points: each occupied cell of the
+//! coarsest grid gives one point, then each of the next grid that has given none, and so on.
 
 use casca::Aabb;
 use glam::Vec3;
@@ -22,8 +23,8 @@ pub(super) fn code(position: Vec3, low: Vec3, edge: f64, bits: u32) -> u64 {
     morton(at.to_array().map(|x| x.clamp(0.0, cells - 1.0) as u32))
 }
 
-/// Puts the points of a brick, at least one, in order. A point chosen for a cell is also the one chosen in every finer cell that contains
-/// it, as it is the least of a random order in each.
+/// Puts the points of a brick, at least one, in order. A point chosen for a cell is also the one
+/// chosen in every finer cell that contains it, as it is the least of a random order in each.
 pub(super) fn arrange(points: &mut Vec<BrickPoint>, first: u64, seed: u64) -> Brick {
     let low = points.iter().fold(Vec3::INFINITY, |low, p| low.min(p.position));
     let high = points.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(p.position));

@@ -106,7 +106,8 @@ fn every_level_of_detail_is_spread_over_its_brick() {
     }
 }
 
-/// A file of two bricks of 400 points 5 and 20 units before the eye, the scene with or without a wall between, and the camera.
+/// A file of two bricks of 400 points 5 and 20 units before the eye, the scene with or without a
+/// wall between, and the camera.
 fn two_bricks(wall: bool) -> (TempDir, Arc<Bricks>, Scene, Camera) {
     let ball = |z: f32| sphere(400).into_iter().map(move |p| p.as_vec3() + Vec3::Z * z);
     let positions: Vec<Vec3> = ball(-5.0).chain(ball(-20.0)).collect();

@@ -3,7 +3,8 @@
 use super::options::{ClusterError, Clustering};
 use glam::DVec3;
 
-/// The largest number of cells along an axis: three such numbers fit into 63 bits. An octree of this size has 20 levels.
+/// The largest number of cells along an axis: three such numbers fit into 63 bits. An octree of
+/// this size has 20 levels.
 const MOST: u32 = 1 << LEVELS;
 
 /// The levels of an octree. Points in one of its smallest cells, as all equal ones, share a leaf.
@@ -31,7 +32,8 @@ impl Cells {
         let high = points.iter().copied().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
         let key = |p: DVec3| {
             let at = [0, 1, 2].map(|axis| {
-                // Halves, as the difference of huge coordinates overflows. Equal ones give NaN, which is cell 0.
+                // Halves, as the difference of huge coordinates overflows. Equal ones give NaN,
+                // which is cell 0.
                 let part = (p[axis] / 2.0 - low[axis] / 2.0) / (high[axis] / 2.0 - low[axis] / 2.0);
                 ((part * f64::from(sizes[axis])) as u32).min(sizes[axis] - 1)
             });
@@ -82,8 +84,8 @@ fn octree(keys: &[u64], start: usize, level: u32, max_points: usize, ends: &mut 
     }
 }
 
-/// The Morton code of a cell: the lower 21 bits of three numbers in turns, that of the first number foremost. Codes of near cells are often
-/// near.
+/// The Morton code of a cell: the lower 21 bits of three numbers in turns, that of the first number
+/// foremost. Codes of near cells are often near.
 pub fn morton(at: [u32; 3]) -> u64 {
     // Each step moves the upper half of every group of bits away from the lower.
     let spread = |x: u32| {

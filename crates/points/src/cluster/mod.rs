@@ -1,7 +1,8 @@
 //! Hidden point removal of clusters: one representative for the points of a cell.
 //!
-//! Tavares 2009, "Aproximação Eficiente de Visibilidade para Nuvem de Pontos utilizando a GPU", chapter 3. The thesis keeps the
-//! radius that is best for all points; here [`Radius::Rescaled`] shrinks it with the distance between representatives.
+//! Tavares 2009, "Aproximação Eficiente de Visibilidade para Nuvem de Pontos utilizando a GPU",
+//! chapter 3. The thesis keeps the radius that is best for all points; here [`Radius::Rescaled`]
+//! shrinks it with the distance between representatives.
 
 mod cells;
 mod options;
@@ -33,8 +34,9 @@ fn check(points: &[DVec3]) -> Result<(), HprError> {
 
 /// A bit for each point: whether it is visible from the eye, by the centroids of clusters.
 ///
-/// Fast and rough: a cell at the silhouette is visible or hidden as a whole. Takes `O(n log n)` time and about 60 bytes a point for the
-/// cells, empty ones cost nothing, and hidden point removal of the centroids.
+/// Fast and rough: a cell at the silhouette is visible or hidden as a whole. Takes `O(n log n)`
+/// time and about 60 bytes a point for the cells, empty ones cost nothing, and hidden point removal
+/// of the centroids.
 ///
 /// # Errors
 ///

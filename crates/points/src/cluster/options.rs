@@ -10,7 +10,8 @@ pub enum Clustering {
         /// Cells along x, y and z.
         cells: [u32; 3],
     },
-    /// An octree over the bounding box: cells of more points than this are cut into eight. At least 1.
+    /// An octree over the bounding box: cells of more points than this are cut into eight. At
+    /// least 1.
     Octree {
         /// The largest number of points of a leaf.
         max_points: u32,
@@ -22,9 +23,10 @@ pub enum Clustering {
 pub enum Radius {
     /// That of the points, as in the thesis: with few clusters it makes nearly all of them visible.
     AsGiven,
-    /// Divides the radius by the number of points per cluster, but not below the largest distance, and multiplies gamma by it. A point is
-    /// hidden behind a gap of the angle `a` if it is more than about `R a^2 / 4` farther away, and for samples of a
-    /// surface `a^2` grows with the number of points for each cluster.
+    /// Divides the radius by the number of points per cluster, but not below the largest distance,
+    /// and multiplies gamma by it. A point is hidden behind a gap of the angle `a` if it is more
+    /// than about `R a^2 / 4` farther away, and for samples of a surface `a^2` grows with the
+    /// number of points for each cluster.
     Rescaled,
 }
 

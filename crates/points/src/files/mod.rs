@@ -1,6 +1,8 @@
-//! Point clouds from files, in chunks, so that a file may be larger than memory: PLY, LAS and LAZ, E57, surfels; and PLY written.
+//! Point clouds from files, in chunks, so that a file may be larger than memory: PLY, LAS and LAZ,
+//! E57, surfels; and PLY written.
 //!
-//! The format is found by the first bytes, not by the name. Counts in headers are checked by reading, never believed by allocating.
+//! The format is found by the first bytes, not by the name. Counts in headers are checked by
+//! reading, never believed by allocating.
 
 mod guarded;
 mod layers;
@@ -22,12 +24,15 @@ use sink::Sink;
 pub use ply::PlyWriter;
 pub use sink::{Attributes, FileError, Source};
 
-/// Reads a whole file. Points whose coordinates are not finite, as scanners write them for rays without an echo, are left out.
+/// Reads a whole file. Points whose coordinates are not finite, as scanners write them for rays
+/// without an echo, are left out.
 ///
-/// Colours of LAS and LAZ files have 16 bits a channel; they are taken as 8 bits if no channel of the first 65,536 points that are not all
-/// black exceeds 255 (of fewer points, if their records have more than 64 bytes).
+/// Colours of LAS and LAZ files have 16 bits a channel; they are taken as 8 bits if no channel of
+/// the first 65,536 points that are not all black exceeds 255 (of fewer points, if their records
+/// have more than 64 bytes).
 ///
-/// The origin is a multiple of 1,024 units in each coordinate, near the first point or the middle of the bounds in the header.
+/// The origin is a multiple of 1,024 units in each coordinate, near the first point or the middle
+/// of the bounds in the header.
 ///
 /// # Errors
 /// If the file cannot be opened, is of none of the formats, is broken or ends too early.
@@ -40,8 +45,8 @@ pub fn read(path: &Path) -> Result<PointCloud, FileError> {
     Ok(all)
 }
 
-/// Reads a file and hands out its points in chunks of `most` (at least 1), in their order, all with one origin; and the number of
-/// points that were left out, as [`read`] does it.
+/// Reads a file and hands out its points in chunks of `most` (at least 1), in their order, all with
+/// one origin; and the number of points that were left out, as [`read`] does it.
 ///
 /// # Errors
 /// As [`read`]; and the first error of `each`, which ends the reading.

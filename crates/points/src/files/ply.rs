@@ -1,4 +1,5 @@
-//! PLY (Turk 1994): headers and binary points are read by the crate `ply-rs-bw`; files are written in little-endian binary.
+//! PLY (Turk 1994): headers and binary points are read by the crate `ply-rs-bw`; files are written
+//! in little-endian binary.
 
 use std::io::{self, BufRead, Read, Write};
 
@@ -105,7 +106,8 @@ pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, 
     Err(sink.header("PLY", "there is no element vertex").into())
 }
 
-/// Reads the next line that is not empty. Not by the crate, as that refuses "nan", which scanners write.
+/// Reads the next line that is not empty. Not by the crate, as that refuses "nan", which scanners
+/// write.
 fn ascii(source: &mut impl BufRead, element: &ElementDef, at: &mut usize) -> Result<Sample, String> {
     let mut line = String::new();
     while line.trim().is_empty() {
@@ -137,7 +139,8 @@ fn ascii(source: &mut impl BufRead, element: &ElementDef, at: &mut usize) -> Res
     Ok(sample)
 }
 
-/// A number of an ASCII file as the header declares it, with types only as far as colours depend on them.
+/// A number of an ASCII file as the header declares it, with types only as far as colours depend on
+/// them.
 fn typed(kind: &ScalarType, value: f64) -> Property {
     match kind {
         ScalarType::UChar => Property::UChar(value as u8),
@@ -149,8 +152,8 @@ fn typed(kind: &ScalarType, value: f64) -> Property {
     }
 }
 
-/// Writes points to a PLY file, little-endian, in chunks. Positions are doubles with their origin added, or, where the origin
-/// of a cloud in [`PlyWriter::write_all`] is zero, floats.
+/// Writes points to a PLY file, little-endian, in chunks. Positions are doubles with their origin
+/// added, or, where the origin of a cloud in [`PlyWriter::write_all`] is zero, floats.
 pub struct PlyWriter<W: Write> {
     out: W,
     has: Attributes,
@@ -194,7 +197,8 @@ impl<W: Write> PlyWriter<W> {
     /// Writes some of the points. Attributes that the header does not name are left out.
     ///
     /// # Errors
-    /// Those of the output; attributes that the cloud lacks or only some points have; more points than the header says.
+    /// Those of the output; attributes that the cloud lacks or only some points have; more points
+    /// than the header says.
     pub fn push(&mut self, cloud: &PointCloud) -> io::Result<()> {
         cloud.check().map_err(io::Error::other)?;
         let lacks = self.has.colours && cloud.colours.is_empty()

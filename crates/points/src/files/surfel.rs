@@ -1,4 +1,5 @@
-//! The text format of Adams' Surfel Viewer: the number of surfels, then `x y z r g b nx ny nz radius` on a line for each.
+//! The text format of Adams' Surfel Viewer: the number of surfels, then `x y z r g b nx ny nz
+//! radius` on a line for each.
 
 use std::io::{BufRead, ErrorKind, Read};
 

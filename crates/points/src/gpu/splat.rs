@@ -1,8 +1,10 @@
-//! The splat operator by compute shaders (Tavares 2009, chapter 5; there by geometry and fragment shaders).
+//! The splat operator by compute shaders (Tavares 2009, chapter 5; there by geometry and fragment
+//! shaders).
 //!
-//! Squares are drawn by atomic minima of depths, as in Schütz, Kerbl & Wimmer 2021, "Rendering Point Clouds with Compute Shaders and
-//! Vertex Order Optimization". Their shaders pack the depth with the index of a point, since a pixel shows one point. Here each point is
-//! tested against the depths, so that these are enough, and any adapter has the 32-bit operations for them.
+//! Squares are drawn by atomic minima of depths, as in Schütz, Kerbl & Wimmer 2021, "Rendering
+//! Point Clouds with Compute Shaders and Vertex Order Optimization". Their shaders pack the depth
+//! with the index of a point, since a pixel shows one point. Here each point is tested against the
+//! depths, so that these are enough, and any adapter has the 32-bit operations for them.
 
 use std::num::NonZeroU64;
 
@@ -188,12 +190,14 @@ impl SplatOperator {
     /// A bit for each point: whether the camera sees it, as
     /// [`splat::visible_points`](crate::splat::visible_points) finds it on the processor.
     ///
-    /// The answers are the same, bit by bit, as long as no number is so small that it is subnormal, below 10^-38: devices may take those
-    /// as 0. The shaders keep products from being fused with sums, and round quotients by whole numbers.
+    /// The answers are the same, bit by bit, as long as no number is so small that it is subnormal,
+    /// below 10^-38: devices may take those as 0. The shaders keep products from being fused with
+    /// sums, and round quotients by whole numbers.
     ///
-    /// Costs a few operations for each point, whatever the radii, and two waits for the device; the bits of the answers are copied back.
-    /// A radius for each point is copied to the device in each call. The device needs room for a depth image for each doubling of the
-    /// largest square's side.
+    /// Costs a few operations for each point, whatever the radii, and two waits for the device; the
+    /// bits of the answers are copied back. A radius for each point is copied to the device in each
+    /// call. The device needs room for a depth image for each doubling of the largest square's
+    /// side.
     ///
     /// # Errors
     ///

@@ -1,8 +1,10 @@
 //! Surface splatting: points drawn as discs that blend into a closed surface.
 //!
-//! Tavares 2009, chapter 4, in the form of Zwicker, Pfister, van Baar & Gross 2001, "Surface Splatting", and Botsch & Kobbelt 2003,
-//! "High-Quality Point-Based Rendering on Modern GPUs": a visibility pass into depth, a pass that adds colours with Gaussian weights,
-//! and a pass that divides by the sum of weights. The thesis leaves the last one out, so that its pictures depend on the order.
+//! Tavares 2009, chapter 4, in the form of Zwicker, Pfister, van Baar & Gross 2001, "Surface
+//! Splatting", and Botsch & Kobbelt 2003, "High-Quality Point-Based Rendering on Modern GPUs": a
+//! visibility pass into depth, a pass that adds colours with Gaussian weights, and a pass that
+//! divides by the sum of weights. The thesis leaves the last one out, so that its pictures depend
+//! on the order.
 
 use bytemuck::{Pod, Zeroable};
 use casca_stage::canvas::Target;
@@ -24,7 +26,8 @@ pub struct Surfel {
     pub position: [f32; 3],
     /// Its radius, in the units of the position.
     pub radius: f32,
-    /// The normal of the surface, of length 1; a disc without one, of zeros, faces the eye and has no back.
+    /// The normal of the surface, of length 1; a disc without one, of zeros, faces the eye and has
+    /// no back.
     pub normal: [f32; 3],
     /// Red, green, blue; the fourth is not used.
     pub colour: [u8; 4],
@@ -60,9 +63,11 @@ impl Surfels {
 pub struct Style {
     /// What radii are multiplied by. With 0 each disc is a dot of the least size.
     pub scale: f32,
-    /// The least radius of a disc in pixels. About 0.7 leaves no gaps in surfaces that are far away.
+    /// The least radius of a disc in pixels. About 0.7 leaves no gaps in surfaces that are far
+    /// away.
     pub least_pixels: f32,
-    /// How far discs may be behind the nearest one and still blend with it, in units of the world; about a radius.
+    /// How far discs may be behind the nearest one and still blend with it, in units of the world;
+    /// about a radius.
     pub offset: f32,
     /// Whether surfaces with a normal are lit from above the eye's left shoulder.
     pub lit: bool,
@@ -74,7 +79,8 @@ pub struct Pane<'a> {
     pub surfels: &'a Surfels,
     /// How they are drawn.
     pub style: Style,
-    /// The left upper corner in pixels. The part is as large as the camera's picture, and must be within the target.
+    /// The left upper corner in pixels. The part is as large as the camera's picture, and must be
+    /// within the target.
     pub corner: (u32, u32),
 }
 
@@ -132,10 +138,11 @@ impl SurfelRenderer {
         }
     }
 
-    /// Draws panes over a cleared `target`, all as `camera` sees them. Panes that reach beyond the target are left out.
+    /// Draws panes over a cleared `target`, all as `camera` sees them. Panes that reach beyond the
+    /// target are left out.
     ///
-    /// The order of the discs of a pane does not matter, but for the rounding of sums: their precision is 1/2048. Each disc is drawn
-    /// twice, with four corners.
+    /// The order of the discs of a pane does not matter, but for the rounding of sums: their
+    /// precision is 1/2048. Each disc is drawn twice, with four corners.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -240,7 +247,8 @@ struct Make<'a> {
 }
 
 impl Make<'_> {
-    /// `depth` says whether depths are written; without it, they are not even tested, and there are no surfels.
+    /// `depth` says whether depths are written; without it, they are not even tested, and there are
+    /// no surfels.
     fn pipeline(
         &self,
         [vertex, fragment]: [&str; 2],

@@ -244,7 +244,8 @@ fn back_faces_are_culled_and_panes_keep_apart() {
         };
         [count([200, 0, 0]), count([0, 200, 0])]
     };
-    // The near side of a ball, the far side of one turned inside out, whose rim is on the near side, nothing, and dots.
+    // The near side of a ball, the far side of one turned inside out, whose rim is on the near
+    // side, nothing, and dots.
     let [near, far, nothing, dots] = [0, 1, 2, 3].map(colours);
     assert!(near[0] > 4000 && near[1] == 0 && far[1] > 3500 && far[0] < 400, "{near:?} {far:?}");
     assert!(nothing == [0, 0] && (50..1000).contains(&dots[0]) && dots[1] == 0, "{nothing:?} {dots:?}");

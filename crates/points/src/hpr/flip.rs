@@ -4,7 +4,8 @@ use super::kernel::{HprError, Kernel};
 use crate::numeric::{AT_EYE, LEAST_IMAGE, power_of_two_for};
 use glam::DVec3;
 
-/// The images of points, relative to the eye, all within a distance of 1. Points at the eye stay there.
+/// The images of points, relative to the eye, all within a distance of 1. Points at the eye stay
+/// there.
 pub(super) fn flip(points: &[DVec3], eye: DVec3, kernel: Kernel) -> Result<Vec<DVec3>, HprError> {
     if !eye.is_finite() {
         return Err(HprError::EyeNotFinite);
@@ -35,7 +36,8 @@ pub(super) fn flip(points: &[DVec3], eye: DVec3, kernel: Kernel) -> Result<Vec<D
     Ok(points.iter().map(flip_one).collect())
 }
 
-/// The distance of an image by the distance of its point, in units of their largest values; so is `nearest`, the least distance.
+/// The distance of an image by the distance of its point, in units of their largest values; so is
+/// `nearest`, the least distance.
 fn image_distance(
     kernel: Kernel,
     nearest: f64,

@@ -4,17 +4,19 @@ use crate::hull::MAX_POINTS;
 
 /// The function that turns near points into far ones.
 ///
-/// A larger radius, or a gamma nearer to 0, makes more points visible: fewer are falsely hidden in hollows, and more are falsely
-/// visible through gaps between points. The best value depends on the distance between points.
+/// A larger radius, or a gamma nearer to 0, makes more points visible: fewer are falsely hidden in
+/// hollows, and more are falsely visible through gaps between points. The best value depends on the
+/// distance between points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kernel {
-    /// A point at distance `r` goes to the distance `2 R - r`, where `R` is `10^log10_radius` times the largest distance of a point
-    /// from the eye. The value is at least 0; 2 to 3.5 are usual.
+    /// A point at distance `r` goes to the distance `2 R - r`, where `R` is `10^log10_radius` times
+    /// the largest distance of a point from the eye. The value is at least 0; 2 to 3.5 are usual.
     Relative {
         /// The decimal logarithm of the radius, as a multiple of the largest distance.
         log10_radius: f64,
     },
-    /// The same with `R` in units of the points' coordinates. It must not be less than the largest distance.
+    /// The same with `R` in units of the points' coordinates. It must not be less than the largest
+    /// distance.
     Absolute {
         /// The radius of the sphere around the eye in which all points lie.
         radius: f64,

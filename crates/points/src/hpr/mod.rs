@@ -1,7 +1,7 @@
 //! Hidden point removal by the convex hull of points that are turned inside out around the eye.
 //!
-//! Katz, Tal & Basri 2007, "Direct Visibility of Point Sets" (spherical flipping); Katz & Tal 2015, "On the Visibility of Point
-//! Clouds" (the exponential kernel).
+//! Katz, Tal & Basri 2007, "Direct Visibility of Point Sets" (spherical flipping); Katz & Tal 2015,
+//! "On the Visibility of Point Clouds" (the exponential kernel).
 
 mod flip;
 mod kernel;
@@ -14,14 +14,16 @@ use glam::DVec3;
 
 /// A bit for each point: whether it is visible from the eye.
 ///
-/// A point is visible if its flipped image is an extreme point of the hull of all images and the eye
-/// ([`extreme_points`] has the rules for flat and equal points). The answer is an estimate, and errs in both directions. The hull
-/// is exact for the images, which themselves are rounded to doubles.
+/// A point is visible if its flipped image is an extreme point of the hull of all images and the
+/// eye ([`extreme_points`] has the rules for flat and equal points). The answer is an estimate, and
+/// errs in both directions. The hull is exact for the images, which themselves are rounded to
+/// doubles.
 ///
-/// Points at the eye are visible, and hide nothing; so are points nearer than 10^-150 of the largest distance. Points at
-/// the same place have the same bit. If the images and the eye are in one plane, this is hidden point removal in the plane; if they are on
-/// one line, the nearest point on each side is visible. For sure that is so along the axes of coordinates only: elsewhere images are
-/// rounded off the line, and a point right behind another may be visible, too.
+/// Points at the eye are visible, and hide nothing; so are points nearer than 10^-150 of the
+/// largest distance. Points at the same place have the same bit. If the images and the eye are in
+/// one plane, this is hidden point removal in the plane; if they are on one line, the nearest point
+/// on each side is visible. For sure that is so along the axes of coordinates only: elsewhere
+/// images are rounded off the line, and a point right behind another may be visible, too.
 ///
 /// Costs the hull, `O(n log n)` on usual inputs, and about 150 bytes for each point.
 ///

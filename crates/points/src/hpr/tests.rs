@@ -1,4 +1,5 @@
-//! Hidden point removal beside the truth of spheres, boxes and planes, which formulas give. Both kinds of errors are counted.
+//! Hidden point removal beside the truth of spheres, boxes and planes, which formulas give. Both
+//! kinds of errors are counted.
 
 use super::*;
 use crate::hull::tests::truth;
@@ -45,8 +46,8 @@ fn the_near_half_of_a_sphere_is_visible() {
 
 #[test]
 fn a_larger_radius_trades_false_hidden_for_false_visible_points() {
-    // A floor, a wall beside it and a hidden sheet below. A small radius loses the corner of floor and wall, a large one finds the
-    // lower sheet between the points of the floor.
+    // A floor, a wall beside it and a hidden sheet below. A small radius loses the corner of floor
+    // and wall, a large one finds the lower sheet between the points of the floor.
     let wall = sheet(60, 0.0).map(|p| DVec3::new(1.0, p.x, p.y + 1.0));
     let points: Vec<DVec3> = sheet(60, 0.0).chain(wall).chain(sheet(60, -0.5)).collect();
     let (eye, truth) = (DVec3::new(-0.6, 0.02, 3.0), |p: DVec3| p.z >= 0.0);

@@ -12,7 +12,8 @@ pub(super) fn ends(points: &[DVec3]) -> BitVec {
     points.iter().map(|&p| Some(p) == low || Some(p) == high).collect()
 }
 
-/// The corners of points in a plane, which are not collinear when seen along `axis` (Andrew 1979, the monotone chain).
+/// The corners of points in a plane, which are not collinear when seen along `axis` (Andrew 1979,
+/// the monotone chain).
 pub(super) fn corners(points: &[DVec3], axis: usize) -> BitVec {
     let key = |p: DVec3| DVec3::new(p[(axis + 1) % 3], p[(axis + 2) % 3], 0.0);
     let mut sorted: Vec<u32> = (0..points.len() as u32).collect();

@@ -6,19 +6,22 @@ use bitvec::vec::BitVec;
 use glam::DVec3;
 use std::collections::VecDeque;
 
-/// The extreme points of points of which four, the fourth below the first three, are not in a plane.
+/// The extreme points of points of which four, the fourth below the first three, are not in a
+/// plane.
 pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     let mut hull = Hull::new(points, simplex);
     hull.grow();
     hull.extreme()
 }
 
-/// With this many new faces a binary search is faster than looking at each. Without it, points on two circles take quadratic time.
+/// With this many new faces a binary search is faster than looking at each. Without it, points on
+/// two circles take quadratic time.
 const LARGE_FAN: usize = 32;
 
-/// This part of the points is added all around before the hull is finished place by place, which is faster as a place is in the
-/// processor's caches. Without it, one place can be finished while its neighbours have huge faces, and each point of these meets most faces
-/// of the place: quadratic time for points on two curves.
+/// This part of the points is added all around before the hull is finished place by place, which is
+/// faster as a place is in the processor's caches. Without it, one place can be finished while its
+/// neighbours have huge faces, and each point of these meets most faces of the place: quadratic
+/// time for points on two curves.
 const BREADTH_FIRST_PART: usize = 32;
 
 /// An edge of the border between the faces below a new point and the others.
@@ -40,7 +43,8 @@ struct Hull<'a> {
     pending: VecDeque<u32>,
     /// The next point of the list in which a point is.
     next: Vec<u32>,
-    /// The new face whose border edge begins at a point; only read for corners of the current border.
+    /// The new face whose border edge begins at a point; only read for corners of the current
+    /// border.
     begins: Vec<u32>,
     /// Points at the place of a corner, and that corner.
     twins: Vec<(u32, u32)>,
@@ -105,7 +109,8 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Puts a point into the list of a fresh face that it is above; if there is none, it is within the hull.
+    /// Puts a point into the list of a fresh face that it is above; if there is none, it is within
+    /// the hull.
     fn put(&mut self, p: u32) {
         let point = self.points[p as usize];
         let Some((id, height)) = self.face_below(point) else { return };
@@ -135,11 +140,12 @@ impl<'a> Hull<'a> {
         self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
     }
 
-    /// The same by a binary search in a fan of fresh faces around a new point, the tip; `None` if the point is in the planes of both faces at
-    /// the first corner, where `start` begins.
+    /// The same by a binary search in a fan of fresh faces around a new point, the tip; `None` if
+    /// the point is in the planes of both faces at the first corner, where `start` begins.
     ///
-    /// A point that is above neither of these two faces is in the wedge between them. Planes through the tip, the first corner and each other
-    /// corner cut the wedge into a sector for each face, and a point above no face of its sector is above none.
+    /// A point that is above neither of these two faces is in the wedge between them. Planes
+    /// through the tip, the first corner and each other corner cut the wedge into a sector for each
+    /// face, and a point above no face of its sector is above none.
     fn search_fan(&self, start: usize, point: DVec3) -> Option<Option<(u32, f64)>> {
         let count = self.fresh.len();
         let id = |i: usize| self.fresh[(start + i) % count];
@@ -194,10 +200,12 @@ impl<'a> Hull<'a> {
         self.pending.extend(self.fresh.iter().filter(|&&id| faces[id as usize].first != NONE));
     }
 
-    /// Finds all faces below a point, beginning with one, and the edges between them and the others.
+    /// Finds all faces below a point, beginning with one, and the edges between them and the
+    /// others.
     ///
-    /// The faces below are one disc with one border, whether or not they include those whose plane holds the point. They do not, so that a
-    /// point in the plane of a large facet does not cut it anew.
+    /// The faces below are one disc with one border, whether or not they include those whose plane
+    /// holds the point. They do not, so that a point in the plane of a large facet does not cut it
+    /// anew.
     fn find_border(&mut self, face: u32, p: u32) {
         let (points, point) = (self.points, self.points[p as usize]);
         self.border.clear();
@@ -226,7 +234,8 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Joins a point to all edges of the border. Many new faces are put in the order in which they go around the point.
+    /// Joins a point to all edges of the border. Many new faces are put in the order in which they
+    /// go around the point.
     fn close(&mut self, p: u32) {
         self.fresh.clear();
         for &Border { from, to, beyond, edge } in &self.border {
@@ -258,7 +267,8 @@ impl<'a> Hull<'a> {
 
     /// The corners at which at least three faces of different planes meet.
     ///
-    /// Others lie in a facet or on an edge: they were corners until a point was added to their plane.
+    /// Others lie in a facet or on an edge: they were corners until a point was added to their
+    /// plane.
     fn extreme(&self) -> BitVec {
         let mut edges = vec![0_u8; self.points.len()];
         for face in self.faces.iter().filter(|face| face.mark != NONE) {
@@ -305,7 +315,8 @@ mod tests {
             hull.faces.iter().position(|face| face.mark != NONE && face.height(&moved, moved[tip]) > 0.0);
         hull.add(below.unwrap() as u32, tip as u32);
         assert!(hull.fresh.len() > 300, "{}", hull.fresh.len());
-        // Beyond the tip as seen from the ring, on lines through the tip and on planes through many corners, or anywhere.
+        // Beyond the tip as seen from the ring, on lines through the tip and on planes through many
+        // corners, or anywhere.
         let beyond = (0..tip).flat_map(|i| [2.0, 3.0].map(|t| moved[i].lerp(moved[tip], t)));
         let between = (0..tip).map(|i| moved[i].midpoint(moved[(7 * i + 90) % tip]).lerp(moved[tip], 0.5));
         // On both sides of each face, of which those at the first corner decide.

@@ -22,7 +22,8 @@ pub(super) struct Face {
     pub first: u32,
     /// The point of the list that is farthest from the plane.
     pub far: u32,
-    /// The last step at which a point was found to be above (even) or not above (odd) this face; [`NONE`] for a removed face.
+    /// The last step at which a point was found to be above (even) or not above (odd) this face;
+    /// [`NONE`] for a removed face.
     pub mark: u32,
 }
 
@@ -37,7 +38,8 @@ impl Face {
         Self { normal, offset, error, far_height: 0.0, corners, neighbours, first, far, mark }
     }
 
-    /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is exact.
+    /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is
+    /// exact.
     #[inline]
     pub fn height(&self, points: &[DVec3], p: DVec3) -> f64 {
         let height = self.normal.dot(p) - self.offset;

@@ -1,7 +1,8 @@
 //! The extreme points of a convex hull: quickhull with exact predicates.
 //!
-//! Barber, Dobkin & Huhdanpaa 1996, "The Quickhull Algorithm for Convex Hulls". Their program merges facets to live with rounding.
-//! Here every decision is exact, so that the hull stays convex, and each step ends with one more point on it.
+//! Barber, Dobkin & Huhdanpaa 1996, "The Quickhull Algorithm for Convex Hulls". Their program
+//! merges facets to live with rounding. Here every decision is exact, so that the hull stays
+//! convex, and each step ends with one more point on it.
 
 mod flat;
 mod grow;
@@ -31,18 +32,21 @@ pub enum HullError {
     },
 }
 
-/// The largest number of points. Faces are counted with 32 bits, and a hull has up to two for each point.
+/// The largest number of points. Faces are counted with 32 bits, and a hull has up to two for each
+/// point.
 pub const MAX_POINTS: usize = 1 << 30;
 
 /// A bit for each point: whether it is an extreme point of the convex hull of all.
 ///
-/// A point is extreme if it is not within the hull of the points at other places. So a point in a facet or on an edge of the
-/// hull is not extreme unless it is a corner. Points at the same place have the same bit. Flat, collinear and equal points are no
-/// errors: they have the corners of their polygon, the two ends, and all points.
+/// A point is extreme if it is not within the hull of the points at other places. So a point in a
+/// facet or on an edge of the hull is not extreme unless it is a corner. Points at the same place
+/// have the same bit. Flat, collinear and equal points are no errors: they have the corners of
+/// their polygon, the two ends, and all points.
 ///
-/// The answer is exact for the given coordinates, except those below 2^-107 of the largest one: these are rounded to
-/// multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on those
-/// with facets and points of many edges, but more can be made up; and about 120 bytes for each point.
+/// The answer is exact for the given coordinates, except those below 2^-107 of the largest one:
+/// these are rounded to multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on
+/// those with facets and points of many edges, but more can be made up; and about 120 bytes for
+/// each point.
 ///
 /// # Errors
 ///

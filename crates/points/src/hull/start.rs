@@ -18,7 +18,8 @@ pub(super) enum Start {
     Solid([u32; 4]),
 }
 
-/// The dimension of points. Takes far points, as long as floating point finds them, otherwise any that fit.
+/// The dimension of points. Takes far points, as long as floating point finds them, otherwise any
+/// that fit.
 pub(super) fn find(points: &[DVec3]) -> Start {
     let Some(&first) = points.first() else { return Start::Empty };
     let a = farthest(points, |p| p.distance_squared(first));

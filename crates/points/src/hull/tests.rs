@@ -1,5 +1,6 @@
-//! The hull beside an oracle in whole numbers: a point is not extreme if some segment, triangle or tetrahedron of others holds it
-//! (Carathéodory's theorem). 128 bits hold its determinants for coordinates up to 2^30.
+//! The hull beside an oracle in whole numbers: a point is not extreme if some segment, triangle or
+//! tetrahedron of others holds it (Carathéodory's theorem). 128 bits hold its determinants for
+//! coordinates up to 2^30.
 
 use super::*;
 use crate::samples::cases;
@@ -65,7 +66,8 @@ fn found(points: &[Point], scale: f64) -> Vec<bool> {
     extreme_points(&points).unwrap().into_iter().collect()
 }
 
-/// Points of a coarse grid (many are equal, collinear, flat or cospherical), or near a plane, up to 2^30 away.
+/// Points of a coarse grid (many are equal, collinear, flat or cospherical), or near a plane, up to
+/// 2^30 away.
 fn points() -> impl Strategy<Value = Vec<Point>> {
     let grid = |low: i32, high: i32| prop::array::uniform3(low..=high).prop_map(|p| p.map(i128::from));
     let sheet = (-(1 << 28)..1 << 28_i32, -(1 << 28)..1 << 28_i32, -1..=1_i32)
@@ -126,7 +128,8 @@ fn all_points_of_a_paraboloid_over_a_grid_are_extreme() {
 
 #[test]
 fn whole_points_of_a_sphere_are_extreme_and_twice_the_same() {
-    // 25 * 13 * 17 is a sum of three squares in many ways: many facets have more than three corners.
+    // 25 * 13 * 17 is a sum of three squares in many ways: many facets have more than three
+    // corners.
     let sphere: Vec<Point> =
         grid(151).iter().map(|p| sub(*p, [75; 3])).filter(|&p| dot(p, p) == 5525).collect();
     assert!(sphere.len() > 400, "{}", sphere.len());
@@ -159,7 +162,8 @@ fn points_with_many_neighbours_are_extreme() {
         at(0).chain(upright.filter(|p| p[2] > 90_000)).collect(),
     ];
     for (i, corners) in shapes.into_iter().enumerate() {
-        // Points between two others are not extreme. All are shuffled by a step without a common divisor.
+        // Points between two others are not extreme. All are shuffled by a step without a common
+        // divisor.
         let count = corners.len();
         let middle = |j: usize| [0, 1, 2].map(|axis| corners[j][axis] + corners[(j * 7 + 90) % count][axis]);
         let twice = corners.iter().map(|p| (p.map(|x| 2 * x), true));

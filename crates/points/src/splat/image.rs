@@ -17,8 +17,9 @@ impl DepthImage {
         (self.width as u32, (self.depths.len() / self.width) as u32)
     }
 
-    /// The depth of a pixel, by the columns to its left and the rows above it, as [`Projected::depth`](crate::Projected::depth); infinity
-    /// where there is no square, `None` outside the picture.
+    /// The depth of a pixel, by the columns to its left and the rows above it, as
+    /// [`Projected::depth`](crate::Projected::depth); infinity where there is no square, `None`
+    /// outside the picture.
     #[inline(always)]
     pub fn get(&self, x: u32, y: u32) -> Option<f32> {
         let x = x as usize;
@@ -77,7 +78,8 @@ impl DepthImage {
     pub(super) fn limits(&self, bias: Bias, far: f32) -> Self {
         let limit = |depth: f32| match bias {
             Bias::World(length) => depth + length,
-            // Window depths are linear in 1 / depth, 1 at the far plane. Behind no square there is no limit.
+            // Window depths are linear in 1 / depth, 1 at the far plane. Behind no square there is
+            // no limit.
             Bias::Window(part) if depth < f32::INFINITY => 1.0 / ((1.0 - part) / depth + part / far),
             Bias::Window(_) => depth,
         };

@@ -1,7 +1,8 @@
-//! The splat operator: points are drawn as squares into a depth image, and those behind it are hidden.
+//! The splat operator: points are drawn as squares into a depth image, and those behind it are
+//! hidden.
 //!
-//! Tavares 2009, "Aproximação Eficiente de Visibilidade para Nuvem de Pontos utilizando a GPU", chapter 5. Here each point is tested;
-//! the thesis keeps one for each pixel.
+//! Tavares 2009, "Aproximação Eficiente de Visibilidade para Nuvem de Pontos utilizando a GPU",
+//! chapter 5. Here each point is tested; the thesis keeps one for each pixel.
 
 mod image;
 mod options;
@@ -34,12 +35,14 @@ const TASK: usize = 128 * BLOCK;
 
 /// A bit for each point: whether the camera sees it, and the depth image.
 ///
-/// An estimate that errs in both directions. Points outside the picture, nearer than the camera's near depth or beyond the far one are
-/// not visible, and hide nothing. Positions in the picture are rounded to 1/256 of a pixel.
+/// An estimate that errs in both directions. Points outside the picture, nearer than the camera's
+/// near depth or beyond the far one are not visible, and hide nothing. Positions in the picture are
+/// rounded to 1/256 of a pixel.
 ///
-/// Works on all threads of rayon's pool; the answer does not depend on their number. Takes time in proportion to the points, whatever
-/// their radii, and to the pixels times the binary logarithm of the largest square's side. The memory is an image of 4 bytes a pixel for
-/// each doubling of that side, and a bit for each point.
+/// Works on all threads of rayon's pool; the answer does not depend on their number. Takes time in
+/// proportion to the points, whatever their radii, and to the pixels times the binary logarithm of
+/// the largest square's side. The memory is an image of 4 bytes a pixel for each doubling of that
+/// side, and a bit for each point.
 ///
 /// # Errors
 ///
@@ -114,7 +117,8 @@ impl Block {
     }
 }
 
-/// Draws the squares of a block, of which `first` is the first point's index. Says whether all coordinates are finite.
+/// Draws the squares of a block, of which `first` is the first point's index. Says whether all
+/// coordinates are finite.
 fn draw(squares: &Squares, points: &[Vec3], first: usize, camera: &Camera, radius: Radius) -> bool {
     let block = Block::new(points, camera);
     let scale = camera.pixels_per_tangent();

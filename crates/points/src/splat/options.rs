@@ -8,12 +8,14 @@ const RADII: usize = 8192;
 
 /// The size of squares: half of a side, in units of the world.
 ///
-/// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose centres are in it, at least the
-/// point's own and at most 1025 in a row. Too small squares let hidden points show through the gaps between them, too large ones hide
-/// visible points beside silhouettes.
+/// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose
+/// centres are in it, at least the point's own and at most 1025 in a row. Too small squares let
+/// hidden points show through the gaps between them, too large ones hide visible points beside
+/// silhouettes.
 ///
-/// The radius `R` of the thesis is scaled by the width of the picture over the vertical angle. It makes squares of the half side
-/// `R * (width / fov_y) / (height / (2 tan(fov_y / 2)))` in the middle of the picture, which is `1.406 R` for 4:3 and 45 degrees.
+/// The radius `R` of the thesis is scaled by the width of the picture over the vertical angle. It
+/// makes squares of the half side `R * (width / fov_y) / (height / (2 tan(fov_y / 2)))` in the
+/// middle of the picture, which is `1.406 R` for 4:3 and 45 degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Radius<'a> {
     /// The same for all points; at least 0.
@@ -25,8 +27,9 @@ pub enum Radius<'a> {
 /// How far behind the depth image a point may be and still be visible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bias {
-    /// A part of the way from the image to the far plane, in the depths of a graphics processor; at least 0, less than 1. The thesis
-    /// has 0.05. At the depth `z` this is `z far / ((1 - part) far + part z) - z` in the world.
+    /// A part of the way from the image to the far plane, in the depths of a graphics processor; at
+    /// least 0, less than 1. The thesis has 0.05. At the depth `z` this is
+    /// `z far / ((1 - part) far + part z) - z` in the world.
     Window(f32),
     /// A length in the world; at least 0.
     World(f32),
@@ -37,14 +40,14 @@ pub enum Bias {
 pub enum Filter {
     /// No change.
     None,
-    /// The largest depth of 3x3 pixels, which makes squares smaller at inner silhouettes. A pixel beside one without points stays as
-    /// it is, so that the outer silhouette does not shrink.
+    /// The largest depth of 3x3 pixels, which makes squares smaller at inner silhouettes. A pixel
+    /// beside one without points stays as it is, so that the outer silhouette does not shrink.
     #[default]
     Max,
     /// The largest depth of 3x3 pixels everywhere; pixels without points are infinitely far.
     PlainMax,
-    /// The smallest depth of 3x3 pixels, except beside pixels without points. The thesis' text asks for it; it hides more points that
-    /// are visible.
+    /// The smallest depth of 3x3 pixels, except beside pixels without points. The thesis' text asks
+    /// for it; it hides more points that are visible.
     Min,
 }
 

@@ -1,8 +1,10 @@
-//! Squares of one depth each, drawn into a depth image in constant time for each, whatever their size.
+//! Squares of one depth each, drawn into a depth image in constant time for each, whatever their
+//! size.
 //!
-//! The levels are a sparse table (Bender & Farach-Colton 2000, "The LCA Problem Revisited") used backwards. Level `k` has a depth for
-//! each square of `2^k` pixels. Any larger square, up to `2^(k+1)`, is the union of four of these, and since the minimum of depths
-//! does not mind overlaps, it is written there only. At the end each level is pushed down to the one below.
+//! The levels are a sparse table (Bender & Farach-Colton 2000, "The LCA Problem Revisited") used
+//! backwards. Level `k` has a depth for each square of `2^k` pixels. Any larger square, up to
+//! `2^(k+1)`, is the union of four of these, and since the minimum of depths does not mind
+//! overlaps, it is written there only. At the end each level is pushed down to the one below.
 
 use super::image::DepthImage;
 use crate::numeric::{SUBPIXELS, to_subpixels};
@@ -16,21 +18,24 @@ const MOST: f32 = 512.0;
 /// Levels for squares of up to `2 MOST + 1` pixels.
 const LEVELS: usize = 11;
 
-/// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in pixels.
+/// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in
+/// pixels.
 #[inline(always)]
 pub(super) fn half_side(pixels: f32) -> i32 {
     // A point always covers its own pixel. NaN is the size of points outside the picture.
     to_subpixels(if pixels > 0.5 { (pixels - 0.5).min(MOST) } else { 0.0 })
 }
 
-/// Squares that grow into a depth image. Any thread may draw at any time: the minimum does not depend on the order.
+/// Squares that grow into a depth image. Any thread may draw at any time: the minimum does not
+/// depend on the order.
 pub(super) struct Squares {
     size: (u32, u32),
     /// Made when a square first needs them.
     levels: [OnceLock<Level>; LEVELS],
 }
 
-/// The nearest depths of squares of `2^k` pixels by their upper left pixel, from `2^k` pixels before the picture to one beyond it.
+/// The nearest depths of squares of `2^k` pixels by their upper left pixel, from `2^k` pixels
+/// before the picture to one beyond it.
 struct Level {
     border: i32,
     width: usize,
@@ -87,10 +92,12 @@ impl Squares {
         Self { size, levels: Default::default() }
     }
 
-    /// Draws squares around points in the picture, all lengths in 1/256 of a pixel. Does nothing for depths of NaN.
+    /// Draws squares around points in the picture, all lengths in 1/256 of a pixel. Does nothing
+    /// for depths of NaN.
     #[inline(always)]
     pub fn draw<const N: usize>(&self, x: &[i32; N], y: &[i32; N], half: &[i32; N], depth: &[f32; N]) {
-        // All are read before any is written, so that the processor waits for its caches once; most points are behind others.
+        // All are read before any is written, so that the processor waits for its caches once; most
+        // points are behind others.
         let old: [f32; N] = std::array::from_fn(|i| {
             if half[i] == 0 {
                 let [pixel, ..] = self.corners(x[i], y[i], 0);

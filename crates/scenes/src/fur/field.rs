@@ -59,8 +59,8 @@ struct Walk {
     scale: f32,
 }
 
-/// A square field of lots with walls between some of them, and animals on the lots. y is up, the ground is at 0; one unit is the
-/// length of an animal.
+/// A square field of lots with walls between some of them, and animals on the lots. y is up, the
+/// ground is at 0; one unit is the length of an animal.
 pub struct Field {
     /// The scene, for queries.
     pub scene: Scene,
@@ -90,7 +90,8 @@ const MOST: usize = 100_000;
 const DETAIL: u32 = 48;
 
 impl Field {
-    /// A field of `count` animals of `species` different kinds (1 to 16). `fur` is the fur for an animal of a given radius.
+    /// A field of `count` animals of `species` different kinds (1 to 16). `fur` is the fur for an
+    /// animal of a given radius.
     ///
     /// # Errors
     /// Refuses counts out of range (1 to 100,000), and what casca and the animals refuse.
@@ -163,7 +164,8 @@ impl Field {
         Ok(Self { scene, species, animals, walls, ground, hiding })
     }
 
-    /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they were made.
+    /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they
+    /// were made.
     ///
     /// # Errors
     /// Refuses times that are not finite.
@@ -217,7 +219,8 @@ impl Field {
         self.animals.get(animal).map_or(0.0, |a| self.species[a.species].1.height * a.walk.scale)
     }
 
-    /// An eye on a path through the field and the direction in which it looks, for a share of the path, 0 to 1.
+    /// An eye on a path through the field and the direction in which it looks, for a share of the
+    /// path, 0 to 1.
     pub fn eye(&self, share: f32) -> (Vec3, Vec3) {
         let edge = self.ground.max.x - LOT;
         let share = if share.is_finite() { share } else { 0.0 };

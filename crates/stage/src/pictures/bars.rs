@@ -15,7 +15,8 @@ use super::svg::{Area, Drawn, Head, Sample, save, text};
 pub struct Bar {
     /// What stands before it.
     pub label: String,
-    /// Percent of each part, as many as there are parts. Parts that are not greater than 0 are not drawn.
+    /// Percent of each part, as many as there are parts. Parts that are not greater than 0 are not
+    /// drawn.
     pub shares: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Charts of lines and bars, and sheets of pictures with captions.
 //!
-//! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. All colours and marks
-//! are those of [`palette`].
+//! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. All
+//! colours and marks are those of [`palette`].
 
 mod bars;
 mod lines;

@@ -1,7 +1,8 @@
 //! The colours and marks of all pictures.
 //!
-//! Methods have the colours of Okabe and Ito, other series those of Paul Tol's muted scheme: people with any kind
-//! of colour blindness can tell both apart. Every series has a mark of its own besides, for print in grey.
+//! Methods have the colours of Okabe and Ito, other series those of Paul Tol's muted scheme: people
+//! with any kind of colour blindness can tell both apart. Every series has a mark of its own
+//! besides, for print in grey.
 
 use plotters::style::RGBColor;
 
@@ -78,7 +79,8 @@ pub const OTHERS: [Style; 9] = [
     Style::new(RGBColor(90, 90, 90), Marker::Disc),
 ];
 
-/// The style of a method, by the word that its name starts with: "point", "cell", "frustum", "hzb" or "rays".
+/// The style of a method, by the word that its name starts with: "point", "cell", "frustum", "hzb"
+/// or "rays".
 pub fn method(name: &str) -> Option<Style> {
     match name.split(|c: char| !c.is_alphanumeric()).next()? {
         "point" => Some(POINT),

@@ -25,7 +25,8 @@ const HEAD: usize = 64;
 /// Pixels of a tile are drawn as squares of so many, so that captions have room.
 const ZOOM: usize = 2;
 
-/// Draws rows of tiles of one size as a PNG. The title states the finding, the subtitle says how to read the tiles.
+/// Draws rows of tiles of one size as a PNG. The title states the finding, the subtitle says how to
+/// read the tiles.
 ///
 /// # Errors
 /// If the file cannot be written.

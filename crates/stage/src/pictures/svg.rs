@@ -188,7 +188,8 @@ fn corners(at: (i32, i32), count: usize, reach: [f64; 2], turn: f64) -> Vec<(i32
     (0..count).map(corner).collect()
 }
 
-/// A mark on the page, `r` pixels from its middle to its border: filled, or only its outline on white.
+/// A mark on the page, `r` pixels from its middle to its border: filled, or only its outline on
+/// white.
 pub fn mark(area: &Area<'_>, at: (i32, i32), r: i32, style: &Style, filled: bool) -> Drawn {
     use std::f64::consts::PI;
     let wide = f64::from(r);
@@ -236,7 +237,8 @@ pub fn short(v: f64) -> String {
     }
 }
 
-/// Values to label on a logarithmic axis: four at least, if the range has room for as many round ones.
+/// Values to label on a logarithmic axis: four at least, if the range has room for as many round
+/// ones.
 pub fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
     const STEPS: [&[f64]; 4] = [
         &[1.0],

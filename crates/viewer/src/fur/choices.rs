@@ -41,7 +41,8 @@ pub struct Choices {
     /// Places along the path at which fields are timed
     #[arg(long, default_value_t = 2, requires = "time", value_parser = value_parser!(u32).range(1..=1000))]
     pub places: u32,
-    /// Compares shells with ray-traced strands, by layers, height and density: study.csv and study.svg
+    /// Compares shells with ray-traced strands, by layers, height and density: study.csv and
+    /// study.svg
     #[arg(long)]
     pub study: bool,
     /// Draws short and long fur, sparse and dense, side by side
@@ -65,7 +66,8 @@ pub struct Choices {
     /// How fragments find their strands
     #[arg(long, value_enum, default_value_t = Map::Cells)]
     pub mapping: Map,
-    /// Look up each fragment at the height of its own shell only, as the thesis does; by default it follows the ray to the next shell
+    /// Look up each fragment at the height of its own shell only, as the thesis does; by default it
+    /// follows the ray to the next shell
     #[arg(long)]
     pub plain: bool,
     /// For layers by visibility: the share of the weight that may be drawn, 0 to 1
@@ -150,7 +152,8 @@ impl Choices {
     }
 }
 
-/// All triangles of a file in one mesh, centred, with normals that are the same on both sides of each edge.
+/// All triangles of a file in one mesh, centred, with normals that are the same on both sides of
+/// each edge.
 fn from_file(path: &Path) -> Result<Mesh, Failed> {
     let world = import::load(path)?;
     let mut soup = Vec::new();

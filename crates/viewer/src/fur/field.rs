@@ -20,7 +20,8 @@ use crate::fur::shots::{Picture, Shooter};
 const SPECIES: usize = 4;
 /// Layers that cast shadows.
 const SHADOW_LAYERS: u32 = 3;
-/// The part of the path that pictures and times are taken from: at its very start one stands outside of the field.
+/// The part of the path that pictures and times are taken from: at its very start one stands
+/// outside of the field.
 const PATH: (f32, f32) = (0.2, 0.8);
 /// Frames at each place, of which the quickest counts.
 const RUNS: usize = 3;
@@ -49,7 +50,8 @@ impl Stage {
         Ok(Self { herd, renderer })
     }
 
-    /// Draws the shadow map for the part of the field before a camera. All animals there cast shadows, also those that are not drawn.
+    /// Draws the shadow map for the part of the field before a camera. All animals there cast
+    /// shadows, also those that are not drawn.
     pub fn cast_shadows(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Sun, Box<dyn Error>> {
         let forward = -camera.view.row(2).truncate();
         let sun = Sun { towards: TO_SUN, center: camera.eye + forward * 9.0, radius: 14.0, shadows: true };
@@ -69,7 +71,8 @@ fn place(i: usize, n: usize) -> f32 {
     PATH.0 + (PATH.1 - PATH.0) * (i as f32 + 0.5) / n as f32
 }
 
-/// Draws pictures along the path, and compares those of everything with those of what the frustum and casca leave: they must be the same.
+/// Draws pictures along the path, and compares those of everything with those of what the frustum
+/// and casca leave: they must be the same.
 pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
     let mut stage = Stage::new(gpu, COLOUR, choices, count)?;

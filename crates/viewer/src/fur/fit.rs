@@ -11,8 +11,8 @@ pub struct Fit {
     pub r2: f64,
 }
 
-/// The line nearest to points `(x, y)` in the sense of least squares; `None` for fewer than two different `x` or values that
-/// are not finite.
+/// The line nearest to points `(x, y)` in the sense of least squares; `None` for fewer than two
+/// different `x` or values that are not finite.
 pub fn fit(points: &[(f64, f64)]) -> Option<Fit> {
     let n = points.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;

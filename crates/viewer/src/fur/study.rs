@@ -81,7 +81,8 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
             let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
             say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
-            // Strands shine by themselves, the more the nearer to the tip; skin and roots are black.
+            // Strands shine by themselves, the more the nearer to the tip; skin and roots are
+            // black.
             let shining = Look { material: SHINING, vary: 0.0, ..look };
             let tips = Reference::new(mesh, &shining)?.picture(
                 &camera,
@@ -179,8 +180,8 @@ fn conclude(rows: &[Row]) {
     }
 }
 
-/// Where a falling curve of errors, with the logarithm of the layers between its points, first reaches an error: its first point, if
-/// that is below already.
+/// Where a falling curve of errors, with the logarithm of the layers between its points, first
+/// reaches an error: its first point, if that is below already.
 fn layers_for_error(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
     let &(first, error) = curve.first()?;
     if error <= goal {
@@ -191,7 +192,8 @@ fn layers_for_error(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
     Some((pair[0].0.ln() * (1.0 - share) + pair[1].0.ln() * share).exp())
 }
 
-/// How much less of the tips a picture shows than another: the sums of the light in pixels that show the object.
+/// How much less of the tips a picture shows than another: the sums of the light in pixels that
+/// show the object.
 fn gaps(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
     let sum = |pixels: &[u8]| -> f64 {
         let shown = pixels.chunks(4).filter(|p| *p != sky);

@@ -179,7 +179,8 @@ fn place(ui: &mut Ui, light: &mut Light, speed: f32) {
     }
 }
 
-/// How high a sun stands whose light goes along a direction, and how far it is turned from z to x, in degrees.
+/// How high a sun stands whose light goes along a direction, and how far it is turned from z to x,
+/// in degrees.
 fn angles(direction: Vec3) -> (f32, f32) {
     let to = -direction.normalize_or(Vec3::NEG_Y);
     (to.y.clamp(-1.0, 1.0).asin().to_degrees(), to.x.atan2(to.z).to_degrees())

@@ -51,7 +51,8 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
     Ok(())
 }
 
-/// Draws the picture by the path tracer, with light scattered as often as by voxels, and says how far off the light found is.
+/// Draws the picture by the path tracer, with light scattered as often as by voxels, and says how
+/// far off the light found is.
 fn compare(
     path: &Path,
     start: &Start,

@@ -1,4 +1,5 @@
-//! The command line. All that can be checked without a device is refused here, before anything is loaded.
+//! The command line. All that can be checked without a device is refused here, before anything is
+//! loaded.
 
 use std::ops::RangeInclusive;
 
@@ -22,9 +23,11 @@ const SAMPLES: RangeInclusive<i64> = 0..=4096;
 pub const STEPS: RangeInclusive<f32> = 0.1..=5.0;
 /// Shares of the grid's longest edge from which cones gather, as the library takes them.
 pub const REACHES: RangeInclusive<f32> = 0.01..=2.0;
-/// Half the angle of the narrowest reflection in degrees. Their tangents are in the range that the library takes.
+/// Half the angle of the narrowest reflection in degrees. Their tangents are in the range that the
+/// library takes.
 pub const APERTURES: RangeInclusive<f32> = 0.1..=45.0;
-/// Factors of light on the screen: less or more is black or white in any scene with lights of this world.
+/// Factors of light on the screen: less or more is black or white in any scene with lights of this
+/// world.
 pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 /// The largest coordinate of an eye: squares of such distances are still finite.
 const FARTHEST_EYE: f32 = 1e15;
@@ -58,7 +61,8 @@ pub struct Options {
     /// Leaves out the second bounce
     #[arg(long)]
     pub no_bounce: bool,
-    /// Brings light up to date only where the picture can read it; with --time, prints what that saves
+    /// Brings light up to date only where the picture can read it; with --time, prints what that
+    /// saves
     #[arg(long)]
     pub cull: bool,
     /// Adds so many balls that move, up to 1000
@@ -86,7 +90,8 @@ pub struct Options {
     /// Layers to draw: picture, albedo, normals, direct, indirect, occlusion, voxels, or all
     #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless")]
     pub layers: Vec<String>,
-    /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the two; up to 4096
+    /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the
+    /// two; up to 4096
     #[arg(long, default_value_t = 0, requires = "headless", value_parser = clap::value_parser!(u32).range(SAMPLES))]
     pub truth: u32,
 }

@@ -70,8 +70,8 @@ impl Start {
         }
     }
 
-    /// A camera for pictures that are so many times as wide as high, with the field of view of the scene's camera. It sees all of the scene
-    /// from anywhere.
+    /// A camera for pictures that are so many times as wide as high, with the field of view of the
+    /// scene's camera. It sees all of the scene from anywhere.
     pub fn looking(&self, eye: Vec3, target: Vec3, aspect: f32) -> Camera {
         let (min, max) = self.bounds;
         let size = 4.0 * (max - min).length().max(1e-3);

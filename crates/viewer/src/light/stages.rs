@@ -19,7 +19,8 @@ use crate::light::scene::Start;
 const FRAMES: u32 = 5;
 /// Seconds that balls move between frames.
 const SECONDS: f32 = 0.1;
-/// Step factors of the thesis, as shares of a cone's diameter, and its times relative to that of 0.5 (table 4.6, mean of four scenes).
+/// Step factors of the thesis, as shares of a cone's diameter, and its times relative to that of
+/// 0.5 (table 4.6, mean of four scenes).
 const STEP_FACTORS: [(f32, f32); 4] = [(0.1, 3.99), (0.25, 1.73), (0.5, 1.0), (2.5, 0.38)];
 /// The thesis' ratios for a doubling of the resolution, from 128 to 256 or 256 to 512 (table 4.4).
 const DOUBLINGS: [(&str, &str); 4] =
@@ -32,7 +33,8 @@ const LIGHT: [&str; 4] = ["shade", "bounce", "write voxels", "mips"];
 /// A frame: its stages, and the times of the culler.
 type Frame = Vec<(&'static str, Duration)>;
 
-/// Prints the time of each stage at several resolutions, and that of cones by step; or what culling saves.
+/// Prints the time of each stage at several resolutions, and that of cones by step; or what culling
+/// saves.
 pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
     let (width, height) = options.common.drawing.size;
     say(format_args!(
@@ -76,7 +78,8 @@ fn by_resolution(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -
     Ok(())
 }
 
-/// Stages in the order in which they first ran, with the median over frames of their time in a frame.
+/// Stages in the order in which they first ran, with the median over frames of their time in a
+/// frame.
 fn medians(frames: &[Frame]) -> Frame {
     let mut names: Vec<&'static str> = Vec::new();
     for (name, _) in frames.iter().flatten() {
@@ -218,7 +221,8 @@ fn by_step(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Resu
     Ok(())
 }
 
-/// The time of light in voxels for updates of everything, on need, and of what the picture can read.
+/// The time of light in voxels for updates of everything, on need, and of what the picture can
+/// read.
 fn culled(gpu: &Gpu, start: &Start, options: &Options, canvas: &Canvas) -> Result<(), Box<dyn Error>> {
     let mut runs = Vec::new();
     for update in [Update::All, Update::OnNeed, Update::Culled] {

@@ -52,7 +52,8 @@ struct Viewer {
     controls: Controls,
     seconds: f32,
     hidden: bool,
-    /// Why the last change of a setting was not made, such as a resolution that the adapter cannot hold.
+    /// Why the last change of a setting was not made, such as a resolution that the adapter cannot
+    /// hold.
     trouble: String,
 }
 
@@ -94,7 +95,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Makes all voxels again at another resolution. If the adapter cannot hold them, the old ones stay.
+    /// Makes all voxels again at another resolution. If the adapter cannot hold them, the old ones
+    /// stay.
     fn remake(&mut self, screen: &Screen) -> Done {
         for (object, place) in self.start.balls_at(self.seconds).collect::<Vec<_>>() {
             self.start.scene.objects[object].transform = place;

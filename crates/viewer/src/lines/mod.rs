@@ -1,4 +1,5 @@
-//! Dense sets of lines with ambient occlusion, in a window or into pictures, and the time of each stage.
+//! Dense sets of lines with ambient occlusion, in a window or into pictures, and the time of each
+//! stage.
 
 mod headless;
 mod options;

@@ -13,10 +13,12 @@ use crate::common::Common;
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
 
-/// Draws dense sets of lines and darkens lines among other lines, so that one sees which lie in front
+/// Draws dense sets of lines and darkens lines among other lines, so that one sees which lie in
+/// front
 ///
-/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space stops and starts the motion, 1 to 4 choose
-/// the picture, C switches culling, Escape quits. Sliders set radius, samples and factor.
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space stops
+/// and starts the motion, 1 to 4 choose the picture, C switches culling, Escape quits. Sliders set
+/// radius, samples and factor.
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
@@ -29,7 +31,8 @@ pub struct Options {
     /// A generated set
     #[arg(long, default_value = "spiral", value_parser = parse_family, conflicts_with = "file")]
     pub set: Family,
-    /// The number of lines of a generated set; with --rooms of each room [default: what suits the set]
+    /// The number of lines of a generated set; with --rooms of each room [default: what suits the
+    /// set]
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub lines: Option<u32>,
     /// The vertices of a generated line
@@ -86,7 +89,8 @@ pub struct Options {
         requires = "headless"
     )]
     pub look: Vec<LookName>,
-    /// Prints the time of each stage, and how it grows with samples, covered pixels and vertices; with --rooms, with and without culling
+    /// Prints the time of each stage, and how it grows with samples, covered pixels and vertices;
+    /// with --rooms, with and without culling
     #[arg(long, conflicts_with = "headless")]
     pub time: bool,
 }

@@ -131,7 +131,8 @@ impl Bench<'_> {
         let (mut by_covered, mut by_vertices) = (Vec::new(), Vec::new());
         for share in SHARES {
             let view = self.view(share, 0)?;
-            // With the settings of the full picture: the radius and the tubes keep their size in the scene.
+            // With the settings of the full picture: the radius and the tubes keep their size in
+            // the scene.
             let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
             by_covered.push((covered as f64, of(&stages, &["occlusion"])));
         }

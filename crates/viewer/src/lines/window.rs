@@ -200,7 +200,8 @@ impl Demo for Viewer {
                 self.trouble.clear();
                 seen
             }
-            // The program goes on with the last picture or the background, so that the dial can be turned back.
+            // The program goes on with the last picture or the background, so that the dial can be
+            // turned back.
             Err(why) => {
                 self.trouble = why.to_string();
                 Seen::default()

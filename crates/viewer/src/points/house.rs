@@ -1,6 +1,7 @@
 //! A scan of a furnished house, made by rules: what the program shows without a file.
 //!
-//! All surfaces are sampled at the same distance between points, also those inside: from outside, a scan shows both at once.
+//! All surfaces are sampled at the same distance between points, also those inside: from outside, a
+//! scan shows both at once.
 
 use casca_points::PointCloud;
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -40,7 +41,8 @@ struct Scan {
 }
 
 impl Scan {
-    /// Samples a parallelogram where `paint` gives a colour, by metres along `u` and `v`. Its normal is `u x v`.
+    /// Samples a parallelogram where `paint` gives a colour, by metres along `u` and `v`. Its
+    /// normal is `u x v`.
     fn sheet(&mut self, corner: Vec3, [u, v]: [Vec3; 2], paint: impl Fn(Vec2) -> Option<Colour>) {
         let normal = u.cross(v);
         let count = (normal.length() / (self.spacing * self.spacing)) as u32;

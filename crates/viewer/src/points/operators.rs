@@ -21,10 +21,12 @@ use crate::points::house;
 const HOUSE_SPACING: f32 = 0.055;
 /// Where the house is seen from, and the place that is looked at.
 const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
-/// The radius of the flipping sphere, as a multiple of the largest distance and of the largest distance over the splat radius. With it
-/// points are hidden that lie about the distance of two points behind others; on the bunny of Tavares 2009 it is 10^3.
+/// The radius of the flipping sphere, as a multiple of the largest distance and of the largest
+/// distance over the splat radius. With it points are hidden that lie about the distance of two
+/// points behind others; on the bunny of Tavares 2009 it is 10^3.
 const FLIP: f64 = 4.0;
-/// The bias of the splat operator in automatic radii: near the best on clouds of known truth (docs/points/points.md).
+/// The bias of the splat operator in automatic radii: near the best on clouds of known truth
+/// (docs/points/points.md).
 const BIAS: f32 = 3.5;
 /// Points of a leaf of clusters.
 const LEAF: u32 = 8;
@@ -55,10 +57,12 @@ pub struct Look {
     /// Vertical angle of the picture in degrees
     #[arg(long, default_value = "45", value_parser = parse_angle)]
     pub fov: f32,
-    /// The radius of a point's square, in the unit of the file [default: from the distances between points]
+    /// The radius of a point's square, in the unit of the file [default: from the distances between
+    /// points]
     #[arg(long, value_parser = parse_length)]
     pub radius: Option<f32>,
-    /// Hidden point removal: the logarithm of the sphere's radius over the largest distance [default: from the radius]
+    /// Hidden point removal: the logarithm of the sphere's radius over the largest distance
+    /// [default: from the radius]
     #[arg(long, value_parser = parse_finite)]
     pub log10_radius: Option<f64>,
 }
@@ -137,7 +141,8 @@ impl Looked {
         Ok(Camera::look_at(eye, target, Vec3::Y, self.fov, size, 1e-4 * far, far)?)
     }
 
-    /// The points that a camera sees, and the time that it took to find them. With a device, squares are drawn on it.
+    /// The points that a camera sees, and the time that it took to find them. With a device,
+    /// squares are drawn on it.
     pub fn visible(
         &self,
         operator: Operator,

@@ -11,8 +11,9 @@ use crate::points::visible::Visible;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
 ///
-/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Escape quits, Space finds the visible points from
-/// here. Until then the last result stays, so you can fly around it and see what was hidden from the old viewpoint.
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Escape
+/// quits, Space finds the visible points from here. Until then the last result stays, so you can
+/// fly around it and see what was hidden from the old viewpoint.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true, args_conflicts_with_subcommands = true,

@@ -1,4 +1,5 @@
-//! Pictures of one cloud side by side: its points, those that each operator finds visible, and its surface.
+//! Pictures of one cloud side by side: its points, those that each operator finds visible, and its
+//! surface.
 
 use std::error::Error;
 
@@ -18,7 +19,8 @@ use crate::points::operators::{Looked, Operator};
 const GREY: [u8; 3] = [150, 160, 170];
 /// The radius of a dot in pixels.
 const DOT: f32 = 0.8;
-/// The radius of a disc of the surface, as a multiple of that of a square: discs are drawn with little weight at their rims.
+/// The radius of a disc of the surface, as a multiple of that of a square: discs are drawn with
+/// little weight at their rims.
 const DISC: f32 = 2.2;
 /// The text of a pane that is left over.
 const EXPLANATION: &str = "Points hide nothing: far ones show through the gaps between near ones. The operators estimate which points \

@@ -39,7 +39,8 @@ impl Options {
     }
 }
 
-/// That nobody reads the output any more, as after `| head`, is no error. Errors of files are texts that name them.
+/// That nobody reads the output any more, as after `| head`, is no error. Errors of files are texts
+/// that name them.
 fn quiet(done: Done) -> Done {
     let nobody_reads =
         |error: &Failed| error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe);

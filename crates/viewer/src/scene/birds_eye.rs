@@ -1,4 +1,5 @@
-//! A culled frame seen from above: all objects, and in the colour of each whether it is drawn, culled or outside the frustum.
+//! A culled frame seen from above: all objects, and in the colour of each whether it is drawn,
+//! culled or outside the frustum.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -28,7 +29,8 @@ pub struct FromAbove {
     pub legend: Vec<Entry>,
 }
 
-/// All objects of a frame in the colours of their roles; `lost` are those that a check found missing. The legend counts those in the picture of `watcher`.
+/// All objects of a frame in the colours of their roles; `lost` are those that a check found
+/// missing. The legend counts those in the picture of `watcher`.
 ///
 /// # Errors
 /// As [`Overlays::in_frustum`].
@@ -59,8 +61,8 @@ fn down(level: DVec3) -> DVec3 {
     level * PITCH.cos() - DVec3::Y * PITCH.sin()
 }
 
-/// A camera above and behind another one, as near as it can be with that one and its frustum, as far as it lies in the
-/// box of the scene, in its picture.
+/// A camera above and behind another one, as near as it can be with that one and its frustum, as
+/// far as it lies in the box of the scene, in its picture.
 pub fn above_frustum(camera: &Camera, (min, max): (DVec3, DVec3), aspect: f32) -> Camera {
     let mut points: Vec<DVec3> = Solid::seen(camera, min, max).corners().collect();
     if points.is_empty() {
@@ -81,7 +83,8 @@ pub fn above_scene((min, max): (DVec3, DVec3), aspect: f32) -> Camera {
     fitted(&points, down(DVec3::NEG_Z), (FOV_Y_WHOLE, aspect), margins, (max - min).length())
 }
 
-/// Where a point is in the picture of a camera, in shares of it from its left upper corner. Points behind the camera are outside.
+/// Where a point is in the picture of a camera, in shares of it from its left upper corner. Points
+/// behind the camera are outside.
 pub fn place_in(watcher: &Camera, point: Vec3) -> [f32; 2] {
     let clip = watcher.view_projection() * point.extend(1.0);
     if clip.w <= 0.0 {

@@ -31,8 +31,8 @@ impl Solid {
         solid
     }
 
-    /// Cuts off all that lies behind a plane: points `p` with `plane · (p, 1) < 0`. Returns the polygon
-    /// in which the plane cuts the solid, if it does.
+    /// Cuts off all that lies behind a plane: points `p` with `plane · (p, 1) < 0`. Returns the
+    /// polygon in which the plane cuts the solid, if it does.
     pub fn cut(&mut self, plane: DVec4) -> Option<Vec<DVec3>> {
         let plane = plane / plane.truncate().length();
         if !plane.is_finite() {
@@ -54,7 +54,8 @@ impl Solid {
     }
 }
 
-/// The part of a polygon before a plane. The points where its border crosses the plane go to `section`.
+/// The part of a polygon before a plane. The points where its border crosses the plane go to
+/// `section`.
 fn clip(face: &[DVec3], plane: DVec4, section: &mut Vec<DVec3>) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(face.len() + 1);
     for (i, &a) in face.iter().enumerate() {
@@ -95,8 +96,8 @@ pub struct Margins {
     pub bottom: f64,
 }
 
-/// A camera that looks along `forward`, as near as it can be with all points in its picture, and sees things
-/// up to `reach` behind them. `forward` must not be vertical.
+/// A camera that looks along `forward`, as near as it can be with all points in its picture, and
+/// sees things up to `reach` behind them. `forward` must not be vertical.
 pub fn fitted(
     points: &[DVec3],
     forward: DVec3,
@@ -112,7 +113,8 @@ pub fn fitted(
     let wide = high * f64::from(aspect);
     let least = |along: DVec3| points.iter().map(|p| along.dot(*p)).fold(f64::INFINITY, f64::min);
     let sides = wide * (1.0 - 2.0 * margins.sides);
-    // For each axis of the picture: the eye's place on it, by the eye's depth, and the greatest depth.
+    // For each axis of the picture: the eye's place on it, by the eye's depth, and the greatest
+    // depth.
     let axis = |axis: DVec3, before: f64, after: f64| {
         // Both borders of the view pass through the eye and have all points inside.
         let (a, b) = (-least(forward * after - axis), -least(forward * before + axis));
@@ -130,7 +132,8 @@ pub fn fitted(
     Camera::look_at(eye, eye + forward.as_vec3(), fov_y_degrees, aspect, 2e-3 * reach as f32, far as f32)
 }
 
-/// Whether a convex thing with these corners may be in a camera's picture: not all of them lie behind one border.
+/// Whether a convex thing with these corners may be in a camera's picture: not all of them lie
+/// behind one border.
 pub fn in_view(camera: &Camera, corners: &[Vec3]) -> bool {
     let matrix = camera.view_projection();
     let behind = corners.iter().fold(0b11111, |all: u8, corner| {

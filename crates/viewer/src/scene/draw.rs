@@ -53,8 +53,8 @@ impl Painter<'_> {
         Ok(Shot { pixels, items: self.items(camera, list)? })
     }
 
-    /// Compares a set, ascending, with what an item buffer of all objects shows. One looks
-    /// through objects that hide nothing: for those, all that hides is drawn once more without them.
+    /// Compares a set, ascending, with what an item buffer of all objects shows. One looks through
+    /// objects that hide nothing: for those, all that hides is drawn once more without them.
     ///
     /// # Errors
     /// As [`Gpu::read`].

@@ -44,7 +44,8 @@ pub struct Plan<'a> {
     pub layers: &'a [Layer],
 }
 
-/// Draws the path of a scene into PNG files; returns how many visible objects were lost, over all pictures.
+/// Draws the path of a scene into PNG files; returns how many visible objects were lost, over all
+/// pictures.
 ///
 /// # Errors
 /// What is drawn cannot be had or written.

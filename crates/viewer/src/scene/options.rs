@@ -11,7 +11,8 @@ use crate::scene::playback::Method;
 
 /// Draws exactly the objects that casca finds visible
 ///
-/// Without a file the window shows a city from above: the objects that a camera in its streets sees, and those that are culled.
+/// Without a file the window shows a city from above: the objects that a camera in its streets
+/// sees, and those that are culled.
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
@@ -24,13 +25,15 @@ pub struct Options {
     /// How what is drawn is decided: all, frustum, point, cell, hzb or rays
     #[arg(long, default_value = "point")]
     pub method: Method,
-    /// Compares pictures of everything with pictures of what each method leaves; exits with 1 if point or cell lose a pixel
+    /// Compares pictures of everything with pictures of what each method leaves; exits with 1 if
+    /// point or cell lose a pixel
     #[arg(long)]
     pub proof: bool,
     /// Measures frames with and without culling, at 5,000 and 50,000 objects
     #[arg(long)]
     pub bench: bool,
-    /// Pictures show the whole scene from above, with the camera, its frustum and the culled objects
+    /// Pictures show the whole scene from above, with the camera, its frustum and the culled
+    /// objects
     #[arg(long, requires = "headless")]
     pub birds_eye: bool,
     /// Also writes the pictures as one animated PNG

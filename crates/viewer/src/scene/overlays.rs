@@ -80,8 +80,8 @@ pub struct Overlays {
     caps: Caps,
 }
 
-/// The caps around an eye's cell, as the scene was when it came there. Tracing them takes seconds, and has
-/// a thread of its own.
+/// The caps around an eye's cell, as the scene was when it came there. Tracing them takes seconds,
+/// and has a thread of its own.
 #[derive(Default)]
 struct Caps {
     done: Option<(IVec3, Vec<Cap>)>,

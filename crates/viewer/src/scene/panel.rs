@@ -31,11 +31,13 @@ pub struct Numbers {
     pub legend: Vec<Entry>,
     /// Whether help is shown.
     pub help: bool,
-    /// From above: where the eye of the camera that is culled for is, in shares of the picture from its left upper corner.
+    /// From above: where the eye of the camera that is culled for is, in shares of the picture from
+    /// its left upper corner.
     pub eye: Option<[f32; 2]>,
 }
 
-/// Draws the panel over a target, where a point is `scale` pixels wide, with the occlusion buffers given.
+/// Draws the panel over a target, where a point is `scale` pixels wide, with the occlusion buffers
+/// given.
 pub fn draw(
     panel: &mut Panel,
     (gpu, target, scale): (&Gpu, &Target, f32),
@@ -48,8 +50,8 @@ pub fn draw(
     panel.draw(gpu, target, scale, &|context| show(context, numbers, overlays, &insets));
 }
 
-/// Draws a title and a legend over a target, where a point is `scale` pixels wide, and a mark at a camera's eye,
-/// whose place is in shares of the picture from its left upper corner.
+/// Draws a title and a legend over a target, where a point is `scale` pixels wide, and a mark at a
+/// camera's eye, whose place is in shares of the picture from its left upper corner.
 pub fn caption(
     panel: &mut Panel,
     (gpu, target, scale): (&Gpu, &Target, f32),

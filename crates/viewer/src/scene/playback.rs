@@ -200,7 +200,8 @@ impl Playback {
         )
     }
 
-    /// What each of `methods` would draw for the camera of this frame, ascending; the scene stays as it is.
+    /// What each of `methods` would draw for the camera of this frame, ascending; the scene stays
+    /// as it is.
     ///
     /// # Errors
     /// As [`view_of`].

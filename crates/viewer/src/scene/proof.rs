@@ -1,9 +1,10 @@
-//! The proof in pixels: a picture of everything and a picture of what a method leaves must be the same.
+//! The proof in pixels: a picture of everything and a picture of what a method leaves must be the
+//! same.
 //!
-//! Solids are drawn exactly, by a ray through each pixel, since a sphere of triangles would show more
-//! than the sphere hides. Where two surfaces have the same depth to the last bit, the first one
-//! drawn wins, in the same order in both pictures. So a pixel may differ only if an object that was left out
-//! is nearest there, or as near as the nearest: both count as a loss.
+//! Solids are drawn exactly, by a ray through each pixel, since a sphere of triangles would show
+//! more than the sphere hides. Where two surfaces have the same depth to the last bit, the first
+//! one drawn wins, in the same order in both pictures. So a pixel may differ only if an object that
+//! was left out is nearest there, or as near as the nearest: both count as a loss.
 
 use std::error::Error;
 use std::path::Path;
@@ -106,7 +107,8 @@ pub fn prove(
 }
 
 impl Row {
-    /// Adds a frame with the pixels that differ and the number of objects drawn; returns how many differ.
+    /// Adds a frame with the pixels that differ and the number of objects drawn; returns how many
+    /// differ.
     fn add(&mut self, differing: &[bool], drawn: usize) -> usize {
         let count = differing.iter().filter(|d| **d).count();
         self.frames += 1;

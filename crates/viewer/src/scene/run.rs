@@ -24,7 +24,8 @@ impl Options {
         Ok(window::start(scenes, &self.made(), self.method, from_above))
     }
 
-    /// Opens a window, draws pictures or proves that they are right; whether all that was to be proved holds.
+    /// Opens a window, draws pictures or proves that they are right; whether all that was to be
+    /// proved holds.
     ///
     /// # Errors
     /// What is drawn cannot be had or written.

@@ -120,8 +120,8 @@ fn cropped(pixels: &[u8], width: u32, ([x, y], [w, h]): ([u32; 2], [u32; 2])) ->
     ColorImage::from_rgba_unmultiplied([w as usize, h as usize], &part)
 }
 
-/// Writes a page with both pictures, a title for each, the place with the most losses enlarged, and a legend
-/// that ends with `place`.
+/// Writes a page with both pictures, a title for each, the place with the most losses enlarged, and
+/// a legend that ends with `place`.
 ///
 /// # Errors
 /// The page cannot be drawn or written.

@@ -31,7 +31,8 @@ const SPEED: f32 = 0.06;
 const LAYER_KEYS: [KeyCode; 6] =
     [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
 
-/// The window. With `from_above` it starts above the first scene, with the culling camera frozen below.
+/// The window. With `from_above` it starts above the first scene, with the culling camera frozen
+/// below.
 pub fn start(scenes: Vec<SceneName>, options: &SceneOptions, method: Method, from_above: bool) -> Start {
     let options = *options;
     Start::new("casca", move |screen| {

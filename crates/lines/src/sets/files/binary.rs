@@ -3,7 +3,8 @@
 use super::bytes::Bytes;
 use super::error::{FileError, Lines, broken};
 
-/// MRtrix: a text header with `datatype` and `file: . OFFSET`, triples of floats, NaN after each line, infinity at the end.
+/// MRtrix: a text header with `datatype` and `file: . OFFSET`, triples of floats, NaN after each
+/// line, infinity at the end.
 /// <https://mrtrix.readthedocs.io/en/latest/getting_started/image_data.html#tracks-file-format-tck>
 pub(super) fn tck(bytes: &[u8]) -> Lines {
     let (mut offset, mut big, mut at) = (None, None, 0);
@@ -45,8 +46,8 @@ pub(super) fn tck(bytes: &[u8]) -> Lines {
     }
 }
 
-/// TrackVis: a header of 1000 bytes, then for each line its number of vertices, and for each vertex 3 + scalars floats; properties
-/// follow each line. <http://trackvis.org/docs/?subsect=fileformat>
+/// TrackVis: a header of 1000 bytes, then for each line its number of vertices, and for each vertex
+/// 3 + scalars floats; properties follow each line. <http://trackvis.org/docs/?subsect=fileformat>
 pub(super) fn trk(bytes: &[u8]) -> Lines {
     const HEADER: usize = 1000;
     let field = |at: usize| Bytes { bytes, at, big: false };

@@ -1,6 +1,7 @@
 //! Lines from files: the thesis' text format, OBJ, PLY, and the tractograms TCK and TRK.
 //!
-//! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may be of any number of vertices.
+//! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
+//! be of any number of vertices.
 
 mod binary;
 mod bytes;
@@ -20,13 +21,13 @@ use crate::sets::LineSet;
 /// The formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// The number of lines, the number of vertices of each, then all coordinates; separated by white space (Benevides 2015,
-    /// section 4.1).
+    /// The number of lines, the number of vertices of each, then all coordinates; separated by
+    /// white space (Benevides 2015, section 4.1).
     Text,
     /// Wavefront OBJ: `v` and `l`.
     Obj,
-    /// PLY, ASCII or binary: vertices, and elements `edge`, `line` or `polyline` with the two vertices `vertex1` and `vertex2` or
-    /// a list `vertex_indices`.
+    /// PLY, ASCII or binary: vertices, and elements `edge`, `line` or `polyline` with the two
+    /// vertices `vertex1` and `vertex2` or a list `vertex_indices`.
     Ply,
     /// MRtrix tracks of 32-bit floats.
     Tck,

@@ -1,4 +1,5 @@
-//! PLY (Turk 1994, "The PLY polygon file format"): vertices with `edge` elements, or elements with lists of vertex indices.
+//! PLY (Turk 1994, "The PLY polygon file format"): vertices with `edge` elements, or elements with
+//! lists of vertex indices.
 
 use std::collections::HashMap;
 

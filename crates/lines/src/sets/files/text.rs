@@ -9,7 +9,8 @@ use super::words::{Words, parse, words};
 pub(super) fn thesis(bytes: &[u8]) -> Lines {
     let mut file = Words::new(bytes, 1);
     let lines: usize = file.number("the number of lines")?;
-    // Each line needs at least a digit and a space: a header cannot ask for more than the file holds.
+    // Each line needs at least a digit and a space: a header cannot ask for more than the file
+    // holds.
     let mut counts = Vec::with_capacity(lines.min(bytes.len() / 2));
     for _ in 0..lines {
         counts.push(file.number::<usize>("a number of vertices")?);
@@ -37,7 +38,8 @@ pub(super) fn obj(bytes: &[u8]) -> Lines {
             }
             Some((&"l", rest)) => {
                 let vertex = |word: &&str| {
-                    // Texture coordinates may follow a slash; negative numbers count from the last vertex.
+                    // Texture coordinates may follow a slash; negative numbers count from the last
+                    // vertex.
                     let number: i64 =
                         parse(word.split('/').next().unwrap_or(word), "a vertex number", i + 1)?;
                     let index = if number < 0 { points.len() as i64 + number } else { number - 1 };

@@ -14,8 +14,8 @@ pub const LEVELS: usize = 4;
 /// How many times fewer triangles the next level has, as in the thesis.
 const COARSER: usize = 4;
 
-/// A furry animal: closed two-manifold meshes with coats, at several levels of detail. The centre of the finest level's box is the
-/// origin; it looks along x, and y is up. It is about a unit long.
+/// A furry animal: closed two-manifold meshes with coats, at several levels of detail. The centre
+/// of the finest level's box is the origin; it looks along x, and y is up. It is about a unit long.
 #[derive(Debug, Clone)]
 pub struct Animal {
     levels: Vec<Mesh>,
@@ -24,9 +24,10 @@ pub struct Animal {
 }
 
 impl Animal {
-    /// The animal of a seed: its proportions and colours differ, its parts (body, head, ears, legs, tail) do not. Nose and eyes are bald, feet
-    /// have short fur. `detail` is the number of grid cells along its longest side, 24 to 256: the finest level has about
-    /// 3 `detail`² triangles. Costs `detail`³ distances to some twenty parts: a quarter of a second at 64.
+    /// The animal of a seed: its proportions and colours differ, its parts (body, head, ears, legs,
+    /// tail) do not. Nose and eyes are bald, feet have short fur. `detail` is the number of grid
+    /// cells along its longest side, 24 to 256: the finest level has about 3 `detail`² triangles.
+    /// Costs `detail`³ distances to some twenty parts: a quarter of a second at 64.
     ///
     /// # Errors
     /// Refuses a detail out of range.
@@ -56,7 +57,8 @@ impl Animal {
         Ok(Self { levels, errors })
     }
 
-    /// The meshes, finest first: [`LEVELS`] of them, each with about a quarter of the triangles of the one before.
+    /// The meshes, finest first: [`LEVELS`] of them, each with about a quarter of the triangles of
+    /// the one before.
     pub fn levels(&self) -> &[Mesh] {
         &self.levels
     }
@@ -78,8 +80,8 @@ impl Animal {
     }
 }
 
-/// A simplified mesh that is closed, with its distance to the first. Edge collapses may pinch a mesh; another target takes another way, and the
-/// mesh itself is the last.
+/// A simplified mesh that is closed, with its distance to the first. Edge collapses may pinch a
+/// mesh; another target takes another way, and the mesh itself is the last.
 fn closed(mesh: &Mesh, triangles: usize) -> Result<(Mesh, f32), Error> {
     let most = mesh.triangles().len();
     let mut target = triangles.max(32);

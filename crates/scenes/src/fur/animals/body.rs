@@ -25,7 +25,8 @@ enum Tint {
     Bald,
 }
 
-/// A body in its own space: it stands on the plane y = 0 and looks along x. One unit is about its length.
+/// A body in its own space: it stands on the plane y = 0 and looks along x. One unit is about its
+/// length.
 pub(super) struct Body {
     parts: Vec<Part>,
     main: Vec3,
@@ -104,7 +105,8 @@ impl Body {
         Self { parts, main, second, belly, patches, phase }
     }
 
-    /// About the distance to the surface, in units; negative inside. The soft least distance of all parts.
+    /// About the distance to the surface, in units; negative inside. The soft least distance of all
+    /// parts.
     pub(super) fn field(&self, p: Vec3) -> f32 {
         let distances: [f32; 32] =
             std::array::from_fn(|i| self.parts.get(i).map_or(f32::INFINITY, |part| part.distance(p)));

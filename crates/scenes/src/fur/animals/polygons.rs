@@ -4,19 +4,21 @@ use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
 
-/// A field value nearer to 0 than this share of a grid cell moves away from 0, so that no vertex of a generated mesh falls on a corner of
-/// the grid, where several would coincide.
+/// A field value nearer to 0 than this share of a grid cell moves away from 0, so that no vertex of
+/// a generated mesh falls on a corner of the grid, where several would coincide.
 const OFF_CORNER: f32 = 1e-2;
 
-/// Each cell of the grid is six tetrahedra around its diagonal, one for each order of the axes. Neighbours share the diagonals of their
-/// faces, so that the surface is closed and two-manifold wherever it does not meet the border of the grid.
+/// Each cell of the grid is six tetrahedra around its diagonal, one for each order of the axes.
+/// Neighbours share the diagonals of their faces, so that the surface is closed and two-manifold
+/// wherever it does not meet the border of the grid.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
 /// The corners of tetrahedra with odd orders of axes are numbered the other way around.
 const EVEN: usize = 3;
 
-/// The surface on which `field` is 0, with negative values inside, on a grid of cubes between two corners: positions, and triangles
-/// counter-clockwise seen from outside. Values on the border of the grid count as outside.
+/// The surface on which `field` is 0, with negative values inside, on a grid of cubes between two
+/// corners: positions, and triangles counter-clockwise seen from outside. Values on the border of
+/// the grid count as outside.
 pub(super) fn surface(
     field: impl Fn(Vec3) -> f32,
     lo: Vec3,
@@ -89,14 +91,16 @@ impl Builder<'_> {
         })
     }
 
-    /// The triangles of a tetrahedron whose corners 1, 2 and 3 run counter-clockwise seen from outside.
+    /// The triangles of a tetrahedron whose corners 1, 2 and 3 run counter-clockwise seen from
+    /// outside.
     fn tetrahedron(&mut self, c: [usize; 4]) {
         let inside = |i: usize| self.values[c[i]] < 0.0;
         let count = (0..4).filter(|&i| inside(i)).count();
         if !(1..=3).contains(&count) {
             return;
         }
-        // Bring the corners inside to the front by an even permutation, so that the orientation stays.
+        // Bring the corners inside to the front by an even permutation, so that the orientation
+        // stays.
         let mut order: Vec<usize> = (0..4).filter(|&i| inside(i)).collect();
         order.extend((0..4).filter(|&i| !inside(i)));
         let inversions =

@@ -1,5 +1,6 @@
-//! A field of animals as a scene of casca, and the list of animals to draw: all of them, those in the frustum, those that can be seen,
-//! or those that can be seen with fewer layers where less is seen.
+//! A field of animals as a scene of casca, and the list of animals to draw: all of them, those in
+//! the frustum, those that can be seen, or those that can be seen with fewer layers where less is
+//! seen.
 
 use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
@@ -28,7 +29,8 @@ pub enum Way {
     Frustum,
     /// What casca finds visible.
     Visible,
-    /// The same, with level of detail and layers by projected size and by the share that is seen, within a budget.
+    /// The same, with level of detail and layers by projected size and by the share that is seen,
+    /// within a budget.
     Layered,
 }
 
@@ -59,7 +61,8 @@ pub struct Demand {
     pub way: Way,
     /// Layers above the skin: of all animals, or the most by [`Way::Layered`].
     pub layers: u32,
-    /// For [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1 or more sets no budget.
+    /// For [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1
+    /// or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
     pub height: u32,
@@ -122,8 +125,8 @@ impl Herd {
         Ok(())
     }
 
-    /// All animals and walls within a distance of a point, with so many layers: for shadow maps, which must not depend on what the
-    /// camera sees.
+    /// All animals and walls within a distance of a point, with so many layers: for shadow maps,
+    /// which must not depend on what the camera sees.
     pub fn around(&self, center: Vec3, reach: f32, layers: u32) -> DrawList {
         let near = |p: Vec3| p.distance(center) <= reach;
         let animals = (0..self.field.animals().len())

@@ -14,7 +14,8 @@ use crate::points::large::town::Town;
 /// Write the scan of a town, as large as you like, and its walls, behind which nothing can be seen.
 #[derive(Debug, Args)]
 pub struct Generate {
-    /// The PLY file to write. The walls go to a text file beside it: a box of six numbers on each line.
+    /// The PLY file to write. The walls go to a text file beside it: a box of six numbers on each
+    /// line.
     out: PathBuf,
     /// The number of points.
     #[arg(long, default_value_t = 10_000_000)]

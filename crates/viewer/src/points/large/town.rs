@@ -1,4 +1,5 @@
-//! A town of 1 km by 1 km: streets 14 m wide around blocks of four houses. Up is +y, and a crossing is at the origin.
+//! A town of 1 km by 1 km: streets 14 m wide around blocks of four houses. Up is +y, and a crossing
+//! is at the origin.
 
 use casca_points::PointCloud;
 use glam::{Vec3, vec3};

@@ -24,7 +24,8 @@ use crate::points::operators::{finite_numbers, parse_finite, parse_length};
 pub struct Walk {
     /// A file of bricks. Up is +y.
     bricks: PathBuf,
-    /// Boxes that hide what is behind them: a text file with six numbers on each line, as `generate` writes it.
+    /// Boxes that hide what is behind them: a text file with six numbers on each line, as
+    /// `generate` writes it.
     #[arg(long)]
     walls: Option<PathBuf>,
     /// The number of frames.
@@ -45,7 +46,8 @@ pub struct Walk {
     /// Megabytes of memory for loaded points.
     #[arg(long, default_value_t = 512)]
     memory: usize,
-    /// Every 20th frame, casts a ray from the eye to each point against the walls and counts the splat operator's errors.
+    /// Every 20th frame, casts a ray from the eye to each point against the walls and counts the
+    /// splat operator's errors.
     #[arg(long)]
     check: bool,
     /// Prints the summary only.
@@ -53,12 +55,14 @@ pub struct Walk {
     quiet: bool,
 }
 
-/// Frames in a second. A frame that is done earlier waits, so that the loader has the time that it would have.
+/// Frames in a second. A frame that is done earlier waits, so that the loader has the time that it
+/// would have.
 const RATE: f32 = 60.0;
 const SIZE: (u32, u32) = (1280, 720);
 
-/// How far behind squares points count as visible, as in the thesis. Facades are seen at grazing angles: `--check` finds 19 to 31 % of
-/// the visible points of a street falsely hidden in a generated town of 10 million points, and 5 to 9 % in one of 40 million.
+/// How far behind squares points count as visible, as in the thesis. Facades are seen at grazing
+/// angles: `--check` finds 19 to 31 % of the visible points of a street falsely hidden in a
+/// generated town of 10 million points, and 5 to 9 % in one of 40 million.
 const BIAS: Bias = Bias::Window(0.05);
 
 const COLUMNS: [&str; 9] = [
