@@ -7,7 +7,7 @@ use std::path::Path;
 use casca::internals::SceneInternals;
 use casca::{
     Aabb, Bounds, CellOptions, DrawOptions, Error, Facing, GridSpec, MeshOptions, Method, Motion, ObjectDesc,
-    ObjectId, Plane, PointOptions, Pvs, Query, Reports, Scene, Sphere, View,
+    ObjectId, PointOptions, Pvs, Query, Reports, Scene, Sphere, View,
 };
 use glam::camera::rh::{proj, view::look_at_mat4};
 use glam::{UVec3, Vec3};
