@@ -77,8 +77,8 @@ pub(crate) const NEAREST_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// The same for single precision and numbers below 2^22: 1.5 times 2^23.
 pub(crate) const NEAREST_INTEGER_SINGLE: f32 = 12_582_912.0;
 
-/// Directions this close to the outline of a ball (squared sine of half the chord, as a share) get no
-/// depth: the root would keep less than half of its digits.
+/// Directions this close to the outline of a ball (squared sine of half the chord, as a share) get
+/// no depth: the root would keep less than half of its digits.
 pub(crate) const BALL_OUTLINE: f64 = 1e-9;
 
 /// A ball is entered at a depth only if the square of the tangent from the eye is more than this
@@ -168,8 +168,8 @@ pub(crate) const CLEARANCE: f64 = 8.0;
 /// buffers wider.
 pub(crate) const NEAREST_IN_REACHES: f64 = 8.0;
 
-/// Parallel rays start this many times the radius of the scene before its middle, so that depths are
-/// positive and of one magnitude: from 3 to 5 radii, which [`MAX_DEPTH`] bounds.
+/// Parallel rays start this many times the radius of the scene before its middle, so that depths
+/// are positive and of one magnitude: from 3 to 5 radii, which [`MAX_DEPTH`] bounds.
 pub(crate) const MIDDLE_DEPTH: f64 = 4.0;
 
 /// All of the scene is nearer to that start than this many times its radius.

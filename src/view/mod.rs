@@ -290,12 +290,12 @@ impl View {
     /// a client whose eye is known with delay.
     ///
     /// The planes of the view go along with the eye. Objects nearer than eight times the reach are
-    /// visible without a test. Occluders hide less around their outlines, as far as one of these eyes
-    /// sees past them (after Wonka, Wimmer & Schmalstieg 2000, and Voglreiter et al. 2023); those
-    /// nearer than about three times the reach hide nothing. Objects are tested as they are. Where
-    /// parts that abut share no edges, each opens a gap of the reach: make them one mesh, or let
-    /// static ones share their vertices. The reach replaces that of an earlier call; 0 is the view
-    /// as it was.
+    /// visible without a test. Occluders hide less around their outlines, as far as one of these
+    /// eyes sees past them (after Wonka, Wimmer & Schmalstieg 2000, and Voglreiter et al. 2023);
+    /// those nearer than about three times the reach hide nothing. Objects are tested as they are.
+    /// Where parts that abut share no edges, each opens a gap of the reach: make them one mesh, or
+    /// let static ones share their vertices. The reach replaces that of an earlier call; 0 is the
+    /// view as it was.
     ///
     /// # Errors
     /// Refuses a reach that is negative or not finite.

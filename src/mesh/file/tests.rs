@@ -268,7 +268,8 @@ fn claims_take_no_memory() {
     }
 }
 
-/// A change of bytes: where, what is written there, the section that is refused, and a part of the reason.
+/// A change of bytes: where, what is written there, the section that is refused, and a part of the
+/// reason.
 type Change<'a> = (usize, &'a [u8], &'a str, &'a str);
 
 fn refuses_each(whole: &[u8], changes: &[Change]) {

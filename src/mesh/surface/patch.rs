@@ -27,8 +27,8 @@ pub(crate) struct Side {
 /// `i + 1`, each next one where the one before ends ([`Patch::next`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
-    /// Its outline: a range of the list of sides, or of that of the outlines of groups if it has parts. Empty if it
-    /// can only be drawn in parts.
+    /// Its outline: a range of the list of sides, or of that of the outlines of groups if it has
+    /// parts. Empty if it can only be drawn in parts.
     pub(crate) first: u32,
     pub(crate) last: u32,
     /// The place after that of its last part: the place after its own if it has none.
