@@ -1,0 +1,245 @@
+//! Files as a whole: what is read, and what is refused.
+
+use super::*;
+
+#[test]
+fn reads_meshes_roles_and_the_camera_path() {
+    let world = read("small", &small_file(), None).unwrap();
+    assert_eq!((world.objects.len(), world.frames), (1, 61));
+    let leaf = &world.objects[0];
+    assert!(leaf.name == "leaf" && leaf.tested && !leaf.occludes && leaf.motion == Motion::Static);
+    let eye = world.camera(30, 1.5).eye;
+    assert!((eye - Vec3::X).length() < 1e-5, "{eye}");
+}
+
+#[test]
+fn broken_files_are_refused_whole() {
+    let file = small_file();
+    for length in 0..file.len() {
+        assert!(read("cut", &file[..length], None).is_err(), "cut at {length}");
+    }
+    flip(&file, 20_000);
+    assert!(matches!(
+        load(Path::new("/no/such/file.glb")).err().expect("no such file").why,
+        Trouble::Read(_)
+    ));
+}
+
+#[test]
+fn what_the_parser_takes_for_granted_is_checked() {
+    for (old, new) in [
+        (r#""path":"translation""#, r#""path":"colour""#),
+        (r#""target":{"node":1"#, r#""target":{"node":9"#),
+        (r#""type":"perspective""#, r#""type":"orthographic""#),
+        (r#""count":3"#, r#""count":0"#),
+        (r#""count":2"#, r#""count":0"#),
+        (r#""count":3"#, r#""count":18446744073709551615"#),
+        (r#""sampler":0"#, r#""sampler":1"#),
+        (r#""POSITION":0"#, r#""POSITION":7"#),
+        (r#"{"camera":0}"#, r#"{"camera":0,"children":[1]}"#),
+    ] {
+        let refused = read("bad", &small_file_with(old, new), None);
+        println!("{new}: {}", refused.err().unwrap_or_else(|| panic!("{new} was taken")));
+    }
+    let mut short = small_file();
+    short[8..12].copy_from_slice(&11u32.to_le_bytes());
+    assert!(matches!(read("short", &short, None), Err(Trouble::Format(gltf::Error::Binary(_)))));
+}
+
+#[test]
+fn deep_trees_need_no_deep_stack() {
+    // A chain of nodes, with the camera at its end.
+    let depth = 30_000;
+    let mut nodes = String::from(r#"{"camera":0,"children":[2]}"#);
+    for i in 3..depth {
+        nodes += &format!(r#",{{"children":[{i}]}}"#);
+    }
+    nodes += r#",{"mesh":0}"#;
+    let world = read("deep", &small_file_with(r#"{"camera":0}"#, &nodes), None).unwrap();
+    assert!(world.objects[1].motion != Motion::Static);
+}
+
+#[test]
+fn reads_the_real_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
+    for (file, objects, triangles) in [
+        ("sponza.glb", 339, 262_267),
+        ("sponza-parts.glb", 1444, 262_267),
+        ("kitchen-parts.glb", 757, 56_939),
+        ("cornell.glb", 8, 36),
+    ] {
+        let path = folder.join(file);
+        if !path.exists() {
+            println!("skipped: {file} is not here");
+            continue;
+        }
+        let world = load(&path).unwrap();
+        let found: usize = world
+            .objects
+            .iter()
+            .map(|o| match &o.shape {
+                Shape::Mesh { mesh, .. } => mesh.triangles.len(),
+                _ => 0,
+            })
+            .sum();
+        assert_eq!((world.objects.len(), found, world.frames), (objects, triangles, 300), "{file}");
+    }
+}
+
+#[test]
+fn buffers_come_from_data_uris() {
+    use base64::Engine;
+    let parts = triangle();
+    let data = base64::engine::general_purpose::STANDARD.encode(&parts.bin);
+    let with = |uri: &str| read("data", parts.json(ONE, &format!(r#","uri":"{uri}""#)).as_bytes(), None);
+    let expected = triangles(&parts.read(ONE).unwrap(), 0);
+    for kind in ["application/octet-stream;base64", "application/gltf-buffer;base64", ";BASE64"] {
+        assert_eq!(triangles(&with(&format!("data:{kind},{data}")).unwrap(), 0), expected);
+    }
+    assert_eq!(triangles(&with(&format!("DATA:;base64,{data}")).unwrap(), 0), expected);
+    says(with(&format!("data:application/octet-stream,{data}")), &["buffer 0", "not in base64"]);
+    says(with("data:;base64"), &["no comma"]);
+    says(with(&format!("data:;base64,{}", &data[1..])), &["base64"]);
+    says(with(&format!("data:;base64,!{}", &data[1..])), &["base64"]);
+    assert!(matches!(
+        with(&format!("data:;base64,{}", &data[4..])),
+        Err(Trouble::ShortBuffer { held: 33, .. })
+    ));
+    says(read("bin", parts.json(ONE, "").as_bytes(), None), &["no binary chunk"]);
+    let two = parts.json(ONE, "").replace("}],\"nodes\"", "},{\"byteLength\":4}],\"nodes\"");
+    says(read("two", &glb(&two, &parts.bin), None), &["buffer 1", "no URI"]);
+}
+
+#[test]
+fn buffers_come_from_files_by_relative_uris_only() {
+    let parts = triangle();
+    let folder = std::env::temp_dir().join(format!("casca-import-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    // More than is needed is not read.
+    std::fs::write(folder.join("a b.bin"), [&parts.bin[..], &[7; 100]].concat()).unwrap();
+    std::fs::write(folder.join("short.bin"), &parts.bin[..35]).unwrap();
+    let json = |uri: &str| parts.json(ONE, &format!(r#","uri":"{uri}""#));
+    let with = |uri: &str| read("files", json(uri).as_bytes(), Some(&folder));
+    let expected = triangles(&parts.read(ONE).unwrap(), 0);
+    for uri in ["a%20b.bin", "a b.bin", "./a%20b.bin", "sub/../a%20b.bin"] {
+        assert_eq!(triangles(&with(uri).unwrap(), 0), expected, "{uri}");
+    }
+    let file = folder.join("sub/scene.gltf");
+    std::fs::write(&file, json("../a%20b.bin")).unwrap();
+    assert_eq!(load(&file).unwrap().name, "scene");
+    let absolute = folder.join("a%20b.bin").to_str().unwrap().to_owned();
+    for (uri, why) in [
+        (format!("file://{absolute}"), "relative"),
+        ("http://example.org/a.bin".to_owned(), "relative"),
+        ("C:a.bin".to_owned(), "relative"),
+        (absolute.clone(), "relative"),
+        (absolute.replacen('/', "%2F", 1), "relative"),
+        ("a%20b.bin?x".to_owned(), "query"),
+        ("a%20b.bin#x".to_owned(), "fragment"),
+        ("%ff.bin".to_owned(), "UTF-8"),
+        ("sub".to_owned(), "is no file"),
+        (String::new(), "is no file"),
+        ("gone.bin".to_owned(), "gone.bin"),
+    ] {
+        says(with(&uri), &["buffer 0", &uri, why]);
+    }
+    assert!(matches!(with("short.bin"), Err(Trouble::ShortBuffer { held: 35, needed: 36, .. })));
+    says(read("nowhere", json("a%20b.bin").as_bytes(), None), &["no folder"]);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn flipped_bits_never_panic() {
+    use base64::Engine;
+    let strip = |rest: &str| rest.replace(r#""POSITION":0}"#, r#""POSITION":0},"mode":5"#);
+    let (parts, rest) = instanced(PLACED);
+    let data = base64::engine::general_purpose::STANDARD.encode(&parts.bin);
+    let mut turning = timed();
+    let turns = rotation_bytes(&[[0, 0, 0, 32767]; 4]);
+    let turns = turning.dense(5122, "VEC4", &turns, r#","normalized":true"#);
+    let spline = turning.floats("VEC3", &[0.5; 36]);
+    let animations =
+        [animated(0, "rotation", turns, "LINEAR"), animated(1, "translation", spline, "CUBICSPLINE")]
+            .join(",");
+    for file in [
+        sparse_positions([1, 3], true).glb(INDEXED),
+        sparse_positions([1, 3], false).glb(&strip(INDEXED)),
+        parts.glb(&rest),
+        parts.json(&rest, &format!(r#","uri":"data:;base64,{data}""#)).into_bytes(),
+        turning.glb(&moved(&format!("[{animations}]"))),
+    ] {
+        assert!(read("whole", &file, None).is_ok());
+        flip(&file, 4_000);
+        for length in 0..file.len() {
+            assert!(read("cut", &file[..length], None).is_err(), "cut at {length}");
+        }
+    }
+}
+
+#[test]
+fn deep_trees_of_objects_cost_no_more_than_their_nodes() {
+    // Every node shows the triangle and hangs from the one before; all of them move.
+    let depth = 20_000;
+    let mut nodes = String::from(r#"{"camera":0}"#);
+    for i in 2..depth {
+        nodes += &format!(r#",{{"mesh":0,"translation":[0,0,0.001],"children":[{}]}}"#, i + 1);
+    }
+    nodes += r#",{"mesh":0}"#;
+    let file = small_file_with(r#"{"camera":0}"#, &nodes);
+    let text = String::from_utf8_lossy(&file).into_owned();
+    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
+    let moved = json.replace(r#""nodes":[0,1]"#, r#""nodes":[0,1,2]"#).replace(r#""node":1"#, r#""node":2"#);
+    let world = read("deep", &glb(&moved, &file[file.len() - 68..]), None).unwrap();
+    assert_eq!(world.objects.len(), depth);
+    // The last hangs from all others, which move it by two in all at the end.
+    let mut last = Vec3::ZERO;
+    world.animation.shapes(0, &mut |i, shape| {
+        if let (true, Shape::Mesh { transform, .. }) = (i + 1 == depth, shape) {
+            last = transform.translation.into();
+        }
+    });
+    assert!((last.z - 0.001 * (depth - 3) as f32).abs() < 0.05, "{last}");
+}
+
+#[test]
+fn what_unfolds_to_more_than_the_file_is_refused() {
+    let small = small_file();
+    let text = String::from_utf8_lossy(&small).into_owned();
+    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
+    let with = |old: &str, new: &str| {
+        assert!(json.contains(old), "{old}");
+        read("made", &glb(&json.replace(old, new), &small[small.len() - 68..]), None)
+    };
+    // A thousand accessors of a mebi of zeros each, which take no bytes.
+    let zeros = r#"{"componentType":5126,"count":1048576,"type":"VEC3","min":[0,0,0],"max":[0,0,0],"sparse":{"count":1,
+        "indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":0}}},"#;
+    let primitives: Vec<String> =
+        (0..1000).map(|i| format!(r#"{{"attributes":{{"POSITION":{}}}}}"#, i + 3)).collect();
+    let with_zeros = json
+        .replace(
+            r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
+            &format!(
+                r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{}]"#,
+                zeros.repeat(1000).trim_end_matches(',')
+            ),
+        )
+        .replace(r#"{"attributes":{"POSITION":0}}"#, &primitives.join(","));
+    says(read("made", &glb(&with_zeros, &small[small.len() - 68..]), None), &["unfolds to too much"]);
+    // The same positions in very many primitives, of which each may have them.
+    let few = r#"{"attributes":{"POSITION":0}}"#;
+    assert!(with(few, &[few; 1000].join(",")).is_ok());
+    says(with(few, &vec![few; 400_000].join(",")), &["unfolds to too much"]);
+    // Instances with a long name.
+    let name = "leaf".repeat(50_000);
+    let instanced =
+        format!(r#"{name}","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":0}}}}}}"#);
+    let many = format!(r#""nodes":[{{"mesh":0,"name":"{instanced}}},{{"camera":0}}"#);
+    let one = r#""nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}"#;
+    assert!(with(one, &many).is_ok());
+    let zeros = zeros.trim_end_matches(',').replace("1048576", "524288");
+    let json = json.replace(one, &many.replace(r#""TRANSLATION":0"#, r#""TRANSLATION":3"#)).replace(
+        r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
+        &format!(r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{zeros}]"#),
+    );
+    says(read("made", &glb(&json, &small[small.len() - 68..]), None), &["too many instances for its name"]);
+}

@@ -1,0 +1,260 @@
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{Quat, Vec3};
+use rand::RngExt;
+
+use super::*;
+use crate::drive::{Driver, grid_for, view_of};
+use crate::lit::Material;
+use crate::random::generator;
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
+
+mod accessors;
+mod animation;
+mod files;
+mod instances;
+mod lit;
+mod nodes;
+
+/// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
+fn small_file() -> Vec<u8> {
+    small_file_with("", "")
+}
+
+/// The same with a part of its JSON replaced.
+fn small_file_with(old: &str, new: &str) -> Vec<u8> {
+    let floats: [f32; 9 + 2 + 6] =
+        [0.0, 0.0, -5.0, 1.0, 0.0, -5.0, 0.0, 1.0, -5.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+    let bin: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
+        "nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}],
+        "cameras":[{"type":"perspective","perspective":{"yfov":1.0,"znear":0.1}}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],
+            "samplers":[{"input":1,"output":2}]}],
+        "accessors":[
+            {"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,-5],"max":[1,1,-5]},
+            {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[2]},
+            {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},
+            {"buffer":0,"byteOffset":44,"byteLength":24}],
+        "buffers":[{"byteLength":68}]}"#;
+    assert!(json.contains(old), "{old}");
+    glb(&json.replacen(old, new, 1), &bin)
+}
+
+fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
+    while !json.len().is_multiple_of(4) {
+        json.push(b' ');
+    }
+    let mut file = Vec::new();
+    let total = 12 + 8 + json.len() + 8 + bin.len();
+    for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
+        file.extend(word.to_le_bytes());
+    }
+    file.extend(&json);
+    for word in [bin.len() as u32, 0x004e_4942] {
+        file.extend(word.to_le_bytes());
+    }
+    file.extend(bin);
+    file
+}
+
+/// A file in the making: what its accessors read.
+#[derive(Default, Clone)]
+struct Parts {
+    accessors: Vec<String>,
+    views: Vec<String>,
+    bin: Vec<u8>,
+}
+
+const F32: u32 = 5126;
+
+impl Parts {
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        self.views.push(format!(
+            r#"{{"buffer":0,"byteOffset":{},"byteLength":{}}}"#,
+            self.bin.len(),
+            bytes.len()
+        ));
+        self.bin.extend(bytes);
+        while !self.bin.len().is_multiple_of(4) {
+            self.bin.push(0);
+        }
+        self.views.len() - 1
+    }
+
+    /// An accessor; `more` follows its type and count.
+    fn accessor(&mut self, component: u32, kind: &str, count: usize, more: &str) -> usize {
+        self.accessors.push(format!(
+            r#"{{"componentType":{component},"type":"{kind}","count":{count},"min":[0,0,0],"max":[0,0,0],{more}}}"#
+        ));
+        self.accessors.len() - 1
+    }
+
+    fn dense(&mut self, component: u32, kind: &str, bytes: &[u8], more: &str) -> usize {
+        let width = match component {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            _ => 4,
+        };
+        let size = width
+            * match kind {
+                "SCALAR" => 1,
+                "VEC3" => 3,
+                _ => 4,
+            };
+        let view = self.view(bytes);
+        self.accessor(component, kind, bytes.len() / size, &format!(r#""bufferView":{view}{more}"#))
+    }
+
+    fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        self.dense(F32, kind, &bytes_of(values), "")
+    }
+
+    fn json(&self, rest: &str, uri: &str) -> String {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"accessors":[{}],"bufferViews":[{}],"buffers":[{{"byteLength":{}{uri}}}],{rest}}}"#,
+            self.accessors.join(","),
+            self.views.join(","),
+            self.bin.len()
+        )
+    }
+
+    fn glb(&self, rest: &str) -> Vec<u8> {
+        glb(&self.json(rest, ""), &self.bin)
+    }
+
+    fn read(&self, rest: &str) -> Result<World, Trouble> {
+        read("made", &self.glb(rest), None)
+    }
+}
+
+fn bytes_of(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|f| f.to_le_bytes()).collect()
+}
+
+/// Corners of a triangle, and one more for a square.
+const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
+/// One node with the mesh whose positions are accessor 0.
+const ONE: &str = r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
+
+/// A triangle as accessor 0.
+fn triangle() -> Parts {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE[..9]);
+    parts
+}
+
+/// The triangles of an object, in world space.
+fn triangles(world: &World, object: usize) -> Vec<[Vec3; 3]> {
+    let Shape::Mesh { mesh, transform } = &world.objects[object].shape else { return Vec::new() };
+    let at = |v: u32| transform.transform_point3(mesh.positions[v as usize]);
+    mesh.triangles.iter().map(|t| t.map(at)).collect()
+}
+
+fn told(refused: Result<World, Trouble>) -> String {
+    refused.err().expect("must be refused").to_string()
+}
+
+/// Whether an error says all of `parts`.
+fn says(refused: Result<World, Trouble>, parts: &[&str]) {
+    let told = told(refused);
+    assert!(parts.iter().all(|part| told.contains(part)), "{told:?} lacks one of {parts:?}");
+}
+
+/// A triangle of sparse positions: two of them new at `places`, over the square or over nothing.
+fn sparse_positions(places: [u16; 2], base: bool) -> Parts {
+    let mut parts = Parts::default();
+    let base =
+        if base { format!(r#""bufferView":{},"#, parts.view(&bytes_of(&SQUARE))) } else { String::new() };
+    let at = parts.view(&places.map(u16::to_le_bytes).concat());
+    let new = parts.view(&bytes_of(&[5.0, 0.0, 0.0, 0.0, 6.0, 7.0]));
+    parts.accessor(
+        F32,
+        "VEC3",
+        4,
+        &format!(
+            r#"{base}"sparse":{{"count":2,"indices":{{"bufferView":{at},"componentType":5123}},"values":{{"bufferView":{new}}}}}"#
+        ),
+    );
+    let corners = parts.dense(5121, "SCALAR", &[0, 1, 2, 2, 1, 3], "");
+    assert_eq!(corners, 1);
+    parts
+}
+
+const INDEXED: &str =
+    r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}]"#;
+
+/// A triangle on a node at x = 10 that is turned half about y, with what can place three instances
+/// of it.
+fn instanced(attributes: &str) -> (Parts, String) {
+    let mut parts = triangle();
+    parts.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 3.0, 0.0, 0.0]);
+    parts.dense(
+        5122,
+        "VEC4",
+        &rotation_bytes(&[[0, 0, 0, 32767], [0, 0, 23170, 23170], [0, 0, 32767, 0]]),
+        r#","normalized":true"#,
+    );
+    parts.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, -1.0]);
+    parts.floats("SCALAR", &[1.0, 2.0]);
+    let node = format!(
+        r#"{{"mesh":0,"name":"tree","translation":[10,0,0],"rotation":[0,1,0,0],"extras":{{"role":"occluder"}},"extensions":{{"EXT_mesh_gpu_instancing":{attributes}}}}}"#
+    );
+    let rest = ONE.replace(r#"{"mesh":0}"#, &node);
+    (parts, rest)
+}
+
+fn rotation_bytes(values: &[[i16; 4]]) -> Vec<u8> {
+    values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+const PLACED: &str = r#"{"attributes":{"TRANSLATION":1,"ROTATION":2,"SCALE":3}}"#;
+
+/// A triangle, and as accessor 1 the times of four keys.
+fn timed() -> Parts {
+    let mut parts = triangle();
+    parts.floats("SCALAR", &[0.0, 0.5, 1.0, 2.0]);
+    parts
+}
+
+/// A node with the mesh, at x = 3 on an empty node, and animations.
+fn moved(animations: &str) -> String {
+    let nodes = r#"{"children":[1]},{"mesh":0,"name":"leaf","translation":[3,0,0]}"#;
+    format!(r#"{},"animations":{animations}"#, ONE.replace(r#"{"mesh":0}"#, nodes))
+}
+
+fn animated(node: usize, path: &str, output: usize, interpolation: &str) -> String {
+    format!(
+        r#"{{"channels":[{{"sampler":0,"target":{{"node":{node},"path":"{path}"}}}}],"samplers":[{{"input":1,"output":{output},"interpolation":"{interpolation}"}}]}}"#
+    )
+}
+
+/// Two primitives, a white one and a shiny red one that emits, and a lamp that hangs at (0, 2, 0)
+/// and points down.
+const LIT: &str = r#""extensionsUsed":["KHR_lights_punctual","KHR_materials_emissive_strength"],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","color":[1,0.5,0],"intensity":4,
+        "spot":{"innerConeAngle":0.2,"outerConeAngle":0.5}}]}},
+    "nodes":[{"mesh":0},{"translation":[0,2,0],"rotation":[-0.70710678,0,0,0.70710678],
+        "extensions":{"KHR_lights_punctual":{"light":0}}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"material":0}]}],
+    "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5,"roughnessFactor":0.25},
+        "emissiveFactor":[1,1,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":3}}}]"#;
+
+/// Reads a file with random bits flipped. Either way is fine; it must not panic.
+fn flip(file: &[u8], times: usize) {
+    let mut random = generator(3, 0);
+    let mut next = |n: usize| random.random_range(0..n);
+    for _ in 0..times {
+        let mut broken = file.to_vec();
+        for _ in 0..1 + next(3) {
+            let at = next(broken.len());
+            broken[at] ^= 1 << next(8);
+        }
+        // Reads all that `read` does, and more.
+        let _ = read_lit("flipped", &broken, None);
+    }
+}

@@ -1,0 +1,186 @@
+//! Nodes, their roles, cameras and scenes.
+
+use super::*;
+
+#[test]
+fn deformed_meshes_are_refused() {
+    let mut parts = timed();
+    parts.floats("SCALAR", &[0.0, 1.0, 0.0, 1.0]);
+    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
+    let morphed = |rest: &str| rest.replace(r#""POSITION":0}}"#, targets);
+    // Targets that are not used change nothing.
+    assert!(parts.read(&morphed(ONE)).is_ok());
+    assert!(parts.read(&morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#))).is_ok());
+    let at_node = morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"face","weights":[0.5]}"#));
+    says(parts.read(&at_node), &["node 0 (\"face\")", "morph targets"]);
+    let at_mesh = morphed(ONE).replace(r#""primitives""#, r#""weights":[0.5],"primitives""#);
+    says(parts.read(&at_mesh), &["node 0", "morph targets"]);
+    // The weights of a node count before those of its mesh.
+    assert!(parts.read(&at_mesh.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#)).is_ok());
+    let animated = moved(&format!("[{}]", animated(1, "weights", 2, "LINEAR")));
+    assert!(parts.read(&animated).is_ok());
+    says(parts.read(&morphed(&animated)), &["node 1 (\"leaf\")", "morph targets"]);
+    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"body","skin":0}"#);
+    says(parts.read(&format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#)), &["node 0 (\"body\")", "skin"]);
+}
+
+#[test]
+fn roles_are_known_or_refused() {
+    let with = |extras: &str| {
+        triangle()
+            .read(&ONE.replace(r#"{"mesh":0}"#, &format!(r#"{{"mesh":0,"name":"leaf","extras":{extras}}}"#)))
+    };
+    for (extras, roles) in [
+        (r#"{"role":"both"}"#, (true, true)),
+        (r#"{"role":"occluder"}"#, (true, false)),
+        (r#"{"role":"occludee"}"#, (false, true)),
+        (r#"{"roles":"occludee"}"#, (true, true)),
+        ("7", (true, true)),
+        ("null", (true, true)),
+    ] {
+        let world = with(extras).unwrap();
+        let object = &world.objects[0];
+        assert_eq!((object.occludes, object.tested), roles, "{extras}");
+        // What is tested only is prepared as bounds only.
+        let grid = grid_for(&world.grid, None).unwrap();
+        let driver = Driver::new(&world, &grid, |_| ()).unwrap();
+        match driver.scene.bounds(driver.id(0)).unwrap() {
+            casca::Bounds::Mesh(mesh) => assert_eq!(mesh.occludes(), roles.0, "{extras}"),
+            other => panic!("{other:?} is no mesh"),
+        }
+    }
+    for role in [r#""Occluder""#, r#""""#, "null", "1", r#"["both"]"#] {
+        says(with(&format!(r#"{{"role":{role}}}"#)), &["node 0 (\"leaf\")", role]);
+    }
+}
+
+#[test]
+fn one_scene_is_shown() {
+    let nodes = r#"{"mesh":0,"name":"a"},{"children":[2]},{"mesh":0,"name":"b"},{"mesh":0,"name":"c"}"#;
+    let rest = ONE.replace(r#"{"mesh":0}"#, nodes);
+    let shown = |scenes: &str| {
+        let world = triangle().read(&format!("{rest}{scenes}"))?;
+        Ok::<_, Trouble>(world.objects.into_iter().map(|o| o.name).collect::<String>())
+    };
+    let scenes = r#","scenes":[{"nodes":[0]},{"nodes":[3,1]}]"#;
+    assert_eq!(shown(scenes).unwrap(), "a");
+    assert_eq!(shown(&format!(r#"{scenes},"scene":1"#)).unwrap(), "cb");
+    assert_eq!(shown("").unwrap(), "abc");
+    let refused = |scenes: &str| shown(scenes).expect_err("must be refused");
+    assert!(matches!(refused(&format!(r#"{scenes},"scene":2"#)), Trouble::Format(_)));
+    assert!(refused(r#","scenes":[{"nodes":[2]}]"#).to_string().contains("node 2 (\"b\") is a root"));
+    assert!(matches!(refused(r#","scenes":[{"nodes":[0,0]}]"#), Trouble::NotATree(0)));
+    // Nodes that hold each other hang from no root.
+    let ring = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0},{"children":[2]},{"children":[1]}"#);
+    assert!(matches!(triangle().read(&ring), Err(Trouble::NotATree(1))));
+}
+
+#[test]
+fn matrices_place_nodes_and_are_not_animated() {
+    let with = |matrix: &str| ONE.replace(r#"{"mesh":0}"#, &format!(r#"{{"mesh":0,"matrix":[{matrix}]}}"#));
+    let mirror = with("-2,0,0,0, 0,1,0,0, 0,0,1,0, 5,0,0,1");
+    // Mirrored: the corners keep their order, for meshes are seen from both sides.
+    assert_eq!(
+        triangles(&triangle().read(&mirror).unwrap(), 0),
+        [[Vec3::X * 5.0, Vec3::X * 3.0, Vec3::new(5.0, 1.0, 0.0)]]
+    );
+    says(triangle().read(&with("1,0,0,0, 0,1,0,0, 0,0,1,1, 0,0,0,1")), &["node 0", "not affine"]);
+    let mut parts = timed();
+    parts.floats("VEC3", &[1.0; 12]);
+    let animated = format!(r#"{mirror},"animations":[{}]"#, animated(0, "scale", 2, "STEP"));
+    says(parts.read(&animated), &["node 0", "matrix"]);
+}
+
+/// Takes a world through the library, with a view of every tenth frame.
+fn drive(mut world: World) -> World {
+    let grid = grid_for(&world.grid, None).unwrap();
+    let mut driver = Driver::new(&world, &grid, |_| {}).unwrap();
+    for frame in (0..world.frames).step_by(10) {
+        let moved = world.set_frame(frame);
+        driver.update(&world.objects, &moved).unwrap();
+        view_of(&world.camera(frame, 1.5)).unwrap();
+    }
+    world.set_frame(0);
+    world
+}
+
+#[test]
+fn walks_stay_inside_scenes_of_all_sizes() {
+    for (size, around) in [
+        ([10.0, 8.0, 6.0], Vec3::ZERO),
+        ([10.0, 0.0, 10.0], Vec3::ZERO),
+        ([10.0, 5.0, 0.0], Vec3::ZERO),
+        ([0.0, 5.0, 10.0], Vec3::ZERO),
+        ([1.0, 80.0, 1.0], Vec3::ZERO),
+        ([0.0, 80.0, 0.0], Vec3::ZERO),
+        ([1e-4, 1e-4, 1e-4], Vec3::ZERO),
+        ([1.0, 1.0, 1.0], Vec3::splat(1e5)),
+        ([1e-4, 0.0, 1e-4], Vec3::splat(1e5)),
+        ([0.0; 3], Vec3::ONE),
+        ([1e9, 1e8, 1e9], Vec3::ZERO),
+    ] {
+        let size = Vec3::from_array(size);
+        let corners =
+            [around, around + size * Vec3::new(1.0, 0.0, 1.0), around + size * Vec3::new(0.5, 1.0, 0.0)];
+        let mut parts = Parts::default();
+        parts.floats("VEC3", &corners.map(|c| c.to_array()).concat());
+        let world = drive(parts.read(ONE).unwrap());
+        let longest = size.max_element();
+        let margin = (longest * 0.11).max(world.grid.cell * 2.0);
+        let mut eyes = Vec::new();
+        for frame in 0..world.frames {
+            let eye = world.camera(frame, 1.0).eye;
+            assert!(eye.cmpge(world.grid.min).all() && eye.cmple(world.grid.max).all(), "{size}: {eye}");
+            assert!(
+                eye.cmpge(around - margin).all() && eye.cmple(around + size + margin).all(),
+                "{size}: {eye}"
+            );
+            eyes.push(eye);
+        }
+        let full = size.cmpge(Vec3::splat(longest * 0.01)).all();
+        if full && longest > 1e-3 && around == Vec3::ZERO {
+            assert!(eyes.iter().all(|e| e.cmpge(around).all() && e.cmple(around + size).all()), "{size}");
+        }
+        if around == Vec3::ZERO {
+            // It is a walk, and on a floor, not in it.
+            assert!(eyes[0].distance(eyes[75]) > longest * 0.005, "{size}");
+            assert!(eyes[0].y > longest * 0.03, "{size}");
+            // What is a tenth of the scene away is not cut off.
+            let view = world.camera(0, 1.0);
+            let ahead = view.view.inverse().transform_point3(Vec3::NEG_Z * longest * 0.1);
+            let clip = view.view_projection() * ahead.extend(1.0);
+            assert!(clip.w > 0.0 && clip.z >= 0.0 && clip.z <= clip.w, "{size}: {clip}");
+        }
+    }
+    // Coordinates so large that they have no size in floats.
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &[3e38, 0.0, 0.0, -3e38, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    assert!(matches!(parts.read(ONE), Err(Trouble::NotFinite(_))));
+}
+
+#[test]
+fn orthographic_cameras_are_passed_over() {
+    let orthographic = r#"{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":0.1,"zfar":9}}"#;
+    let perspective = r#"{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}"#;
+    let with = |cameras: &str, nodes: &str| {
+        let nodes = ONE.replace(r#"{"mesh":0}"#, &format!(r#"{{"mesh":0}},{nodes}"#));
+        triangle().read(&format!(r#"{nodes},"cameras":[{cameras}]"#)).unwrap()
+    };
+    let walk = triangle().read(ONE).unwrap();
+    let node = r#"{"camera":0,"translation":[7,0,0]}"#;
+    let world = with(orthographic, node);
+    assert_eq!((world.frames, world.camera(9, 1.0).eye), (walk.frames, walk.camera(9, 1.0).eye));
+    let world = with(
+        &format!("{orthographic},{perspective}"),
+        &format!(r#"{node},{{"camera":1,"translation":[8,0,0]}}"#),
+    );
+    assert_eq!(world.camera(9, 1.0).eye, Vec3::X * 8.0);
+}
+
+#[test]
+fn flat_and_mirrored_nodes_can_be_driven() {
+    for scale in ["0,0,0", "1,0,1", "-1,1,1", "-1,-1,-1"] {
+        let node = format!(r#"{{"mesh":0,"scale":[{scale}]}},{{"mesh":0}}"#);
+        drive(triangle().read(&ONE.replace(r#"{"mesh":0}"#, &node)).unwrap());
+    }
+}
