@@ -26,7 +26,7 @@ const CHOICES: [Choice; 5] = [
     },
     Choice {
         name: "light",
-        line: "a room with lamps: light that bounces between walls",
+        line: "the Cornell box: light that bounces between its walls",
         start: || parsed::<light::Options>(&["--balls", "3"])?.start(),
     },
     Choice {
