@@ -1,5 +1,5 @@
-//! The sets of the laboratory's walks, pinned: a change of the code that ought not to change any
-//! set must leave `tests/pinned.csv` as it is. One that ought to, writes it anew:
+//! The sets of the laboratory's walks, pinned: a change of the code that ought not to change any set must leave
+//! `tests/pinned.csv` as it is. One that ought to, writes it anew:
 //!
 //! `CASCA_PIN=write cargo test --test pinned`
 //!
@@ -82,8 +82,7 @@ fn ball(rings: u32) -> Arc<TriMesh> {
     Arc::new(TriMesh::new(corners, triangles).unwrap())
 }
 
-/// Walls of panels that meet in T-junctions, balls that turn about them, and small things
-/// everywhere: all meshes.
+/// Walls of panels that meet in T-junctions, balls that turn about them, and small things everywhere: all meshes.
 fn meshes(rows: &mut String) {
     let spec = GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::new(40.0, 12.0, 40.0)), 0.5).unwrap();
     let mut scene = Scene::new(&spec).unwrap();
