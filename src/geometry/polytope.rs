@@ -137,6 +137,19 @@ impl Polytope {
         Self { vertices: SmallVec::from_buf(b.corners()), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
 
+    /// The same polytope, moved.
+    pub(crate) fn moved(&self, by: DVec3) -> Self {
+        Self {
+            vertices: self.vertices.iter().map(|&v| v + by).collect(),
+            faces: self
+                .faces
+                .iter()
+                .map(|face| HalfSpace { offset: face.offset - face.normal.dot(by), ..*face })
+                .collect(),
+            edges: self.edges.clone(),
+        }
+    }
+
     pub(crate) fn bounds(&self) -> Block {
         let mut b = Block { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         for &p in &self.vertices {

@@ -16,7 +16,7 @@ use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
 
@@ -49,6 +49,29 @@ struct Inner {
     transform: Affine3A,
     placement: Placement,
     block: Block,
+    /// Apart, since most instances of a scene are hidden and never asked.
+    solids: OnceLock<Box<Solids>>,
+}
+
+/// The solids of an instance as placed, found when a query first asks for one.
+///
+/// They are relative to a place among them, so that moving them to the eye rounds no more than
+/// subtracting it from each corner would.
+#[derive(Debug)]
+struct Solids {
+    at: DVec3,
+    /// With the distance by which the mesh reaches beyond its faces at most.
+    convex: Option<Box<(Polytope, f64)>>,
+    inner: Option<Box<Polytope>>,
+    parts: Vec<Polytope>,
+}
+
+impl Solids {
+    /// Bytes on the heap, with itself, but for the lists of polytopes of many faces.
+    fn memory_bytes(&self) -> usize {
+        let own = usize::from(self.convex.is_some()) + usize::from(self.inner.is_some());
+        size_of::<Self>() + (own + self.parts.capacity()) * size_of::<Polytope>()
+    }
 }
 
 impl Instance {
@@ -65,7 +88,8 @@ impl Instance {
         let placement = Placement::new("a mesh as transformed", transform, largest)?;
         let Placement { affine, error, .. } = placement;
         let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
-        Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block }) })
+        let solids = OnceLock::new();
+        Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block, solids }) })
     }
 
     /// The mesh.
@@ -113,6 +137,20 @@ impl Instance {
         &self.inner.placement
     }
 
+    /// The solids, which are placed once.
+    fn solids(&self) -> &Solids {
+        self.inner.solids.get_or_init(|| {
+            let at = (self.inner.block.min + self.inner.block.max) * 0.5;
+            let mesh = &self.inner.mesh;
+            Box::new(Solids {
+                at,
+                convex: mesh.convex().and_then(|convex| self.solid_from(convex, at)).map(Box::new),
+                inner: mesh.inner().and_then(|inner| Some(Box::new(self.solid_from(&inner.solid, at)?.0))),
+                parts: self.parts_from(at).collect(),
+            })
+        })
+    }
+
     /// The solids that it is tested by, relative to an origin.
     fn parts_from(&self, origin: DVec3) -> impl Iterator<Item = Polytope> {
         let Placement { affine, error, .. } = self.inner.placement;
@@ -134,12 +172,15 @@ impl Instance {
     /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex;
     /// with a distance by which the mesh reaches beyond its faces at most.
     pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
-        self.solid_from(self.inner.mesh.convex()?, origin)
+        let Solids { at, convex, .. } = self.solids();
+        let (solid, beyond) = convex.as_deref()?;
+        Some((solid.moved(*at - origin), *beyond))
     }
 
     /// A solid inside the mesh that may be much smaller, relative to an origin.
     pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
-        self.solid_from(&self.inner.mesh.inner()?.solid, origin).map(|(solid, _)| solid)
+        let Solids { at, inner, .. } = self.solids();
+        inner.as_ref().map(|solid| solid.moved(*at - origin))
     }
 
     /// A convex solid inside the mesh as placed, relative to an origin.
@@ -284,7 +325,8 @@ impl Kind for Instance {
     }
 
     fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
-        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>());
+        let placed = self.inner.solids.get().map_or(0, |solids| solids.memory_bytes());
+        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>() + placed);
         self.mesh().shared(out);
     }
 
@@ -307,6 +349,58 @@ impl Kind for Instance {
     }
 
     fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
-        Some(self.parts_from(origin).all(test))
+        let Solids { at, parts, .. } = self.solids();
+        Some(parts.iter().all(|part| test(part.moved(*at - origin))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+    use crate::random::Random;
+
+    /// A ball of eight triangles.
+    fn octahedron() -> Arc<TriMesh> {
+        let corners = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+        let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        Arc::new(TriMesh::new(corners.to_vec(), faces.to_vec()).unwrap())
+    }
+
+    /// Whether two polytopes are the same but for the rounding of coordinates of this size.
+    fn alike(a: &Polytope, b: &Polytope, largest: f64) -> bool {
+        let near = |v: f64| v.abs() <= 1e-14 * largest;
+        a.edges == b.edges
+            && a.vertices.len() == b.vertices.len()
+            && a.vertices.iter().zip(&b.vertices).all(|(p, q)| near((*p - *q).abs().max_element()))
+            && a.faces.len() == b.faces.len()
+            && a.faces.iter().zip(&b.faces).all(|(f, g)| f.normal == g.normal && near(f.offset - g.offset))
+    }
+
+    #[test]
+    fn solids_placed_once_are_those_placed_for_each_eye() {
+        let mesh = octahedron();
+        let mut random = Random(5);
+        for _ in 0..50 {
+            let turn = Quat::from_axis_angle(Vec3::ONE.normalize(), random.next() as f32 * 6.0);
+            let scale = 0.1 + 3.0 * random.next() as f32;
+            let at = random.point(1000.0).as_vec3();
+            let place = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, at);
+            let instance = Instance::new(mesh.clone(), place).unwrap();
+            for _ in 0..4 {
+                let eye = random.point(1000.0);
+                let direct = instance.solid_from(mesh.convex().unwrap(), eye).unwrap();
+                let kept = instance.convex_from(eye).unwrap();
+                assert!(alike(&kept.0, &direct.0, 3000.0) && (kept.1 - direct.1).abs() < 1e-11, "{place:?}");
+                let parts: Vec<Polytope> = instance.parts_from(eye).collect();
+                let mut asked = 0;
+                let all = instance.all_parts(eye, &mut |part| {
+                    asked += 1;
+                    alike(&part, &parts[asked - 1], 3000.0)
+                });
+                assert_eq!((all, asked), (Some(true), parts.len()));
+            }
+        }
     }
 }

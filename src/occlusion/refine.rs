@@ -6,6 +6,8 @@
 //! directions and squares, not time, so that results are the same on all machines.
 
 use casca_slots::Slot;
+use std::cell::Cell;
+
 use smallvec::SmallVec;
 
 use crate::numeric::occlusion::below;
@@ -14,6 +16,7 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
 use crate::occlusion::silhouette::Silhouette;
+use crate::occlusion::solid::Shadow;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, block};
 
@@ -33,13 +36,29 @@ struct Candidate<'a> {
     near: f32,
     /// Its silhouette, for squares in the pixel.
     silhouette: Silhouette,
-    /// All of the target lies behind its front.
-    behind: bool,
+    /// The space behind its front.
+    shadow: &'a Shadow,
+    /// Whether all of the target lies there, once that was found out.
+    behind: Cell<Option<bool>>,
+}
+
+impl Candidate<'_> {
+    /// Whether all of a target lies behind its front.
+    #[inline]
+    fn is_before(&self, target: &Target) -> bool {
+        self.behind.get().unwrap_or_else(|| {
+            let behind = target.is_behind(self.shadow);
+            self.behind.set(Some(behind));
+            behind
+        })
+    }
 }
 
 /// A pixel in which a target is compared with the occluders that may hide it.
 pub(crate) struct Contest<'a> {
     candidates: SmallVec<[Candidate<'a>; 4]>,
+    /// The target, on all faces.
+    whole: &'a Target,
     /// The target's silhouette, for squares in the pixel.
     target: Silhouette,
 }
@@ -209,13 +228,16 @@ impl<'a> Search<'a> {
 
     /// Compares the target with those occluders of a list that may hide it in the open part of a
     /// pixel; `None` if they weigh more than `most`.
-    pub(crate) fn contest(
+    pub(crate) fn contest<'c>(
         &mut self,
-        (buffers, target): (&OcclusionBuffers, &Target),
+        (buffers, whole): (&'c OcclusionBuffers, &'c Target),
         list: &[Listed],
         pixel: &Rect,
         most: u32,
-    ) -> Option<Contest<'a>> {
+    ) -> Option<Contest<'c>>
+    where
+        'a: 'c,
+    {
         self.pay(list.len());
         // Only directions of the target need be hidden. Many targets are smaller than a pixel, and
         // most occluders of the pixel are beside them.
@@ -237,15 +259,15 @@ impl<'a> Search<'a> {
                 if weight > most {
                     return None;
                 }
-                let behind = target.is_behind(buffers.shadow(drawn.solid));
-                candidates.push(Candidate { drawn, near: listed.near, silhouette, behind });
+                let (near, shadow) = (listed.near, buffers.shadow(drawn.solid));
+                candidates.push(Candidate { drawn, near, silhouette, shadow, behind: Cell::new(None) });
                 if candidates.len() == CANDIDATES {
                     break;
                 }
             }
         }
         let target = self.target.silhouette.crossing(pixel).unwrap_or_else(|| self.target.silhouette.clone());
-        Some(Contest { candidates, target })
+        Some(Contest { candidates, whole, target })
     }
 
     /// Whether the candidates surely hide the target in a pixel, or in some of its finer pixels.
@@ -272,7 +294,12 @@ impl<'a> Search<'a> {
                     let near = *near.get_or_insert_with(|| self.target.near(rect));
                     below(c.drawn.front.behind_inside(rect)) >= near
                 };
-                if c.behind || nearer() {
+                // The cheaper question first: one distance for a ball, one bound for its planes.
+                let hides = match c.silhouette.is_conic() {
+                    true => c.is_before(contest.whole) || nearer(),
+                    false => nearer() || c.is_before(contest.whole),
+                };
+                if hides {
                     return true;
                 }
             }
