@@ -49,28 +49,29 @@ struct Inner {
     transform: Affine3A,
     placement: Placement,
     block: Block,
-    /// Apart, since most instances of a scene are hidden and never asked.
-    solids: OnceLock<Box<Solids>>,
+    solids: Solids,
 }
 
-/// The solids of an instance as placed, found when a query first asks for one.
+/// The solids of an instance as placed, each kind found when a query first asks for it: moving
+/// instances are new in each frame, and most instances are hidden and never asked.
 ///
-/// They are relative to a place among them, so that moving them to the eye rounds no more than
-/// subtracting it from each corner would.
-#[derive(Debug)]
+/// They are relative to the middle of the instance's box, so that moving them to the eye rounds no
+/// more than subtracting it from each corner would.
+#[derive(Debug, Default)]
 struct Solids {
-    at: DVec3,
     /// With the distance by which the mesh reaches beyond its faces at most.
-    convex: Option<Box<(Polytope, f64)>>,
-    inner: Option<Box<Polytope>>,
-    parts: Vec<Polytope>,
+    convex: OnceLock<Option<Box<(Polytope, f64)>>>,
+    inner: OnceLock<Option<Box<Polytope>>>,
+    parts: OnceLock<Box<[Polytope]>>,
 }
 
 impl Solids {
-    /// Bytes on the heap, with itself, but for the lists of polytopes of many faces.
+    /// Bytes on the heap, but for the lists of polytopes of many faces.
     fn memory_bytes(&self) -> usize {
-        let own = usize::from(self.convex.is_some()) + usize::from(self.inner.is_some());
-        size_of::<Self>() + (own + self.parts.capacity()) * size_of::<Polytope>()
+        let convex = self.convex.get().is_some_and(Option::is_some);
+        let inner = self.inner.get().is_some_and(Option::is_some);
+        let parts = self.parts.get().map_or(0, |parts| parts.len());
+        (usize::from(convex) + usize::from(inner) + parts) * size_of::<Polytope>()
     }
 }
 
@@ -88,7 +89,7 @@ impl Instance {
         let placement = Placement::new("a mesh as transformed", transform, largest)?;
         let Placement { affine, error, .. } = placement;
         let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
-        let solids = OnceLock::new();
+        let solids = Solids::default();
         Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block, solids }) })
     }
 
@@ -137,18 +138,9 @@ impl Instance {
         &self.inner.placement
     }
 
-    /// The solids, which are placed once.
-    fn solids(&self) -> &Solids {
-        self.inner.solids.get_or_init(|| {
-            let at = (self.inner.block.min + self.inner.block.max) * 0.5;
-            let mesh = &self.inner.mesh;
-            Box::new(Solids {
-                at,
-                convex: mesh.convex().and_then(|convex| self.solid_from(convex, at)).map(Box::new),
-                inner: mesh.inner().and_then(|inner| Some(Box::new(self.solid_from(&inner.solid, at)?.0))),
-                parts: self.parts_from(at).collect(),
-            })
-        })
+    /// The place that its solids are relative to.
+    fn middle(&self) -> DVec3 {
+        (self.inner.block.min + self.inner.block.max) * 0.5
     }
 
     /// The solids that it is tested by, relative to an origin.
@@ -172,15 +164,18 @@ impl Instance {
     /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex;
     /// with a distance by which the mesh reaches beyond its faces at most.
     pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
-        let Solids { at, convex, .. } = self.solids();
-        let (solid, beyond) = convex.as_deref()?;
-        Some((solid.moved(*at - origin), *beyond))
+        let convex = self.inner.mesh.convex()?;
+        let place = || self.solid_from(convex, self.middle()).map(Box::new);
+        let (solid, beyond) = self.inner.solids.convex.get_or_init(place).as_deref()?;
+        Some((solid.moved(self.middle() - origin), *beyond))
     }
 
     /// A solid inside the mesh that may be much smaller, relative to an origin.
     pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
-        let Solids { at, inner, .. } = self.solids();
-        inner.as_ref().map(|solid| solid.moved(*at - origin))
+        let inner = self.inner.mesh.inner()?;
+        let place = || Some(Box::new(self.solid_from(&inner.solid, self.middle())?.0));
+        let solid = self.inner.solids.inner.get_or_init(place).as_deref()?;
+        Some(solid.moved(self.middle() - origin))
     }
 
     /// A convex solid inside the mesh as placed, relative to an origin.
@@ -325,8 +320,7 @@ impl Kind for Instance {
     }
 
     fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
-        let placed = self.inner.solids.get().map_or(0, |solids| solids.memory_bytes());
-        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>() + placed);
+        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>() + self.inner.solids.memory_bytes());
         self.mesh().shared(out);
     }
 
@@ -349,8 +343,9 @@ impl Kind for Instance {
     }
 
     fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
-        let Solids { at, parts, .. } = self.solids();
-        Some(parts.iter().all(|part| test(part.moved(*at - origin))))
+        let at = self.middle();
+        let parts = self.inner.solids.parts.get_or_init(|| self.parts_from(at).collect());
+        Some(parts.iter().all(|part| test(part.moved(at - origin))))
     }
 }
 

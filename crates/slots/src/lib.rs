@@ -22,7 +22,7 @@
 //!
 //! # Why not slotmap
 //!
-//! [slotmap](https://docs.rs/slotmap) 1.1.1 was tried first. It iterates in the order of slots and
+//! [slotmap](https://docs.rs/slotmap) 1.1.1 was read first. It iterates in the order of slots and
 //! its keys go through 64 bits, but it does not serve:
 //!
 //! - **Ids come back.** The version of a slot wraps around after 2^31 removals, and an old key then
