@@ -104,13 +104,6 @@ impl Coverage {
         first
     }
 
-    /// Makes a tile equal to one of another window.
-    pub(crate) fn copy_tile(&mut self, tile: usize, other: &Self, from: usize) {
-        self.tiles[tile] = other.tiles[from];
-        self.closed[tile] = other.closed[from];
-        self.shades[tile] = other.shades[from];
-    }
-
     /// The nearness down to which all pixels of a tile are covered.
     #[inline]
     pub(crate) fn closed(&self, tile: usize) -> f32 {

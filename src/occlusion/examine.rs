@@ -235,7 +235,7 @@ mod tests {
     fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
-        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>>, count: 0 };
+        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>> };
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());

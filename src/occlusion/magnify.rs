@@ -19,22 +19,15 @@ use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::refine::Pixel;
-use crate::occlusion::surface::batch::Sighting;
-use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::scratch::SurfaceScratch;
+use crate::occlusion::surface::kept::KeptPatches;
+use crate::occlusion::surface::local::{FINER, GROUP, GROUP_TILES, Listing, Local, Spot, Stores};
+use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, block};
 
-/// How many times finer.
-const FINER: i64 = TILE;
-
 /// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
-
-/// Pixels along each side of a group, into which patches are drawn together. Larger groups need
-/// fewer of those drawings, and fill more pixels that no target asks for.
-const GROUP: i64 = 4;
 
 /// No entry.
 const NONE: u32 = u32::MAX;
@@ -125,7 +118,7 @@ impl FineFace {
     /// Adds the group of a pixel, each pixel of which is as covered as before.
     fn add(&mut self, buffer: &FaceBuffer, at: (i64, i64)) -> Group {
         let pixels = pixels_of_group(buffer.window(), at);
-        let tiles = self.tiles.append((GROUP * GROUP) as usize);
+        let tiles = self.tiles.append(GROUP_TILES);
         for y in pixels.y.0..pixels.y.1 {
             for x in pixels.x.0..pixels.x.1 {
                 let before = buffer.nearness(x, y);
@@ -197,17 +190,16 @@ pub(crate) struct Magnifier {
     /// Occluders that were of use.
     pub(crate) used: UsedFinely,
     faces: Vec<FineFace>,
-    buffer: Option<FaceBuffer>,
-    scratch: SurfaceScratch,
-    found: Vec<u32>,
+    /// By face, patches that the first pass did not project, since they are narrow.
+    late: Vec<KeptPatches>,
+    found: Vec<Listing>,
+    local: Local,
 }
 
 /// The patches that can be drawn again.
 pub(crate) struct Patches<F> {
     /// Gives a patch by its number in the order of first drawing.
     pub(crate) drawable: F,
-    /// Greater than the numbers of all patches of the scene.
-    pub(crate) count: usize,
 }
 
 impl Magnifier {
@@ -218,6 +210,8 @@ impl Magnifier {
         for (fine, buffer) in self.faces.iter_mut().zip(buffers.faces()) {
             fine.clear(buffer.window());
         }
+        self.late.resize_with(count.max(self.late.len()), KeptPatches::default);
+        self.late.iter_mut().for_each(KeptPatches::clear);
     }
 
     /// A pixel that may not be magnified yet: all of it is open.
@@ -281,34 +275,35 @@ impl Magnifier {
     ) {
         let pixels = pixels_of_group(buffer.window(), at);
         find_patches(buffer, &pixels, &mut self.found);
-        let drawable = |&id: &u32| Some(Drawable { id, ..(patches.drawable)(id)? });
-        let batch: Vec<Drawable<'a>> = self.found.iter().filter_map(drawable).collect();
-        let cost = batch.iter().map(|d| 1 + d.outline().len() as u64 / SIDES).sum::<u64>();
+        if self.found.is_empty() {
+            return;
+        }
+        let projector = Projector::new(buffer, buffers.viewpoint());
+        let Some((ids, drawn)) = buffers.surfaces().kept(face) else { return };
+        for listed in &self.found {
+            if !drawn.has(listed.id)
+                && let Some(drawable) = (patches.drawable)(listed.id)
+            {
+                let drawable = Drawable { id: listed.id, ..drawable };
+                self.late[face].keep(&projector, &drawable, listed.pixels);
+            }
+        }
+        let stores = Stores { ids, drawn, late: &self.late[face] };
+        let sides = self.found.iter().filter_map(|listed| stores.side_count(listed.id));
+        let cost = sides.map(|count| 1 + u64::from(count) / SIDES).sum::<u64>();
         if cost == 0 || cost > u64::from(*budget) {
             return;
         }
         *budget -= cost as u32;
-        let fine = self.buffer.get_or_insert_with(|| FaceBuffer::new(*buffer.face()));
-        fine.clear_finer(buffer, &pixels, FINER);
-        let tiles = &mut self.faces[face].tiles;
-        let each = || (pixels.y.0..pixels.y.1).flat_map(|y| (pixels.x.0..pixels.x.1).map(move |x| (x, y)));
-        for (x, y) in each() {
-            let tile = fine.window().tile_index(x, y);
-            fine.coverage_mut().copy_tile(tile, tiles, group.tiles + place_in_group(x, y));
-        }
-        let scratch = &mut self.scratch;
-        let sights = (0..).zip(&batch).filter_map(|(patch, d)| {
-            let (near, pixels) = fine.sight(&buffers.within_reach(&d.block))?;
-            Some(Sighting { face: 0, patch, near, pixels })
-        });
-        let sights: Vec<Sighting> = sights.collect();
-        scratch.useful.clear();
-        draw_surfaces(fine, &batch, sights.into_iter(), buffers.viewpoint(), patches.count, scratch);
-        self.used.patches.extend(scratch.useful.iter().map(|&index| batch[index as usize].id));
-        for (x, y) in each() {
-            let tile = fine.window().tile_index(x, y);
-            tiles.copy_tile(group.tiles + place_in_group(x, y), fine.coverage(), tile);
-        }
+        let mut spot = Spot {
+            projector,
+            window: buffer.window(),
+            at: (at.0 / GROUP * GROUP, at.1 / GROUP * GROUP),
+            pixels,
+            coverage: &mut self.faces[face].tiles,
+            tiles: group.tiles,
+        };
+        self.local.draw(&mut spot, stores, &self.found, &mut self.used.patches);
     }
 }
 
@@ -327,14 +322,14 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
 }
 
 /// Finds the drawn patches that may reach into a rectangle of pixels and hide anything there.
-fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<u32>) {
+fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listing>) {
     found.clear();
     buffer.patches().for_around(pixels, |patch| {
         if patch.pixels.overlaps(pixels) && !buffer.hides_pixels(&patch.pixels.intersect(pixels), patch.near)
         {
-            found.push(patch.id);
+            found.push(Listing { id: patch.id, near: patch.near, pixels: patch.pixels });
         }
     });
-    found.sort_unstable();
-    found.dedup();
+    found.sort_unstable_by_key(|listed| listed.id);
+    found.dedup_by_key(|listed| listed.id);
 }

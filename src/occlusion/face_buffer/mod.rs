@@ -113,23 +113,6 @@ impl FaceBuffer {
         self.cover_outside();
     }
 
-    /// Clears the buffer for some pixels of another one of the same face, `finer` times as fine.
-    pub(crate) fn clear_finer(&mut self, coarse: &Self, pixels: &PixelRect, finer: i64) {
-        self.face = coarse.face;
-        self.halves.clone_from(&coarse.halves);
-        let w = &coarse.window;
-        // The borders between pixels belong to both; half a finer pixel in from them, the window
-        // ends with `pixels`.
-        let inset = 0.5 * w.step() / finer as f64;
-        let bounds = Rect {
-            u0: w.border(pixels.x.0) + inset,
-            v0: w.border(pixels.y.0) + inset,
-            u1: w.border(pixels.x.1) - inset,
-            v1: w.border(pixels.y.1) - inset,
-        };
-        self.clear(Some(bounds), w.face_pixels() * finer);
-    }
-
     /// Takes over the covered pixels of another buffer, but not the lists of its occluders: those
     /// serve refinement only.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {

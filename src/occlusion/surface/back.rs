@@ -10,6 +10,7 @@ use crate::occlusion::surface::drawable::Drawable;
 
 /// The far side of a patch: where rays leave the intersection of half-spaces that contain the patch
 /// and the origin.
+#[derive(Debug, Clone)]
 pub(super) struct Back {
     planes: SmallVec<[Linear; 7]>,
     floor: f64,

@@ -6,10 +6,11 @@ use crate::numeric::occlusion::below;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::back::Back;
-use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, Raster};
-use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch, WholeSide};
+use crate::occlusion::surface::scratch::{Joint, Seen, SurfaceScratch};
+use crate::occlusion::surface::sides::WholeSide;
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
@@ -17,12 +18,12 @@ use crate::occlusion::tiles::TILE;
 /// than before.
 pub(super) fn draw_component(
     buffer: &mut FaceBuffer,
-    batch: &[Drawable],
     range: Range<usize>,
     viewpoint: Viewpoint,
+    kept: &KeptPatches,
     scratch: &mut SurfaceScratch,
 ) {
-    let SurfaceScratch { seen, sides, order, raster, rims, joint, useful, .. } = scratch;
+    let SurfaceScratch { seen, order, raster, rims, joint, useful, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
     let area = Area::around(&members().fold(PixelRect::EMPTY, |around, s| around.join(&s.pixels)));
     let mut joint = (range.len() > 1).then(|| {
@@ -31,26 +32,23 @@ pub(super) fn draw_component(
     });
     let projector = Projector::new(buffer, viewpoint);
     let (first, deep) = (projector.first(), projector.deep_sides());
-    let is_seam = |side: &WholeSide| sides.groups[side.group as usize].edges.seams >> side.lane & 1 == 1;
+    let is_seam = |side: &WholeSide| kept.group(side.group).edges.seams >> side.lane & 1 == 1;
     // Nothing is covered before all rims of the component are known.
     let rims = projector.rims().map(|widened| {
         rims.begin(area, first);
         for s in members() {
-            let own = &sides.rims[s.sides.0.rims as usize..s.sides.1.rims as usize];
-            own.iter().filter(|side| !is_seam(side)).for_each(|side| widened.draw(rims, side));
+            let own = kept.rims(s.kept).iter();
+            own.filter(|side| !is_seam(side)).for_each(|side| widened.draw(rims, side));
         }
         &*rims
     });
     for s in members() {
-        let d = &batch[s.drawable as usize];
+        let patch = kept.patch(s.kept);
         raster.begin(Area::around(&s.pixels), first);
-        let (begin, end) = s.sides;
-        let groups = &sides.groups[begin.groups as usize..end.groups as usize];
-        groups.iter().for_each(|sides| raster.edges(&sides.edges, d.turned));
-        let own = &sides.deep[begin.deep as usize..end.deep as usize];
-        deep.draw(raster, own, d.turned, is_seam);
+        kept.groups(s.kept).iter().for_each(|sides| raster.edges(&sides.edges, patch.turned));
+        deep.draw(raster, kept.deep(s.kept), patch.turned, is_seam);
         raster.finish();
-        if cover_patch(buffer, raster, s, d, rims, joint.as_deref_mut()) {
+        if cover_patch(buffer, raster, s, &patch.back, rims, joint.as_deref_mut()) {
             useful.push(s.drawable);
         }
     }
@@ -67,13 +65,12 @@ fn cover_patch(
     buffer: &mut FaceBuffer,
     raster: &Raster,
     seen: &Seen,
-    drawable: &Drawable,
+    back: &Back,
     rims: Option<&Raster>,
     mut joint: Option<&mut Joint>,
 ) -> bool {
     let area = raster.area();
     let mut changed = false;
-    let mut back = None;
     for ty in 0..area.ny {
         let row = buffer.window().tile_index(area.x / TILE, area.y / TILE + ty);
         let joint_row = joint.as_ref().map_or(0, |joint| joint.area.tile(&area, ty, 0));
@@ -95,7 +92,6 @@ fn cover_patch(
             if mask == 0 && joint.is_none() {
                 continue;
             }
-            let back = back.get_or_insert_with(|| Back::new(buffer.face(), drawable));
             let rect = buffer.window().square(area.x + tx as i64 * TILE, area.y + ty * TILE, TILE);
             let (near, plane) = back.behind(&rect);
             let near = below(near);

@@ -5,9 +5,10 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::raster::LANES;
-use crate::occlusion::surface::scratch::{NO_TWIN, Seen, SurfaceScratch};
+use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
+use crate::occlusion::surface::sides::NO_TWIN;
 use crate::occlusion::surface::viewpoint::Viewpoint;
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly
@@ -15,18 +16,22 @@ use crate::occlusion::surface::viewpoint::Viewpoint;
 const NARROW: i64 = 3;
 
 /// Draws patches together on one face, those that it sees, and notes which hide more than before.
-/// `patches` is greater than all their numbers.
-pub(crate) fn draw_surfaces(
+/// `face` is the number of the face.
+pub(super) fn draw_surfaces(
     buffer: &mut FaceBuffer,
+    face: usize,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
     viewpoint: Viewpoint,
-    patches: usize,
     scratch: &mut SurfaceScratch,
 ) {
-    scratch.begin(patches);
-    see(buffer, batch, sights, viewpoint, scratch);
-    join(batch, viewpoint.reach, scratch);
+    scratch.begin();
+    if scratch.kept.len() <= face {
+        scratch.kept.resize_with(face + 1, KeptPatches::default);
+    }
+    let mut kept = std::mem::take(&mut scratch.kept[face]);
+    see(buffer, batch, sights, viewpoint, &mut kept, scratch);
+    join(batch, viewpoint.reach, &mut kept, scratch);
     order(scratch);
     let mut first = 0;
     while first < scratch.order.len() {
@@ -37,10 +42,11 @@ pub(crate) fn draw_surfaces(
             buffer.hides_pixels(&s.pixels, s.near)
         };
         if !scratch.order[first..last].iter().all(hidden) {
-            draw_component(buffer, batch, first..last, viewpoint, scratch);
+            draw_component(buffer, first..last, viewpoint, &kept, scratch);
         }
         first = last;
     }
+    scratch.kept[face] = kept;
 }
 
 /// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its
@@ -65,6 +71,7 @@ fn see(
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
     viewpoint: Viewpoint,
+    kept: &mut KeptPatches,
     scratch: &mut SurfaceScratch,
 ) {
     let projector = Projector::new(buffer, viewpoint);
@@ -75,27 +82,22 @@ fn see(
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        let d = &batch[drawable as usize];
-        let first = scratch.sides.reached();
-        let Some(pixels) = projector.project(d, pixels, &mut scratch.sides) else {
-            scratch.sides.truncate(first);
-            continue;
-        };
+        let place = kept.keep(&projector, &batch[drawable as usize], pixels);
+        let Some(pixels) = kept.patch(place).pixels else { continue };
         if is_narrow(&pixels) {
-            scratch.sides.truncate(first);
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
         let seen = Seen {
             drawable,
+            kept: place,
             parent: scratch.seen.len() as u32,
             pixels,
             near,
             nearest: near,
-            sides: (first, scratch.sides.reached()),
             around: PixelRect::EMPTY,
         };
-        scratch.push(d.numbers(), seen);
+        scratch.push(batch[drawable as usize].id, seen);
     }
 }
 
@@ -104,22 +106,21 @@ fn see(
 /// If the eye may go some way, only patches that are wholly turned to it are joined, and those that
 /// were drawn before take part as all others: the rims of a component must be known wherever it
 /// covers pixels.
-fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
+fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut SurfaceScratch) {
     let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
         let seen = &scratch.seen[i as usize];
-        let (first, last) = (seen.sides.0.groups, seen.sides.1.groups);
         let d = &batch[seen.drawable as usize];
-        for group in first..last {
-            let (mut seams, opposite) = (0, scratch.sides.groups[group as usize].opposite);
-            for lane in 0..LANES {
-                let number = scratch.sides.groups[group as usize].twins[lane];
+        for group in kept.groups_mut(seen.kept) {
+            let mut seams = 0;
+            for (lane, &number) in group.twins.iter().enumerate() {
                 if number == NO_TWIN {
                     continue;
                 }
-                let Some(place) = scratch.find(number).filter(|&place| place != i) else { continue };
+                let place = scratch.ids.get(number).and_then(|id| scratch.find(id));
+                let Some(place) = place.filter(|&place| place != i) else { continue };
                 let other = &batch[scratch.seen[place as usize].drawable as usize];
-                if (opposite >> lane & 1 == 1) != (d.turned == other.turned) {
+                if (group.opposite >> lane & 1 == 1) != (d.turned == other.turned) {
                     continue;
                 }
                 let joins = if in_part {
@@ -142,7 +143,7 @@ fn join(batch: &[Drawable], reach: f64, scratch: &mut SurfaceScratch) {
                     *around = around.join(&pixels);
                 }
             }
-            scratch.sides.groups[group as usize].edges.seams = seams;
+            group.edges.seams = seams;
         }
     }
     if !in_part {
@@ -172,7 +173,7 @@ fn order(scratch: &mut SurfaceScratch) {
 }
 
 /// An integer that falls as nearness grows.
-fn farness(near: f32) -> u32 {
+pub(super) fn farness(near: f32) -> u32 {
     let bits = near.to_bits();
     if bits >> 31 == 0 { !bits & 0x7fff_ffff } else { bits }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING};
 use crate::occlusion::surface::raster::Raster;
-use crate::occlusion::surface::scratch::WholeSide;
+use crate::occlusion::surface::sides::WholeSide;
 
 /// Where an edge passes the near limit.
 pub(super) struct Cut {
@@ -20,9 +20,21 @@ pub(super) struct DeepSides {
     pub(super) middle: (f64, f64),
     /// Edges are cut off where they are less deep.
     pub(super) limit: f64,
+    /// Pixels for one of those in which sides have their ends.
+    pub(super) finer: f64,
 }
 
 impl DeepSides {
+    /// The same in pixels that are so many times as fine.
+    pub(super) fn finer(&self, by: f64) -> Self {
+        Self {
+            per_unit: self.per_unit * by,
+            middle: (self.middle.0 * by, self.middle.1 * by),
+            limit: self.limit,
+            finer: self.finer * by,
+        }
+    }
+
     /// Draws sides; `falls` tells whether winding numbers fall to the right of those that go up,
     /// and `is_seam` which of them two patches share.
     pub(super) fn draw(
@@ -60,7 +72,7 @@ impl DeepSides {
             return;
         }
         // Ends as their other sides have them, so that these agree about the rows.
-        let mut ends = side.pixels;
+        let mut ends = side.pixels.map(|(x, y)| (x * self.finer, y * self.finer));
         if let Some(&Cut { at, leaves }) = cut {
             if leaves {
                 (q, ends[1]) = (at, self.pixel(at));
@@ -127,7 +139,7 @@ mod tests {
     use super::*;
 
     fn sides(limit: f64) -> DeepSides {
-        DeepSides { per_unit: 512.0, middle: (512.0, 512.0), limit }
+        DeepSides { per_unit: 512.0, middle: (512.0, 512.0), limit, finer: 1.0 }
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(crate) struct Drawable<'a> {
     /// Where the surface stands, if it is an instance.
     pub(crate) placement: Option<&'a Placement>,
     pub(crate) patch: PatchIndex,
-    /// The number of the patch in the order of first drawing. Without meaning where `again` is set.
+    /// The number of the patch in the order of first drawing.
     pub(crate) id: u32,
     /// Its number among all patches of the scene. Those of one surface follow each other.
     pub(crate) number: PatchNumber,

@@ -26,12 +26,16 @@ pub(crate) mod component;
 pub(crate) mod components;
 pub(crate) mod deep;
 pub(crate) mod drawable;
+pub(crate) mod kept;
+pub(crate) mod local;
 pub(crate) mod projector;
 pub(crate) mod raster;
 mod rim;
 pub(crate) mod scratch;
+mod sides;
 pub(crate) mod viewpoint;
 
+use crate::mesh::surface::PatchNumber;
 use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
@@ -46,13 +50,26 @@ impl OcclusionBuffers {
         let viewpoint = self.viewpoint();
         let (faces, scratch) = self.surfaces_mut();
         scratch.useful.clear();
+        for d in batch.drawables.iter().filter(|d| !d.again) {
+            scratch.ids.set(d.numbers(), d.id, patches);
+        }
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            draw_surfaces(buffer, &batch.drawables, sights, viewpoint, patches, scratch);
+            draw_surfaces(buffer, face as usize, &batch.drawables, sights, viewpoint, scratch);
             if listed {
                 list(buffer, &batch.drawables, scratch);
             }
         }
+    }
+
+    /// Forgets the patches of the last query: the numbers of first drawing begin anew.
+    pub(crate) fn begin_patches(&mut self) {
+        self.surfaces_mut().1.begin_query();
+    }
+
+    /// The number of a patch in the order of first drawing, by its number in the scene.
+    pub(crate) fn id_of_patch(&self, number: PatchNumber) -> Option<u32> {
+        self.surfaces().ids.get(number)
     }
 
     /// The indices of the patches of the last batch that hid more than before. Some may be named

@@ -11,12 +11,12 @@ use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::raster::{Edges, LANES, Lanes, each};
 use crate::occlusion::surface::rim::Rims;
-use crate::occlusion::surface::scratch::{NO_TWIN, SeenSides, Sides, WholeSide};
+use crate::occlusion::surface::sides::{NO_TWIN, SeenSides, Sides, WholeSide};
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Projects points to the pixels of a window.
-pub(super) struct Projector<'a> {
+pub(crate) struct Projector<'a> {
     face: &'a Face,
     /// The first pixel of the window.
     first: (i64, i64),
@@ -113,7 +113,7 @@ impl Frame {
 }
 
 impl<'a> Projector<'a> {
-    pub(super) fn new(buffer: &'a FaceBuffer, viewpoint: Viewpoint) -> Self {
+    pub(crate) fn new(buffer: &'a FaceBuffer, viewpoint: Viewpoint) -> Self {
         let Viewpoint { origin, limit, reach } = viewpoint;
         let (face, per_unit) = (buffer.face(), buffer.window().per_unit());
         let (tx, ty) = buffer.window().first_tile();
@@ -129,6 +129,11 @@ impl<'a> Projector<'a> {
         }
     }
 
+    /// The face that it projects to.
+    pub(super) fn face(&self) -> &Face {
+        self.face
+    }
+
     /// The pixel that coordinates are counted from.
     pub(super) fn first(&self) -> (i64, i64) {
         self.first
@@ -137,7 +142,7 @@ impl<'a> Projector<'a> {
     /// Draws sides that [`Projector::project`] does not make single edges.
     pub(super) fn deep_sides(&self) -> DeepSides {
         let middle = (self.middle.0.into(), self.middle.1.into());
-        DeepSides { per_unit: self.per_unit.into(), middle, limit: self.limit.into() }
+        DeepSides { per_unit: self.per_unit.into(), middle, limit: self.limit.into(), finer: 1.0 }
     }
 
     /// Draws the rims of components, if the eye may go some way.

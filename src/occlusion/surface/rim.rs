@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING, RIM_SHORTEST};
 use crate::occlusion::surface::deep::{Cut, DeepSides};
 use crate::occlusion::surface::raster::Raster;
-use crate::occlusion::surface::scratch::WholeSide;
+use crate::occlusion::surface::sides::WholeSide;
 
 /// The depths of a piece of a side differ at most by the first factor where its strip is wider than
 /// so many pixels, elsewhere by the second one. Strips narrower than the least width are not
@@ -28,6 +28,11 @@ pub(super) struct Rims {
 }
 
 impl Rims {
+    /// The same in pixels that are so many times as fine.
+    pub(super) fn finer(&self, by: f64) -> Self {
+        Self { sides: self.sides.finer(by), reach: self.reach }
+    }
+
     /// Marks the pixels with rays that come within the reach of a side. Points of the side that are
     /// less deep than the near limit are not near any ray of the face: see
     /// [`REACH_CLEARANCE`](crate::numeric::occlusion::REACH_CLEARANCE).
@@ -134,7 +139,7 @@ mod tests {
             if (0..=400).any(|i| ends[0].lerp(ends[1], f64::from(i) / 400.0).length() < clearance) {
                 continue;
             }
-            let sides = DeepSides { per_unit: half, middle: (half, half), limit };
+            let sides = DeepSides { per_unit: half, middle: (half, half), limit, finer: 1.0 };
             let mut raster = Raster::default();
             raster.begin(area, (0, 0));
             let side = WholeSide { group: 0, lane: 0, ends, pixels: [(0.0, 0.0); 2], slack };

@@ -2,18 +2,19 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::mesh::surface::PatchNumber;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::by_patch::ByPatch;
-use crate::occlusion::surface::raster::{Area, Edges, LANES, Marks, Raster};
+use crate::occlusion::surface::kept::KeptPatches;
+use crate::occlusion::surface::raster::{Area, Marks, Raster};
 
 /// A patch as one face sees it.
 #[derive(Debug, Clone)]
 pub(super) struct Seen {
     /// Index in the batch.
     pub(super) drawable: u32,
+    /// Its place among the kept patches of the face.
+    pub(super) kept: u32,
     /// The index of another patch of its component, or its own.
     pub(super) parent: u32,
     /// The pixels that it may touch.
@@ -22,71 +23,8 @@ pub(super) struct Seen {
     pub(super) near: f32,
     /// For the root of a component, no point of the component is nearer.
     pub(super) nearest: f32,
-    /// Its range in the list of sides.
-    pub(super) sides: (Reached, Reached),
     /// A rectangle around its neighbours that are drawn for the first time.
     pub(super) around: PixelRect,
-}
-
-/// The place of a side that no other patch shares.
-pub(super) const NO_TWIN: PatchNumber = PatchNumber::NONE;
-
-/// Eight sides of a patch as one face sees them.
-#[derive(Debug, Clone)]
-pub(super) struct Sides {
-    pub(super) edges: Edges,
-    /// The numbers of the patches beyond, or [`NO_TWIN`].
-    pub(super) twins: [PatchNumber; LANES],
-    /// Those that run along the side in the opposite direction, one bit each.
-    pub(super) opposite: u8,
-}
-
-/// A side that is drawn in pieces.
-#[derive(Debug, Clone)]
-pub(super) struct WholeSide {
-    /// Its place among the sides.
-    pub(super) group: u32,
-    pub(super) lane: u32,
-    /// Its ends in coordinates of the face, and in pixels where they are deep enough.
-    pub(super) ends: [DVec3; 2],
-    pub(super) pixels: [(f64, f64); 2],
-    pub(super) slack: f64,
-}
-
-/// The sides of the patches seen.
-#[derive(Debug, Clone, Default)]
-pub(super) struct SeenSides {
-    pub(super) groups: Vec<Sides>,
-    /// Those that reach over a large range of depths, or behind the near limit.
-    pub(super) deep: Vec<WholeSide>,
-    /// All of them, if the eye may go some way: each may be a part of a rim.
-    pub(super) rims: Vec<WholeSide>,
-}
-
-impl SeenSides {
-    /// How many there are.
-    pub(super) fn reached(&self) -> Reached {
-        Reached {
-            groups: self.groups.len() as u32,
-            deep: self.deep.len() as u32,
-            rims: self.rims.len() as u32,
-        }
-    }
-
-    /// Drops those from a place on.
-    pub(super) fn truncate(&mut self, reached: Reached) {
-        self.groups.truncate(reached.groups as usize);
-        self.deep.truncate(reached.deep as usize);
-        self.rims.truncate(reached.rims as usize);
-    }
-}
-
-/// A place in the list of sides.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Reached {
-    pub(super) groups: u32,
-    pub(super) deep: u32,
-    pub(super) rims: u32,
 }
 
 /// The pixels around the patches of one component.
@@ -118,12 +56,14 @@ pub(crate) struct SurfaceScratch {
     pub(super) seen: Vec<Seen>,
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
-    /// For each patch of the scene, the last drawing of a face that saw it, and its index in
-    /// `seen`.
-    places: ByPatch<(u32, u32)>,
+    pub(super) ids: Ids,
+    /// By face.
+    pub(super) kept: Vec<KeptPatches>,
+    /// For each patch by its number in the order of first drawing, the last drawing of a face that
+    /// saw it, and its index in `seen`.
+    places: Vec<(u32, u32)>,
     /// Counts drawings of faces.
     drawing: u32,
-    pub(super) sides: SeenSides,
     pub(super) order: Vec<Place>,
     pub(super) raster: Raster,
     /// The pixels that rims touch, widened by the distance that the eye may go.
@@ -133,38 +73,79 @@ pub(crate) struct SurfaceScratch {
     pub(crate) useful: Vec<u32>,
 }
 
+/// The numbers of the patches of a query in the order of first drawing, by their numbers in the
+/// scene.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ids {
+    query: u32,
+    /// Query and number.
+    by_patch: ByPatch<(u32, u32)>,
+}
+
+impl Ids {
+    /// Forgets all numbers, for another query.
+    fn begin(&mut self) {
+        self.query += 1;
+        if self.query == u32::MAX {
+            self.by_patch.clear();
+            self.query = 1;
+        }
+    }
+
+    /// Numbers a patch of a surface, and its parts, which are not drawn beside it. `patches` is
+    /// greater than all numbers in the scene.
+    pub(super) fn set(&mut self, numbers: Range<PatchNumber>, id: u32, patches: usize) {
+        self.by_patch.grow(patches);
+        self.by_patch.fill(numbers, (self.query, id));
+    }
+
+    /// The number of a patch that was drawn, alone or as a part.
+    #[inline]
+    pub(super) fn get(&self, number: PatchNumber) -> Option<u32> {
+        let (query, id) = self.by_patch.get(number);
+        (query == self.query).then_some(id)
+    }
+}
+
 impl SurfaceScratch {
-    /// Forgets the patches seen. `patches` is greater than all their numbers in the scene.
-    pub(super) fn begin(&mut self, patches: usize) {
-        self.places.grow(patches);
-        self.drawing += 1;
-        if self.drawing == u32::MAX {
+    /// Forgets the patches of the last query: the numbers of first drawing begin anew.
+    pub(crate) fn begin_query(&mut self) {
+        self.ids.begin();
+        self.kept.iter_mut().for_each(KeptPatches::clear);
+        self.places.clear();
+    }
+
+    /// The numbers of the patches of the query, and those that a face saw; `None` if nothing was
+    /// drawn there.
+    pub(crate) fn kept(&self, face: usize) -> Option<(&Ids, &KeptPatches)> {
+        Some((&self.ids, self.kept.get(face)?))
+    }
+
+    /// Forgets the patches seen, for another drawing.
+    pub(super) fn begin(&mut self) {
+        self.drawing = self.drawing.wrapping_add(1);
+        if self.drawing == 0 {
             self.places.clear();
             self.drawing = 1;
         }
         self.seen.clear();
         self.narrow.clear();
-        self.sides.truncate(Reached::default());
     }
 
-    /// Appends a patch, by its number in the scene and those of its parts.
-    pub(super) fn push(&mut self, numbers: Range<PatchNumber>, seen: Seen) {
-        debug_assert!(self.sees_none(&numbers), "patches of a batch share triangles");
-        let place = (self.drawing, self.seen.len() as u32);
-        self.places.fill(numbers, place);
+    /// Appends a patch by its number in the order of first drawing.
+    pub(super) fn push(&mut self, id: u32, seen: Seen) {
+        debug_assert!(self.find(id).is_none(), "patches of a batch share triangles");
+        if self.places.len() <= id as usize {
+            self.places.resize(id as usize + 1, (0, 0));
+        }
+        self.places[id as usize] = (self.drawing, self.seen.len() as u32);
         self.seen.push(seen);
     }
 
-    /// Whether the face sees none of some patches whose numbers follow each other.
-    fn sees_none(&self, numbers: &Range<PatchNumber>) -> bool {
-        let numbers = numbers.start.get()..numbers.end.get();
-        numbers.map(PatchNumber::new).all(|number| self.find(number).is_none())
-    }
-
-    /// The index of a patch, if the face sees it.
+    /// The index of a patch by its number in the order of first drawing, if the face sees it.
     #[inline]
-    pub(super) fn find(&self, number: PatchNumber) -> Option<u32> {
-        let (drawing, place) = self.places.get(number);
+    pub(super) fn find(&self, id: u32) -> Option<u32> {
+        let &(drawing, place) = self.places.get(id as usize)?;
         (drawing == self.drawing).then_some(place)
     }
 
@@ -192,20 +173,19 @@ mod tests {
     #[test]
     fn components_have_one_root() {
         let mut scratch = SurfaceScratch::default();
-        scratch.begin(20);
+        scratch.begin();
         for i in 0..10 {
-            let (pixels, around, sides) = (PixelRect::EMPTY, PixelRect::EMPTY, Default::default());
-            let seen = Seen { drawable: i, parent: i, pixels, near: 1.0, nearest: 1.0, sides, around };
-            let number = PatchNumber::new(i * 2);
-            scratch.push(number..number.after(), seen);
+            let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);
+            let seen = Seen { drawable: i, kept: i, parent: i, pixels, near: 1.0, nearest: 1.0, around };
+            scratch.push(i * 2, seen);
         }
-        assert_eq!((scratch.find(PatchNumber::new(6)), scratch.find(PatchNumber::new(7))), (Some(3), None));
+        assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));
         for (a, b) in [(9, 7), (7, 5), (2, 4), (5, 3), (4, 8)] {
             scratch.unite(a, b);
         }
         let roots: Vec<u32> = (0..10).map(|i| scratch.root(i)).collect();
         assert_eq!(roots, [0, 1, 2, 3, 2, 3, 6, 3, 2, 3]);
-        scratch.begin(20);
-        assert_eq!(scratch.find(PatchNumber::new(6)), None);
+        scratch.begin();
+        assert_eq!(scratch.find(6), None);
     }
 }

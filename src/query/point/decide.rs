@@ -63,7 +63,7 @@ impl Walk<'_> {
             let (slot, patch) = self.scratch.patches[id as usize];
             self.drawable(slot, patch)
         };
-        let patches = Patches { drawable, count: self.scene.seams().patches() };
+        let patches = Patches { drawable };
         let mut examination = Examination { buffers, magnifier, patches: &patches, effort, budget };
         let mut hidden = |target: &Target| {
             if effort.squares == 0 && self.options.refine_patches == 0 {

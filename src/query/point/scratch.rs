@@ -94,6 +94,7 @@ impl PointScratch {
         self.candidates.clear();
         self.waiting.iter_mut().for_each(Waiting::clear);
         self.patches.clear();
+        self.buffers.begin_patches();
         self.offered.clear();
         self.drawn.grow(patches);
         if epoch == 1 {

@@ -265,8 +265,10 @@ impl<'a> Walk<'a> {
                     continue;
                 };
                 self.scratch.drawn.fill(again.numbers(), whole);
-                if batch.see(&self.scratch.buffers, &again.block) {
-                    batch.drawables.push(Drawable { again: true, ..again });
+                if let Some(id) = self.scratch.buffers.id_of_patch(again.number)
+                    && batch.see(&self.scratch.buffers, &again.block)
+                {
+                    batch.drawables.push(Drawable { id, again: true, ..again });
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Eight edges at a time, in single precision.
 
 use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
+use crate::numeric::{greater, lesser};
 use crate::occlusion::surface::raster::{Marks, Raster};
 
 /// Edges that are set up together.
@@ -27,6 +28,21 @@ pub(crate) struct Edges {
     pub(crate) seams: u8,
 }
 
+impl Edges {
+    /// Sets an edge to one of others; `seam` tells whether it is shared.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, at: usize, from: &Self, lane: usize, seam: bool) {
+        self.x0[at] = from.x0[lane];
+        self.y0[at] = from.y0[lane];
+        self.x1[at] = from.x1[lane];
+        self.y1[at] = from.y1[lane];
+        self.wide[at] = from.wide[lane];
+        self.unsure[at] = from.unsure[lane];
+        self.plain |= 1 << at;
+        self.seams |= u8::from(seam) << at;
+    }
+}
+
 /// A value for each lane. The compiler makes vectors of it where all that `f` does is arithmetic.
 #[inline(always)]
 pub(crate) fn each<T: Copy + Default>(mut f: impl FnMut(usize) -> T) -> [T; LANES] {
@@ -38,7 +54,7 @@ pub(crate) fn each<T: Copy + Default>(mut f: impl FnMut(usize) -> T) -> [T; LANE
 }
 
 /// Edges ready to be drawn, from their lower to their upper ends.
-struct Lines {
+pub(super) struct Lines {
     /// Column and row of the lower end.
     x: Lanes,
     y: Lanes,
@@ -69,8 +85,14 @@ struct Lines {
 }
 
 impl Lines {
+    /// The first and last row that an edge touches.
     #[inline(always)]
-    fn new(e: &Edges) -> Self {
+    pub(super) fn rows(&self, i: usize) -> (i32, i32) {
+        (self.first[i], self.last[i])
+    }
+
+    #[inline(always)]
+    pub(super) fn new(e: &Edges) -> Self {
         let select = |first: bool, a: f32, b: f32| if first { a } else { b };
         let up: [bool; LANES] = each(|i| e.y0[i] <= e.y1[i]);
         let (x, to_x) =
@@ -112,7 +134,7 @@ impl Lines {
 }
 
 /// One edge, in columns and rows of the face.
-struct Line {
+pub(super) struct Line {
     /// Column and row of the lower end.
     x: f32,
     y: f32,
@@ -127,16 +149,16 @@ struct Line {
     /// of the middle of a pixel it passes a row.
     sure: f32,
     /// It passes the middles of the rows of the area from one up to before the other.
-    from: i32,
-    to: i32,
-    layer: usize,
+    pub(super) from: i32,
+    pub(super) to: i32,
+    pub(super) layer: usize,
     /// Whether winding numbers to its right fall.
-    falls: bool,
+    pub(super) falls: bool,
 }
 
 impl Line {
     #[inline(always)]
-    fn new(l: &Lines, i: usize, seam: bool, falls: bool, corner: (i32, i32)) -> Self {
+    pub(super) fn new(l: &Lines, i: usize, seam: bool, falls: bool, corner: (i32, i32)) -> Self {
         let (from, to) = (l.from[i] - corner.1, l.to[i] - corner.1);
         let is_flat = l.is_flat >> i & 1 == 1;
         Self {
@@ -160,7 +182,7 @@ impl Line {
 
     /// The column where it passes the middle of a row, which is given in rows of the face.
     #[inline(always)]
-    fn at(&self, middle: f32) -> f32 {
+    pub(super) fn at(&self, middle: f32) -> f32 {
         self.x + (middle - self.y) * self.slope
     }
 
@@ -174,9 +196,27 @@ impl Line {
         (nearest(lo), nearest(hi))
     }
 
+    /// As [`Line::touched`], for a row where it passes the middle at a column, and not rounded.
+    #[inline(always)]
+    pub(super) fn span(&self, at: f32) -> (f32, f32) {
+        (greater(at - self.before, self.left), lesser(at + self.after, self.right))
+    }
+
+    /// Where winding numbers change in a row whose middle it passes at a column.
+    #[inline(always)]
+    pub(super) fn passes(&self, at: f32) -> f32 {
+        if self.is_flat { self.left + 0.5 } else { at }
+    }
+
+    /// The first and last column of whose middles it is not known on which side of them it passes.
+    #[inline(always)]
+    pub(super) fn doubted(&self, at: f32) -> (i32, i32) {
+        (nearest(at - self.unsure - 0.5), nearest(at + self.unsure - 0.5))
+    }
+
     /// Whether it is known on which side of the middles of pixels it passes a row at a column.
     #[inline(always)]
-    fn is_sure(&self, at: f32) -> bool {
+    pub(super) fn is_sure(&self, at: f32) -> bool {
         (at - rounded(at)).abs() <= self.sure
     }
 }
@@ -302,7 +342,7 @@ impl Raster {
 /// The integer nearest to a number below 2^22, halves to even: as its twin in double precision.
 /// Other numbers, which lanes hold that are not drawn, give any integer.
 #[inline(always)]
-fn nearest(v: f32) -> i32 {
+pub(super) fn nearest(v: f32) -> i32 {
     ((v + NEAREST_INTEGER_SINGLE).to_bits() as i32).wrapping_sub(NEAREST_INTEGER_SINGLE.to_bits() as i32)
 }
 

@@ -18,12 +18,14 @@
 
 mod edge;
 mod lanes;
+mod square;
 mod strip;
 mod tiles;
 
 use crate::occlusion::surface::raster::tiles::TileMarks;
 
 pub(crate) use crate::occlusion::surface::raster::lanes::{Edges, LANES, Lanes, each};
+pub(crate) use crate::occlusion::surface::raster::square::{Passed, SQUARE, SquareMarks, TileWords};
 pub(crate) use crate::occlusion::surface::raster::tiles::{Area, Marks};
 
 /// The pixels around one patch.

@@ -68,6 +68,12 @@ impl Marks {
         self.0[Self::OPEN]
     }
 
+    /// All layers: touched by open edges, touched by seams, ones and twos of the winding numbers.
+    #[inline]
+    pub(super) fn layers(&self) -> [u64; 4] {
+        self.0
+    }
+
     /// The pixels that the outline covers as a whole.
     #[inline]
     pub(crate) fn covered(&self) -> u64 {
