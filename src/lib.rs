@@ -136,6 +136,7 @@ mod random;
 mod reference;
 mod scene;
 mod shape;
+mod simd;
 #[cfg(feature = "soft")]
 pub mod soft;
 mod view;

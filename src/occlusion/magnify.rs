@@ -23,6 +23,7 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::local::{FINER, GROUP, GROUP_TILES, Listing, Local, Spot, Stores};
 use crate::occlusion::surface::projector::Projector;
+use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, block};
 
@@ -295,14 +296,10 @@ impl Magnifier {
             return;
         }
         *budget -= cost as u32;
-        let mut spot = Spot {
-            projector,
-            window: buffer.window(),
-            at: (at.0 / GROUP * GROUP, at.1 / GROUP * GROUP),
-            pixels,
-            coverage: &mut self.faces[face].tiles,
-            tiles: group.tiles,
-        };
+        let at = (at.0 / GROUP * GROUP, at.1 / GROUP * GROUP);
+        let (coverage, step) = (&mut self.faces[face].tiles, buffer.window().step());
+        let sheet = Sheet { coverage, base: group.tiles, first: at, count: (GROUP, GROUP), step };
+        let mut spot = Spot { projector, at, pixels, sheet };
         self.local.draw(&mut spot, stores, &self.found, &mut self.used.patches);
     }
 }

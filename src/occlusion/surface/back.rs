@@ -53,7 +53,7 @@ impl Back {
 
     /// Points of a rectangle less near than this are behind the patch. With the plane that bounds
     /// it, if one does.
-    #[inline]
+    #[inline(always)]
     pub(super) fn behind(&self, rect: &Rect) -> (f64, Option<Linear>) {
         let (mut near, mut plane) = (self.floor, None);
         for p in &self.planes {

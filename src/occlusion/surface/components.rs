@@ -1,5 +1,7 @@
 //! The patches of a batch that a face sees, joined to components and put in order of drawing.
 
+use fearless_simd::Simd;
+
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::Sighting;
@@ -8,8 +10,10 @@ use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
+use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::NO_TWIN;
 use crate::occlusion::surface::viewpoint::Viewpoint;
+use crate::occlusion::tiles::TILE;
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly
 /// all of those pixels, so that they cover none alone, and hardly any with their neighbours.
@@ -17,7 +21,9 @@ const NARROW: i64 = 3;
 
 /// Draws patches together on one face, those that it sees, and notes which hide more than before.
 /// `face` is the number of the face.
-pub(super) fn draw_surfaces(
+#[inline(always)]
+pub(super) fn draw_surfaces<S: Simd>(
+    simd: S,
     buffer: &mut FaceBuffer,
     face: usize,
     batch: &[Drawable],
@@ -30,7 +36,8 @@ pub(super) fn draw_surfaces(
         scratch.kept.resize_with(face + 1, KeptPatches::default);
     }
     let mut kept = std::mem::take(&mut scratch.kept[face]);
-    see(buffer, batch, sights, viewpoint, &mut kept, scratch);
+    let projector = Projector::new(buffer, viewpoint);
+    see(&projector, viewpoint.reach, batch, sights, &mut kept, scratch);
     join(batch, viewpoint.reach, &mut kept, scratch);
     order(scratch);
     let mut first = 0;
@@ -42,11 +49,21 @@ pub(super) fn draw_surfaces(
             buffer.hides_pixels(&s.pixels, s.near)
         };
         if !scratch.order[first..last].iter().all(hidden) {
-            draw_component(buffer, first..last, viewpoint, &kept, scratch);
+            draw_component(simd, &mut buffer.sheet(), first..last, &projector, &kept, scratch);
         }
         first = last;
     }
     scratch.kept[face] = kept;
+}
+
+impl FaceBuffer {
+    /// All tiles of its window.
+    fn sheet(&mut self) -> Sheet<'_> {
+        let window = *self.window();
+        let step = window.step() * TILE as f64;
+        let (first, count) = (window.first_tile(), window.tile_count());
+        Sheet { coverage: self.coverage_mut(), base: 0, first, count, step }
+    }
 }
 
 /// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its
@@ -66,23 +83,23 @@ fn is_narrow(pixels: &PixelRect) -> bool {
 }
 
 /// Collects the patches that the face sees.
+#[inline(always)]
 fn see(
-    buffer: &FaceBuffer,
+    projector: &Projector,
+    reach: f64,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
-    viewpoint: Viewpoint,
     kept: &mut KeptPatches,
     scratch: &mut SurfaceScratch,
 ) {
-    let projector = Projector::new(buffer, viewpoint);
     // The rims around a hole are wide if the eye may go far, however narrow the hole is.
-    let is_narrow = |pixels: &PixelRect| viewpoint.reach == 0.0 && is_narrow(pixels);
+    let is_narrow = |pixels: &PixelRect| reach == 0.0 && is_narrow(pixels);
     for Sighting { patch: drawable, near, pixels, .. } in sights {
         if is_narrow(&pixels) {
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        let place = kept.keep(&projector, &batch[drawable as usize], pixels);
+        let place = kept.keep(projector, &batch[drawable as usize], pixels);
         let Some(pixels) = kept.patch(place).pixels else { continue };
         if is_narrow(&pixels) {
             scratch.narrow.push((drawable, near, pixels));
@@ -106,6 +123,7 @@ fn see(
 /// If the eye may go some way, only patches that are wholly turned to it are joined, and those that
 /// were drawn before take part as all others: the rims of a component must be known wherever it
 /// covers pixels.
+#[inline(always)]
 fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut SurfaceScratch) {
     let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
@@ -156,6 +174,7 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut Su
 }
 
 /// Puts the patches in order: nearest components first, since they may hide the rest.
+#[inline(always)]
 fn order(scratch: &mut SurfaceScratch) {
     for i in 0..scratch.seen.len() as u32 {
         let root = scratch.root(i);

@@ -46,7 +46,7 @@ impl KeptPatches {
     }
 
     /// The place of a patch, by its number in the order of first drawing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn find(&self, id: u32) -> Option<u32> {
         self.places.get(id as usize).copied().filter(|&place| place != NONE)
     }
@@ -57,13 +57,13 @@ impl KeptPatches {
     }
 
     /// A patch by its place.
-    #[inline]
+    #[inline(always)]
     pub(super) fn patch(&self, place: u32) -> &Kept {
         &self.patches[place as usize]
     }
 
     /// Projects a patch that touches some pixels, unless that is done. Returns its place.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn keep(&mut self, projector: &Projector, d: &Drawable, within: PixelRect) -> u32 {
         if let Some(place) = self.find(d.id) {
             return place;
@@ -90,33 +90,33 @@ impl KeptPatches {
     }
 
     /// The sides of a patch, eight at a time.
-    #[inline]
+    #[inline(always)]
     pub(super) fn groups(&self, place: u32) -> &[Sides] {
         let (first, last) = self.patch(place).sides;
         &self.sides.groups[first.groups as usize..last.groups as usize]
     }
 
     /// The place of the first of them among those of all patches.
-    #[inline]
+    #[inline(always)]
     pub(super) fn first_group(&self, place: u32) -> u32 {
         self.patch(place).sides.0.groups
     }
 
     /// As [`KeptPatches::groups`], to mark seams.
-    #[inline]
+    #[inline(always)]
     pub(super) fn groups_mut(&mut self, place: u32) -> &mut [Sides] {
         let (first, last) = self.patches[place as usize].sides;
         &mut self.sides.groups[first.groups as usize..last.groups as usize]
     }
 
     /// Eight sides of any patch.
-    #[inline]
+    #[inline(always)]
     pub(super) fn group(&self, group: u32) -> &Sides {
         &self.sides.groups[group as usize]
     }
 
     /// The sides of a patch that are drawn in pieces.
-    #[inline]
+    #[inline(always)]
     pub(super) fn deep(&self, place: u32) -> &[WholeSide] {
         let (first, last) = self.patch(place).sides;
         &self.sides.deep[first.deep as usize..last.deep as usize]

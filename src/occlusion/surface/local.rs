@@ -5,19 +5,21 @@
 //! change nothing. So patches are joined along the sides only that come near: the sides of a set of
 //! patches that no two of them share may be open wherever they are drawn.
 
-use crate::numeric::occlusion::below;
+use fearless_simd::Simd;
+
 use crate::numeric::{greater, lesser};
-use crate::occlusion::coverage::Coverage;
-use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::components::farness;
 use crate::occlusion::surface::kept::{Kept, KeptPatches};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{
-    Area, Edges, LANES, Lanes, Passed, Raster, SQUARE, SquareMarks, TileWords, each,
+    Area, COLUMNS, Edges, LANES, Lanes, Raster, Windings, each, rows_passed,
 };
 use crate::occlusion::surface::scratch::Ids;
+use crate::occlusion::surface::sheet::{Joint, Sheet};
 use crate::occlusion::surface::sides::{NO_TWIN, Sides, WholeSide};
 use crate::occlusion::tiles::TILE;
+use crate::simd::vectorized;
 
 /// How many times finer.
 pub(crate) const FINER: i64 = TILE;
@@ -29,19 +31,20 @@ pub(crate) const GROUP: i64 = 4;
 /// Tiles of finer pixels in a group.
 pub(crate) const GROUP_TILES: usize = (GROUP * GROUP) as usize;
 
-const _: () = assert!(GROUP * FINER == SQUARE as i64, "a group fills a square of the rasteriser");
+/// Finer pixels along each side of a group.
+const GROUP_PIXELS: i32 = (GROUP * FINER) as i32;
+
+const _: () = assert!(GROUP_PIXELS as i64 == COLUMNS, "a group is one column of blocks");
 
 /// A group of pixels.
 pub(crate) struct Spot<'a> {
-    pub(crate) projector: Projector<'a>,
-    pub(crate) window: &'a Window,
+    pub(crate) projector: Projector,
     /// Its first pixel.
     pub(crate) at: (i64, i64),
     /// Its pixels that lie in the window.
     pub(crate) pixels: PixelRect,
-    /// Tiles of finer pixels, one for each pixel, and the first of those of the group.
-    pub(crate) coverage: &'a mut Coverage,
-    pub(crate) tiles: usize,
+    /// The tiles of finer pixels, one for each pixel.
+    pub(crate) sheet: Sheet<'a>,
 }
 
 /// A patch that may be drawn into a group.
@@ -107,7 +110,7 @@ struct Member {
     /// The first of its groups of sides in the list of choices.
     first: u32,
     /// The edges left of the group.
-    passed: Passed,
+    passed: Windings,
 }
 
 /// Those of eight sides that come near the group, and the seams among them, one bit each.
@@ -128,25 +131,27 @@ pub(crate) struct Local {
     drawing: u32,
     /// Farness of the component, its root, index of the member.
     order: Vec<(u32, u32, u32)>,
-    marks: SquareMarks,
     joint: Joint,
-    /// Sides that are drawn in pieces, and rims.
     raster: Raster,
     rims: Raster,
-}
-
-/// The marks of the patches of one component.
-#[derive(Debug, Default, Clone)]
-struct Joint {
-    marks: SquareMarks,
-    /// The least nearness of the patches in each tile.
-    nears: [f32; GROUP_TILES],
 }
 
 impl Local {
     /// Draws patches into a group. Appends the numbers of those that hid more than before.
     pub(crate) fn draw(
         &mut self,
+        spot: &mut Spot,
+        stores: Stores,
+        listed: &[Listing],
+        useful: &mut Vec<u32>,
+    ) {
+        vectorized!(simd => self.draw_with(simd, spot, stores, listed, useful));
+    }
+
+    #[inline(always)]
+    fn draw_with<S: Simd>(
+        &mut self,
+        simd: S,
         spot: &mut Spot,
         stores: Stores,
         listed: &[Listing],
@@ -164,13 +169,14 @@ impl Local {
                 spot.hides(&m.pixels, m.near)
             };
             if !self.order[first..last].iter().all(hidden) {
-                self.draw_component(spot, stores, first..last, useful);
+                self.draw_component(simd, spot, stores, first..last, useful);
             }
             first = last;
         }
     }
 
     /// Collects the patches with edges near the group, or around it.
+    #[inline(always)]
     fn choose(&mut self, spot: &Spot, stores: Stores, listed: &[Listing]) {
         self.members.clear();
         self.choices.clear();
@@ -180,7 +186,7 @@ impl Local {
             self.drawing = 1;
         }
         let bounds = spot.bounds();
-        let corner = spot.corner();
+        let rows = (spot.first_row(), GROUP_PIXELS);
         // The rims of a component are all of its sides that are not seams.
         let is_still = spot.projector.rims().is_none();
         for &Listing { id, near, pixels } in listed {
@@ -190,13 +196,13 @@ impl Local {
             if patch.pixels.is_none() {
                 continue;
             }
-            let (first, mut passed, mut any) = (self.choices.len() as u32, Passed::default(), 0);
+            let (first, mut passed, mut any) = (self.choices.len() as u32, Windings::default(), 0);
             for sides in store.groups(place) {
                 let (near, left) = bounds.near_and_left(&sides.edges);
                 any |= near;
                 self.choices.push(Choice { near, seams: 0 });
                 if left != 0 {
-                    passed.add(&scaled(&sides.edges), left, corner, patch.turned);
+                    passed.add(rows_passed(&scaled(&sides.edges), left, rows, patch.turned));
                 }
             }
             // It neither covers the group nor ends in it.
@@ -216,7 +222,7 @@ impl Local {
     }
 
     /// The index of a patch of the group by its number in the order of first drawing.
-    #[inline]
+    #[inline(always)]
     fn find(&self, id: u32) -> Option<u32> {
         let &(drawing, place) = self.places.get(id as usize)?;
         (drawing == self.drawing).then_some(place)
@@ -224,6 +230,7 @@ impl Local {
 
     /// Joins patches that share sides near the group, and marks those sides as seams; all sides if
     /// the eye may go some way.
+    #[inline(always)]
     fn join(&mut self, spot: &Spot, stores: Stores) {
         let has_rims = spot.projector.rims().is_some();
         for i in 0..self.members.len() {
@@ -272,6 +279,7 @@ impl Local {
     }
 
     /// Puts the patches in order: nearest components first, since they may hide the rest.
+    #[inline(always)]
     fn order(&mut self) {
         for i in 0..self.members.len() as u32 {
             let root = self.root(i);
@@ -289,21 +297,22 @@ impl Local {
     }
 
     /// Draws the patches of one component, a range of the order of drawing.
-    fn draw_component(
+    #[inline(always)]
+    fn draw_component<S: Simd>(
         &mut self,
+        simd: S,
         spot: &mut Spot,
         stores: Stores,
         range: std::ops::Range<usize>,
         useful: &mut Vec<u32>,
     ) {
-        let Self { members, choices, order, marks, joint, raster, rims, .. } = self;
+        let Self { members, choices, order, joint, raster, rims, .. } = self;
         let component = || order[range.clone()].iter().map(|&(_, _, i)| &members[i as usize]);
+        let (area, first) = (spot.area(), spot.fine_first());
         let mut joint = (range.len() > 1).then(|| {
-            *joint = Joint { marks: SquareMarks::default(), nears: [f32::INFINITY; GROUP_TILES] };
+            joint.clear(area);
             joint
         });
-        let (area, corner) = (spot.area(), spot.corner());
-        let fine_first = spot.fine_first();
         let seams = |m: &Member, side: &WholeSide| {
             let first = stores.store(m.is_late).first_group(m.place);
             choices[(m.first + side.group - first) as usize].seams >> side.lane & 1 == 1
@@ -311,7 +320,7 @@ impl Local {
         // Nothing is covered before all rims of the component are known.
         let rims = spot.projector.rims().map(|widened| {
             let widened = widened.finer(FINER as f64);
-            rims.begin(area, fine_first);
+            rims.begin(area, first);
             for m in component() {
                 let own = stores.store(m.is_late).rims(m.place).iter();
                 own.filter(|side| !seams(m, side)).for_each(|side| widened.draw(rims, side));
@@ -321,23 +330,17 @@ impl Local {
         let deep = spot.projector.deep_sides().finer(FINER as f64);
         for m in component() {
             let patch = stores.patch(m);
-            *marks = SquareMarks::default();
-            let groups = stores.groups(m);
-            draw_edges(marks, groups, &choices[m.first as usize..], corner, patch.turned);
-            marks.pass(&m.passed);
-            let own = stores.store(m.is_late).deep(m.place);
-            if !own.is_empty() {
-                raster.begin(area, fine_first);
-                deep.draw(raster, own, patch.turned, |side| seams(m, side));
-                raster.finish();
-                marks.add_raster(raster);
-            }
-            if cover_patch(spot, marks, (m.near, patch), rims, joint.as_deref_mut()) {
+            raster.begin(area, first);
+            draw_edges(simd, raster, stores.groups(m), &choices[m.first as usize..], patch.turned);
+            deep.draw(raster, stores.store(m.is_late).deep(m.place), patch.turned, |side| seams(m, side));
+            raster.pass_left(&m.passed);
+            raster.finish();
+            if spot.sheet.cover_patch(raster, (m.near, &patch.back), rims, joint.as_deref_mut()) {
                 useful.push(m.id);
             }
         }
         if let Some(joint) = joint
-            && cover_seams(spot, rims, joint)
+            && spot.sheet.cover_seams(rims, joint)
         {
             useful.extend(component().map(|m| m.id));
         }
@@ -345,13 +348,8 @@ impl Local {
 }
 
 /// Draws the edges of a patch that were chosen.
-fn draw_edges(
-    marks: &mut SquareMarks,
-    groups: &[Sides],
-    choices: &[Choice],
-    corner: (i32, i32),
-    turned: bool,
-) {
+#[inline(always)]
+fn draw_edges<S: Simd>(simd: S, raster: &mut Raster, groups: &[Sides], choices: &[Choice], turned: bool) {
     let (mut few, mut count) = (Edges::default(), 0);
     for (sides, choice) in groups.iter().zip(choices) {
         let mut lanes = choice.near;
@@ -361,13 +359,13 @@ fn draw_edges(
             few.take(count, &sides.edges, lane, choice.seams >> lane & 1 == 1);
             count += 1;
             if count == LANES {
-                marks.edges(&scaled(&few), corner, turned);
+                raster.edges(simd, &scaled(&few), turned);
                 (few, count) = (Edges::default(), 0);
             }
         }
     }
     if count > 0 {
-        marks.edges(&scaled(&few), corner, turned);
+        raster.edges(simd, &scaled(&few), turned);
     }
 }
 
@@ -377,74 +375,6 @@ fn scaled(e: &Edges) -> Edges {
     let by = |lanes: &Lanes| -> Lanes { each(|i| lanes[i] * FINER as f32) };
     let (x0, y0, x1, y1) = (by(&e.x0), by(&e.y0), by(&e.x1), by(&e.y1));
     Edges { x0, y0, x1, y1, wide: by(&e.wide), unsure: by(&e.unsure), ..*e }
-}
-
-/// Covers the pixels of one patch, and adds its marks to those of its component.
-#[inline]
-fn cover_patch(
-    spot: &mut Spot,
-    marks: &SquareMarks,
-    (near, patch): (f32, &Kept),
-    rims: Option<&Raster>,
-    mut joint: Option<&mut Joint>,
-) -> bool {
-    let mut changed = false;
-    for row in 0..GROUP as usize {
-        let words = marks.covered(row);
-        let marked = if joint.is_some() { marks.marked(row) } else { 0 };
-        if marked == 0 && words == TileWords::default() {
-            continue;
-        }
-        for (column, &word) in words.iter().enumerate() {
-            let at = row * GROUP as usize + column;
-            let mask = word & !open_rims(rims, at);
-            if mask == 0 && marked >> column & 1 == 0 {
-                continue;
-            }
-            let closed = spot.coverage.closed(spot.tiles + at);
-            if closed >= near {
-                if let Some(joint) = &mut joint {
-                    // Seams with it need not be closed.
-                    joint.nears[at] = f32::NEG_INFINITY;
-                }
-                continue;
-            }
-            let rect = spot.window.square(spot.at.0 + column as i64, spot.at.1 + row as i64, 1);
-            let (near, plane) = patch.back.behind(&rect);
-            let near = below(near);
-            if mask != 0 && closed < near {
-                changed |= spot.coverage.cover_plane(spot.tiles + at, mask, near, plane);
-            }
-            if let Some(joint) = &mut joint {
-                joint.nears[at] = joint.nears[at].min(near);
-            }
-        }
-    }
-    if let Some(joint) = joint {
-        joint.marks.add(marks);
-    }
-    changed
-}
-
-/// Covers the pixels that only seams between the patches of a component touch.
-fn cover_seams(spot: &mut Spot, rims: Option<&Raster>, joint: &Joint) -> bool {
-    let mut changed = false;
-    for row in 0..GROUP as usize {
-        for (column, &word) in joint.marks.covered_seams(row).iter().enumerate() {
-            let at = row * GROUP as usize + column;
-            let (mask, near) = (word & !open_rims(rims, at), joint.nears[at]);
-            if mask != 0 && spot.coverage.closed(spot.tiles + at) < near {
-                changed |= spot.coverage.cover(spot.tiles + at, mask, near);
-            }
-        }
-    }
-    changed
-}
-
-/// The pixels that rims touch in a tile.
-#[inline]
-fn open_rims(rims: Option<&Raster>, tile: usize) -> u64 {
-    rims.map_or(0, |rims| rims.marks(tile).open())
 }
 
 /// The borders of a group, counted in pixels as edges are.
@@ -482,10 +412,9 @@ impl Spot<'_> {
         (x * FINER, y * FINER)
     }
 
-    /// The group's first finer pixel, as edges are counted.
-    fn corner(&self) -> (i32, i32) {
-        let (x, y) = self.projector.first();
-        (((self.at.0 - x) * FINER) as i32, ((self.at.1 - y) * FINER) as i32)
+    /// The group's first row of finer pixels, as edges are counted.
+    fn first_row(&self) -> i32 {
+        ((self.at.1 - self.projector.first().1) * FINER) as i32
     }
 
     fn bounds(&self) -> Bounds {
@@ -496,7 +425,7 @@ impl Spot<'_> {
 
     /// Its finer pixels.
     fn area(&self) -> Area {
-        Area { x: self.at.0 * FINER, y: self.at.1 * FINER, nx: GROUP, ny: GROUP }
+        Area { x: self.at.0 * FINER, y: self.at.1 * FINER, nx: 1, ny: GROUP }
     }
 
     /// Whether some of its pixels are covered as wholes, nearer than a nearness.
@@ -505,8 +434,8 @@ impl Spot<'_> {
         let columns = ((pixels.x.0 - x) as usize, (pixels.x.1 - x) as usize);
         columns.0 >= columns.1
             || (pixels.y.0..pixels.y.1).all(|row| {
-                let first = self.tiles + ((row - y) * GROUP) as usize;
-                self.coverage.all_closed(first + columns.0, first + columns.1 - 1, near)
+                let first = self.sheet.base + ((row - y) * GROUP) as usize;
+                self.sheet.coverage.all_closed(first + columns.0, first + columns.1 - 1, near)
             })
     }
 }
@@ -543,41 +472,33 @@ mod tests {
     #[test]
     fn chosen_edges_leave_the_marks_of_all() {
         let mut random = Random(17);
-        let corner = (40 * FINER as i32, 12 * FINER as i32);
+        let first = (40 * FINER, 12 * FINER);
         let bounds = Bounds { left: 40.0, low: 12.0, right: 44.0, high: 16.0 };
-        let area = Area { x: corner.0.into(), y: corner.1.into(), nx: GROUP, ny: GROUP };
-        let (mut raster, mut covered, mut chosen, mut left_of_it) = (Raster::default(), 0, 0, 0);
+        let area = Area { x: first.0, y: first.1, nx: 1, ny: GROUP };
+        let (mut raster, mut chosen_only) = (Raster::default(), Raster::default());
+        let (mut covered, mut chosen, mut left_of_it) = (0, 0, 0);
         for round in 0..2000 {
             let turned = round % 2 == 0;
             let groups: Vec<Edges> = (0..3).map(|_| random_edges(&mut random, &bounds)).collect();
             raster.begin(area, (0, 0));
-            let (mut marks, mut passed) = (SquareMarks::default(), Passed::default());
-            let mut choices = Vec::new();
-            let mut sides = Vec::new();
+            chosen_only.begin(area, (0, 0));
+            let (mut passed, mut choices, mut sides) = (Windings::default(), Vec::new(), Vec::new());
             for edges in groups {
-                raster.edges(&scaled(&edges), turned);
+                vectorized!(simd => raster.edges(simd, &scaled(&edges), turned));
                 let (near, left) = bounds.near_and_left(&edges);
                 chosen += near.count_ones();
                 left_of_it += left.count_ones();
-                passed.add(&scaled(&edges), left, corner, turned);
+                passed.add(rows_passed(&scaled(&edges), left, (first.1 as i32, GROUP_PIXELS), turned));
                 choices.push(Choice { near, seams: edges.seams });
                 sides.push(Sides { edges, twins: [NO_TWIN; LANES], opposite: 0 });
             }
             raster.finish();
-            draw_edges(&mut marks, &sides, &choices, corner, turned);
-            marks.pass(&passed);
-            let mut whole = SquareMarks::default();
-            whole.add_raster(&raster);
-            assert_eq!(marks, whole, "{round}");
-            for row in 0..GROUP as usize {
-                let words = marks.covered(row);
-                for (column, word) in words.into_iter().enumerate() {
-                    let tile = raster.marks(row * GROUP as usize + column);
-                    assert_eq!(word, tile.covered(), "{round}");
-                    assert_eq!(marks.covered_seams(row)[column], tile.covered_seams());
-                    assert_eq!(marks.marked(row) >> column & 1 == 1, !tile.is_empty());
-                    covered += word.count_ones();
-                }
+            vectorized!(simd => draw_edges(simd, &mut chosen_only, &sides, &choices, turned));
+            chosen_only.pass_left(&passed);
+            chosen_only.finish();
+            for block in 0..GROUP as usize {
+                assert_eq!(chosen_only.marks(block), raster.marks(block), "{round}");
+                covered += raster.marks(block).covered().iter().map(|row| row.count_ones()).sum::<u32>();
             }
         }
         assert!(covered > 100_000 && chosen > 10_000 && left_of_it > 1000, "{covered} {chosen} {left_of_it}");

@@ -32,6 +32,7 @@ pub(crate) mod projector;
 pub(crate) mod raster;
 mod rim;
 pub(crate) mod scratch;
+pub(crate) mod sheet;
 mod sides;
 pub(crate) mod viewpoint;
 
@@ -41,6 +42,7 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
 use crate::occlusion::surface::viewpoint::Viewpoint;
+use crate::simd::vectorized;
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater
@@ -55,7 +57,8 @@ impl OcclusionBuffers {
         }
         for (buffer, face) in faces.zip(0..) {
             let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            draw_surfaces(buffer, face as usize, &batch.drawables, sights, viewpoint, scratch);
+            let face = face as usize;
+            vectorized!(simd => draw_surfaces(simd, buffer, face, &batch.drawables, sights, viewpoint, scratch));
             if listed {
                 list(buffer, &batch.drawables, scratch);
             }

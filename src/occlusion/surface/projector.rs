@@ -16,8 +16,9 @@ use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::tiles::TILE;
 
 /// Projects points to the pixels of a window.
-pub(crate) struct Projector<'a> {
-    face: &'a Face,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Projector {
+    face: Face,
     /// The first pixel of the window.
     first: (i64, i64),
     per_unit: f32,
@@ -112,10 +113,10 @@ impl Frame {
     }
 }
 
-impl<'a> Projector<'a> {
-    pub(crate) fn new(buffer: &'a FaceBuffer, viewpoint: Viewpoint) -> Self {
+impl Projector {
+    pub(crate) fn new(buffer: &FaceBuffer, viewpoint: Viewpoint) -> Self {
         let Viewpoint { origin, limit, reach } = viewpoint;
-        let (face, per_unit) = (buffer.face(), buffer.window().per_unit());
+        let (face, per_unit) = (*buffer.face(), buffer.window().per_unit());
         let (tx, ty) = buffer.window().first_tile();
         let first = (tx * TILE, ty * TILE);
         Self {
@@ -131,7 +132,7 @@ impl<'a> Projector<'a> {
 
     /// The face that it projects to.
     pub(super) fn face(&self) -> &Face {
-        self.face
+        &self.face
     }
 
     /// The pixel that coordinates are counted from.
@@ -152,9 +153,10 @@ impl<'a> Projector<'a> {
 
     /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere,
     /// and lengths in units of the face.
+    #[inline(always)]
     fn frame(&self, d: &Drawable) -> Frame {
         let origin = self.origin;
-        let Face { right, up, forward, parallel } = *self.face;
+        let Face { right, up, forward, parallel } = self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
         let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
         let whole = &d.surface.patches[0];
@@ -188,7 +190,7 @@ impl<'a> Projector<'a> {
 
     /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the
     /// patch may touch; `None` if there are none, or if it cannot be drawn.
-    #[inline]
+    #[inline(always)]
     pub(super) fn project(&self, d: &Drawable, within: PixelRect, out: &mut SeenSides) -> Option<PixelRect> {
         let frame = self.frame(d);
         let mut extent = Extent::EMPTY;
@@ -231,6 +233,7 @@ impl<'a> Projector<'a> {
 
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
     /// deep enough.
+    #[inline(always)]
     fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
         if !extent.known.iter().all(|&known| known) {
             return Some(within);

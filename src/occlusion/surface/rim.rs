@@ -110,7 +110,7 @@ fn step(wide: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::occlusion::surface::raster::Area;
+    use crate::occlusion::surface::raster::{Area, COLUMNS};
     use crate::random::Random;
 
     /// The distance of a ray from an edge, from many points of that.
@@ -127,7 +127,7 @@ mod tests {
     fn every_pixel_with_a_ray_within_the_reach_of_a_side_is_marked_and_few_others() {
         const SIZE: i64 = 256;
         let half = SIZE as f64 / 2.0;
-        let area = Area { x: 0, y: 0, nx: SIZE / 8, ny: SIZE / 8 };
+        let area = Area { x: 0, y: 0, nx: SIZE / COLUMNS, ny: SIZE / 8 };
         let mut random = Random(9);
         let (mut checked, mut marked, mut near) = (0, 0, 0);
         for round in 0..60 {
@@ -145,8 +145,8 @@ mod tests {
             let side = WholeSide { group: 0, lane: 0, ends, pixels: [(0.0, 0.0); 2], slack };
             Rims { sides, reach }.draw(&mut raster, &side);
             let is_marked = |x: i64, y: i64| {
-                let tile = (y / 8 * area.nx + x / 8) as usize;
-                raster.marks(tile).open() >> (y % 8 * 8 + x % 8) & 1 == 1
+                let block = (y / 8 * area.nx + x / COLUMNS) as usize;
+                raster.marks(block).open()[y as usize % 8] >> (x % COLUMNS) & 1 == 1
             };
             for _ in 0..3000 {
                 let by = random.point(1.0).normalize_or_zero() * (reach * 0.9999) + random.point(slack);

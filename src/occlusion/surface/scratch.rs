@@ -6,7 +6,8 @@ use crate::mesh::surface::PatchNumber;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::surface::kept::KeptPatches;
-use crate::occlusion::surface::raster::{Area, Marks, Raster};
+use crate::occlusion::surface::raster::Raster;
+use crate::occlusion::surface::sheet::Joint;
 
 /// A patch as one face sees it.
 #[derive(Debug, Clone)]
@@ -25,25 +26,6 @@ pub(super) struct Seen {
     pub(super) nearest: f32,
     /// A rectangle around its neighbours that are drawn for the first time.
     pub(super) around: PixelRect,
-}
-
-/// The pixels around the patches of one component.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Joint {
-    pub(super) area: Area,
-    pub(super) tiles: Vec<Marks>,
-    /// The least nearness of the patches in each tile.
-    pub(super) nears: Vec<f32>,
-}
-
-impl Joint {
-    pub(super) fn clear(&mut self, area: Area) {
-        self.area = area;
-        self.tiles.clear();
-        self.tiles.resize(area.tile_count(), Marks::default());
-        self.nears.clear();
-        self.nears.resize(area.tile_count(), f32::INFINITY);
-    }
 }
 
 /// A patch in the order of drawing, nearest components first: farness of the component, its root,

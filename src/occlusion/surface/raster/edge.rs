@@ -40,7 +40,7 @@ impl Raster {
         let (from, to) =
             (nearest_integer(within(a.1, bottom)).max(0), nearest_integer(within(b.1, bottom)).min(height));
         if x1 < 0.0 {
-            (from..to).for_each(|row| self.tiles.pass(row, 0, falls));
+            (from..to).for_each(|row| self.pass(row, 0, falls));
             return;
         }
         let layer = if seam { Marks::SEAM } else { Marks::OPEN };
@@ -57,7 +57,7 @@ impl Raster {
             let lo = nearest_integer(within(if lo > left { lo } else { left }, right) - 0.5).max(0);
             let hi = nearest_integer(within(if hi < x1 { hi } else { x1 }, right) - 0.5).min(width - 1);
             if lo <= hi {
-                self.tiles.mark(row, lo, hi, layer);
+                self.mark(row, lo, hi, layer);
             }
             if from <= row && row < to {
                 let at = x + 0.5 * slope;
@@ -67,10 +67,10 @@ impl Raster {
                 let hi = nearest_integer(within(at + unsure, right) - 0.5).min(width - 1);
                 let column = nearest_integer(within(at, right));
                 if seam && lo <= hi && (at - f64::from(column)).abs() > 0.5 - unsure {
-                    self.tiles.mark(row, lo, hi, Marks::OPEN);
+                    self.mark(row, lo, hi, Marks::OPEN);
                 }
                 if column < width {
-                    self.tiles.pass(row, column.max(0), falls);
+                    self.pass(row, column.max(0), falls);
                 }
             }
             x = next;
@@ -96,11 +96,11 @@ impl Raster {
         let hi = nearest_integer(within(x1, right) - 0.5).min(width - 1);
         for row in first..=last {
             if lo <= hi {
-                self.tiles.mark(row, lo, hi, layer);
+                self.mark(row, lo, hi, layer);
             }
         }
         if lo < width {
-            (from..to).for_each(|row| self.tiles.pass(row, lo, falls));
+            (from..to).for_each(|row| self.pass(row, lo, falls));
         }
     }
 }

@@ -1,8 +1,12 @@
-//! Eight edges at a time, in single precision.
+//! Eight edges at a time, in single precision; each in eight rows at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8, u32x8};
 
 use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::numeric::{greater, lesser};
-use crate::occlusion::surface::raster::{Marks, Raster};
+use crate::occlusion::surface::raster::Raster;
+use crate::occlusion::surface::raster::marks::{Marks, Windings, from_column};
 
 /// Edges that are set up together.
 pub(crate) const LANES: usize = 8;
@@ -54,7 +58,7 @@ pub(crate) fn each<T: Copy + Default>(mut f: impl FnMut(usize) -> T) -> [T; LANE
 }
 
 /// Edges ready to be drawn, from their lower to their upper ends.
-pub(super) struct Lines {
+struct Lines {
     /// Column and row of the lower end.
     x: Lanes,
     y: Lanes,
@@ -85,14 +89,8 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// The first and last row that an edge touches.
     #[inline(always)]
-    pub(super) fn rows(&self, i: usize) -> (i32, i32) {
-        (self.first[i], self.last[i])
-    }
-
-    #[inline(always)]
-    pub(super) fn new(e: &Edges) -> Self {
+    fn new(e: &Edges) -> Self {
         let select = |first: bool, a: f32, b: f32| if first { a } else { b };
         let up: [bool; LANES] = each(|i| e.y0[i] <= e.y1[i]);
         let (x, to_x) =
@@ -134,7 +132,7 @@ impl Lines {
 }
 
 /// One edge, in columns and rows of the face.
-pub(super) struct Line {
+struct Line {
     /// Column and row of the lower end.
     x: f32,
     y: f32,
@@ -149,16 +147,18 @@ pub(super) struct Line {
     /// of the middle of a pixel it passes a row.
     sure: f32,
     /// It passes the middles of the rows of the area from one up to before the other.
-    pub(super) from: i32,
-    pub(super) to: i32,
-    pub(super) layer: usize,
+    from: i32,
+    to: i32,
+    layer: usize,
+    /// Whether two patches share it, and must agree where it passes rows.
+    is_seam: bool,
     /// Whether winding numbers to its right fall.
-    pub(super) falls: bool,
+    falls: bool,
 }
 
 impl Line {
     #[inline(always)]
-    pub(super) fn new(l: &Lines, i: usize, seam: bool, falls: bool, corner: (i32, i32)) -> Self {
+    fn new(l: &Lines, i: usize, seam: bool, falls: bool, corner: (i32, i32)) -> Self {
         let (from, to) = (l.from[i] - corner.1, l.to[i] - corner.1);
         let is_flat = l.is_flat >> i & 1 == 1;
         Self {
@@ -171,7 +171,8 @@ impl Line {
             left: l.left[i],
             right: l.right[i],
             unsure: l.unsure[i],
-            sure: if seam && !is_flat { 0.5 - l.unsure[i] } else { f32::INFINITY },
+            sure: 0.5 - l.unsure[i],
+            is_seam: seam && !is_flat,
             from,
             to,
             // Two patches may not agree where a flat edge passes a row.
@@ -180,52 +181,18 @@ impl Line {
         }
     }
 
-    /// The column where it passes the middle of a row, which is given in rows of the face.
+    /// The columns where it passes the middles of rows, which are given in rows of the face.
     #[inline(always)]
-    pub(super) fn at(&self, middle: f32) -> f32 {
-        self.x + (middle - self.y) * self.slope
-    }
-
-    /// The first and last column that it touches in rows where it passes the middles between two
-    /// columns.
-    #[inline(always)]
-    fn touched(&self, least: f32, most: f32) -> (i32, i32) {
-        let (lo, hi) = (least - self.before, most + self.after);
-        let lo = if lo > self.left { lo } else { self.left };
-        let hi = if hi < self.right { hi } else { self.right };
-        (nearest(lo), nearest(hi))
-    }
-
-    /// As [`Line::touched`], for a row where it passes the middle at a column, and not rounded.
-    #[inline(always)]
-    pub(super) fn span(&self, at: f32) -> (f32, f32) {
-        (greater(at - self.before, self.left), lesser(at + self.after, self.right))
-    }
-
-    /// Where winding numbers change in a row whose middle it passes at a column.
-    #[inline(always)]
-    pub(super) fn passes(&self, at: f32) -> f32 {
-        if self.is_flat { self.left + 0.5 } else { at }
-    }
-
-    /// The first and last column of whose middles it is not known on which side of them it passes.
-    #[inline(always)]
-    pub(super) fn doubted(&self, at: f32) -> (i32, i32) {
-        (nearest(at - self.unsure - 0.5), nearest(at + self.unsure - 0.5))
-    }
-
-    /// Whether it is known on which side of the middles of pixels it passes a row at a column.
-    #[inline(always)]
-    pub(super) fn is_sure(&self, at: f32) -> bool {
-        (at - rounded(at)).abs() <= self.sure
+    fn at<S: Simd>(&self, middles: f32x8<S>) -> f32x8<S> {
+        (middles - self.y) * self.slope + self.x
     }
 }
 
 impl Raster {
     /// Draws edges of an outline. Going up, they make the winding numbers to their right grow by
     /// one, or fall.
-    #[inline(never)]
-    pub(crate) fn edges(&mut self, edges: &Edges, fall: bool) {
+    #[inline(always)]
+    pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &Edges, fall: bool) {
         let l = Lines::new(edges);
         let (corner, width, height) = (self.corner, self.area.width(), self.area.height());
         let mut lanes = edges.plain;
@@ -236,120 +203,125 @@ impl Raster {
             let columns = (l.low[i] - corner.0, l.high[i] - corner.0);
             if last >= 0 && first < height && columns.0 < width {
                 let line = Line::new(&l, i, edges.seams >> i & 1 == 1, fall, corner);
-                self.line(&line, (first.max(0), last.min(height - 1)), columns);
+                let rows = (first.max(0), last.min(height - 1));
+                for block in rows.0 as usize / LANES..=rows.1 as usize / LANES {
+                    self.line(simd, &line, rows, columns, block);
+                }
             }
         }
     }
 
-    /// Draws one edge in rows of the area, in which it touches the columns given.
+    /// Draws one edge in those of some rows that belong to one row of blocks. The columns are given
+    /// that it touches.
     #[inline(always)]
-    fn line(&mut self, line: &Line, (first, last): (i32, i32), columns: (i32, i32)) {
-        let mut row = first;
-        while row <= last {
-            // Rows of one row of tiles.
-            let end = last.min(row | 7);
-            let (low, high) =
-                if row == first && end == last { columns } else { self.columns(line, row, end) };
-            // One column more: the edge may pass rows there.
-            let two_tiles = ((high + 1) >> 3) - (low >> 3) <= 1;
-            if two_tiles && low >= 0 && high + 1 < self.area.width() && !line.is_flat {
-                self.line_in_tiles(line, (row, end), low >> 3);
-            } else {
-                (row..end + 1).for_each(|row| self.line_in_row(line, row));
+    fn line<S: Simd>(
+        &mut self,
+        simd: S,
+        line: &Line,
+        (first, last): (i32, i32),
+        columns: (i32, i32),
+        block: usize,
+    ) {
+        let (top, left) = ((block * LANES) as i32, self.corner.0);
+        let rows = i32x8::from_slice(simd, &ROWS) + top;
+        let at = line.at(f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32);
+        // The first column that it touches, the one beyond the last, and where it passes the row.
+        let begin = nearest_lanes((at - line.before).max(f32x8::splat(simd, line.left))) - left;
+        let end = nearest_lanes((at + line.after).min(f32x8::splat(simd, line.right))) + (1 - left);
+        let column =
+            nearest_lanes(if line.is_flat { f32x8::splat(simd, line.left + 0.5) } else { at }) - left;
+        let is_touched = rows.simd_ge(first) & rows.simd_le(last);
+        let is_passed = rows.simd_ge(line.from) & rows.simd_lt(line.to);
+        // One column more: it may pass rows there.
+        let columns = if (columns.0 ^ columns.1) >> 5 == 0 { columns } else { self.columns(line, top) };
+        let most = self.area.width() - 1;
+        let (low, high) = (columns.0.max(0) >> 5, (columns.1 + 1).clamp(-1, most) >> 5);
+        let start = block * self.across;
+        let none = u32x8::splat(simd, 0);
+        for x in low..=high {
+            let Some(marks) = self.blocks.get_mut(start + x as usize) else { break };
+            let touched = from_columns(simd, begin - (x << 5)) & !from_columns(simd, end - (x << 5));
+            marks.mark(line.layer, is_touched.select(touched, none));
+            marks.wind(is_passed.select(from_columns(simd, column - (x << 5)), none), line.falls);
+        }
+        if high + 1 < self.across as i32 && line.from < top + LANES as i32 && line.to > top {
+            let (from, to) = ((line.from - top).max(0), (line.to - top).min(LANES as i32));
+            self.carried[start + (high + 1) as usize].step((1u32 << to) - (1 << from), line.falls);
+        }
+        if line.is_seam {
+            let rounded = (at + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE;
+            let is_sure = (at - rounded).abs().simd_le(line.sure);
+            let doubted = (is_passed & !is_sure).to_bitmask();
+            if doubted != 0 {
+                self.doubt(line, doubted, top);
             }
-            row = end + 1;
         }
     }
 
-    /// The row of the face on which the middle of a row of the area lies.
+    /// The first and last column that an edge touches in eight rows from one on.
     #[inline(always)]
-    fn middle(&self, row: i32) -> f32 {
-        (row + self.corner.1) as f32 + 0.5
+    fn columns(&self, line: &Line, top: i32) -> (i32, i32) {
+        let at = |row: usize| line.x + (MIDDLES[row] + (top + self.corner.1) as f32 - line.y) * line.slope;
+        let (a, b) = (at(0), at(LANES - 1));
+        let (low, high) = (lesser(a, b) - line.before, greater(a, b) + line.after);
+        let (low, high) = (greater(low, line.left), lesser(high, line.right));
+        (nearest(low) - self.corner.0, nearest(high) - self.corner.0)
     }
 
-    /// The first and last column of the area that an edge touches in some rows.
-    #[inline(always)]
-    fn columns(&self, line: &Line, first: i32, last: i32) -> (i32, i32) {
-        let (a, b) = (line.at(self.middle(first)), line.at(self.middle(last)));
-        let (low, high) = line.touched(if a < b { a } else { b }, if a < b { b } else { a });
-        (low - self.corner.0, high - self.corner.0)
-    }
-
-    /// Draws an edge in rows of one row of tiles, in which it stays in the tile in a column of
-    /// tiles and the next one.
-    #[inline(always)]
-    fn line_in_tiles(&mut self, line: &Line, (first, last): (i32, i32), column: i32) {
-        let left = self.corner.0 + (column << 3);
-        let (mut touched, mut passed) = ([0u64; 2], [0u64; 2]);
-        let mut middle = self.middle(first);
-        for row in first..last + 1 {
-            let shift = (row & 7) << 3;
-            let at = line.at(middle);
-            middle += 1.0;
-            let (lo, hi) = line.touched(at, at);
-            let (lo, hi) = (lo - left, hi - left);
-            // Both are below 16.
-            let run = 2u32.wrapping_shl(hi as u32).wrapping_sub(1u32.wrapping_shl(lo as u32));
-            let run = if lo <= hi { u64::from(run) } else { 0 };
-            touched[0] |= (run & 0xff) << shift;
-            touched[1] |= run >> 8 << shift;
-            let bit = u64::from(1u32.wrapping_shl((nearest(at) - left) as u32));
-            passed[0] |= (bit & 0xff) << shift;
-            passed[1] |= (bit >> 8 & 0xff) << shift;
-            if !line.is_sure(at) && line.from <= row && row < line.to {
-                self.doubt(row, at, line.unsure);
-            }
-        }
-        let (from, to) = (line.from.max(first), line.to.min(last + 1));
-        let rows = if from < to { u64::MAX << ((from & 7) << 3) & u64::MAX >> ((-to & 7) << 3) } else { 0 };
-        let passed = passed.map(|passed| passed & rows);
-        self.tiles.mark_two((first >> 3, column), touched, line.layer, passed, line.falls);
-    }
-
-    /// Draws an edge in one row.
-    fn line_in_row(&mut self, line: &Line, row: i32) {
-        let (left, width) = (self.corner.0, self.area.width());
-        let at = line.at(self.middle(row));
-        let (lo, hi) = line.touched(at, at);
-        let (lo, hi) = ((lo - left).max(0), (hi - left).min(width - 1));
-        if lo <= hi {
-            self.tiles.mark(row, lo, hi, line.layer);
-        }
-        if line.from <= row && row < line.to {
-            let at = if line.is_flat { line.left + 0.5 } else { at };
-            if !line.is_sure(at) {
-                self.doubt(row, at, line.unsure);
-            }
-            let column = (nearest(at) - left).max(0);
-            if column < width {
-                self.tiles.pass(row, column, line.falls);
-            }
-        }
-    }
-
-    /// Marks the pixels of a row of whose middles it is not known on which side of them a seam
-    /// passes: its two patches may both count them, or neither.
+    /// Marks the pixels of which it is not known on which side of their middles a seam passes: its
+    /// two patches may both count them, or neither. The rows are bits, from the row `top` on.
     #[cold]
-    fn doubt(&mut self, row: i32, at: f32, unsure: f32) {
-        let lo = (nearest(at - unsure - 0.5) - self.corner.0).max(0);
-        let hi = (nearest(at + unsure - 0.5) - self.corner.0).min(self.area.width() - 1);
-        if lo <= hi {
-            self.tiles.mark(row, lo, hi, Marks::OPEN);
+    fn doubt(&mut self, line: &Line, rows: u64, top: i32) {
+        for k in (0..LANES).filter(|&k| rows >> k & 1 == 1) {
+            let at = line.x + (MIDDLES[k] + (top + self.corner.1) as f32 - line.y) * line.slope;
+            let lo = (nearest(at - line.unsure - 0.5) - self.corner.0).max(0);
+            let hi = (nearest(at + line.unsure - 0.5) - self.corner.0).min(self.area.width() - 1);
+            if lo <= hi {
+                self.mark(top + k as i32, lo, hi, Marks::OPEN);
+            }
         }
     }
+}
+
+/// The numbers of eight rows, and their middles.
+const ROWS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
+const MIDDLES: Lanes = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
+
+/// As [`nearest`], of eight numbers.
+#[inline(always)]
+fn nearest_lanes<S: Simd>(v: f32x8<S>) -> i32x8<S> {
+    (v + NEAREST_INTEGER_SINGLE).bitcast::<i32x8<S>>() - NEAREST_INTEGER_SINGLE.to_bits() as i32
+}
+
+/// As [`from_column`], of eight columns, which may be less than zero or beyond the last.
+#[inline(always)]
+fn from_columns<S: Simd>(simd: S, columns: i32x8<S>) -> u32x8<S> {
+    let within = columns.max(i32x8::splat(simd, 0)).min(i32x8::splat(simd, 31));
+    let pixels = u32x8::splat(simd, u32::MAX) << within.bitcast::<u32x8<S>>();
+    columns.simd_lt(32).select(pixels, u32x8::splat(simd, 0))
+}
+
+/// The rows whose middles some edges pass, up or down, with signs: bits from the row `first` on, of
+/// which there are `count`.
+#[inline(always)]
+pub(crate) fn rows_passed(edges: &Edges, mut lanes: u8, (first, count): (i32, i32), fall: bool) -> Windings {
+    let mut passed = Windings::default();
+    let row = |y: f32| (nearest(y) - first).clamp(0, count);
+    while lanes != 0 {
+        let i = lanes.trailing_zeros() as usize % LANES;
+        lanes &= lanes - 1;
+        let (a, b) = (row(edges.y0[i]), row(edges.y1[i]));
+        let rows = from_column(a.min(b)) & !from_column(a.max(b));
+        passed.step(rows, (edges.y0[i] > edges.y1[i]) != fall);
+    }
+    passed
 }
 
 /// The integer nearest to a number below 2^22, halves to even: as its twin in double precision.
 /// Other numbers, which lanes hold that are not drawn, give any integer.
 #[inline(always)]
-pub(super) fn nearest(v: f32) -> i32 {
+fn nearest(v: f32) -> i32 {
     ((v + NEAREST_INTEGER_SINGLE).to_bits() as i32).wrapping_sub(NEAREST_INTEGER_SINGLE.to_bits() as i32)
-}
-
-/// As [`nearest`], as a number.
-#[inline(always)]
-fn rounded(v: f32) -> f32 {
-    (v + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE
 }
 
 const _: () = assert!(FAR_PIXEL + ACROSS_AREA < 4_194_304.0, "all columns and rows fit `nearest`");
@@ -358,6 +330,7 @@ const _: () = assert!(FAR_PIXEL + ACROSS_AREA < 4_194_304.0, "all columns and ro
 mod tests {
     use super::*;
     use crate::occlusion::surface::raster::Area;
+    use crate::simd::vectorized;
 
     #[test]
     fn lanes_that_are_not_drawn_may_hold_anything() {
@@ -377,16 +350,17 @@ mod tests {
                 plain: 0,
                 seams: 255,
             };
-            raster.edges(&edges, false);
+            vectorized!(simd => raster.edges(simd, &edges, false));
         }
         raster.finish();
-        assert!(raster.marks(0).is_empty());
+        assert_eq!(raster.marks(0), &Marks::default());
     }
 
     #[test]
     fn nearest_integers() {
         for v in [-7.6, -0.5, -0.2, 0.0, 0.49, 0.5, 1.5, 2.5, 1e6 + 0.25] {
-            assert_eq!((nearest(v), rounded(v)), (v.round_ties_even() as i32, v.round_ties_even()));
+            let lanes = vectorized!(simd => nearest_lanes(f32x8::splat(simd, v)).as_slice()[3]);
+            assert_eq!((nearest(v), lanes), (v.round_ties_even() as i32, v.round_ties_even() as i32));
         }
     }
 }

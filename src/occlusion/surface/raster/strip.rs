@@ -22,7 +22,7 @@ impl Raster {
         let last = nearest_integer(within(b.1 + around, most_y) - 0.5).min(height - 1);
         // Numbers that overflowed say nothing of where the strip is.
         if (left + right + a.1 + b.1 + across + around).is_nan() {
-            (0..height).for_each(|row| self.tiles.mark(row, 0, width - 1, Marks::OPEN));
+            (0..height).for_each(|row| self.mark(row, 0, width - 1, Marks::OPEN));
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
@@ -30,7 +30,7 @@ impl Raster {
         let column = |x: f64| nearest_integer(within(x, most_x) - 0.5);
         let (begin, end) = (column(left).max(0), column(right).min(width - 1));
         // Rims of one place have strips that lie over each other.
-        if first > last || begin > end || self.tiles.are_marked((first, last), (begin, end), Marks::OPEN) {
+        if first > last || begin > end || self.are_open((first, last), (begin, end)) {
             return;
         }
         let reach = across * (1.0 + slope * slope).sqrt();
@@ -44,7 +44,7 @@ impl Raster {
             }
             let (lo, hi) = (column(lo).max(0), column(hi).min(width - 1));
             if lo <= hi {
-                self.tiles.mark(row, lo, hi, Marks::OPEN);
+                self.mark(row, lo, hi, Marks::OPEN);
             }
         }
     }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::occlusion::pixels::PixelRect;
 use crate::random::Random;
+use crate::simd::vectorized;
 
 type Point = (f64, f64);
 
@@ -37,7 +38,7 @@ fn draw(by: By, raster: &mut Raster, all: impl IntoIterator<Item = (Point, Point
                     group.plain |= 1 << i;
                     group.seams |= u8::from(seam) << i;
                 }
-                raster.edges(&group, false);
+                vectorized!(simd => raster.edges(simd, &group, false));
             }
         }
     }
@@ -76,9 +77,10 @@ fn touches((a, b): (Point, Point), x: f64, y: f64, wide: f64) -> bool {
     t0 <= t1
 }
 
-fn tile_and_bit(area: &Area, x: i64, y: i64) -> (usize, u32) {
+/// The block of a pixel, and its row and column there.
+fn place(area: &Area, x: i64, y: i64) -> (usize, usize, usize) {
     let (x, y) = (x - area.x, y - area.y);
-    (((y / 8) * area.nx + x / 8) as usize, (y % 8 * 8 + x % 8) as u32)
+    (((y / 8) * area.nx + x / 32) as usize, y as usize % 8, x as usize % 32)
 }
 
 #[test]
@@ -100,19 +102,19 @@ fn pixels_are_marked_as_the_outline_says() {
         raster.finish();
         for y in area.y..area.y + i64::from(area.height()) {
             for x in area.x..area.x + i64::from(area.width()) {
-                let (tile, bit) = tile_and_bit(&area, x, y);
-                let marks = raster.marks(tile);
+                let (block, row, column) = place(&area, x, y);
+                let marks = raster.marks(block);
                 let (left, low) = (x as f64, y as f64);
                 let near = edges(&ring).any(|e| touches(e, left, low, wide));
-                let marked = marks.has(Marks::OPEN, bit);
+                let (marked, own) = marks.pixel(Marks::OPEN, row, column);
                 assert!(marked || !near, "round {round}: {x} {y} is touched and not marked");
                 if marked {
                     open += 1;
                     continue;
                 }
                 let number = winding(&ring, (left + 0.5, low + 0.5));
-                assert_eq!(marks.winding(bit), number & 3, "round {round}: {x} {y}");
-                assert_eq!(marks.covered() >> bit & 1 == 1, number != 0);
+                assert_eq!(own, number & 3, "round {round}: {x} {y}");
+                assert_eq!(marks.covered()[row] >> column & 1 == 1, number != 0);
                 covered += u32::from(number != 0);
             }
         }
@@ -128,15 +130,15 @@ fn narrow_edges_touch_few_pixels() {
         raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }), (0, 0));
         draw(by, &mut raster, unshared(&ring), 1e-3);
         raster.finish();
-        let area = raster.area();
+        let area = *raster.area();
         for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
-            let (tile, bit) = tile_and_bit(&area, x, y);
+            let (block, row, column) = place(&area, x, y);
             let border = (2..30).contains(&x)
                 && (2..30).contains(&y)
                 && ([2, 29].contains(&x) || [2, 29].contains(&y));
-            assert_eq!(raster.marks(tile).has(Marks::OPEN, bit), border, "{by:?} {x} {y}");
+            assert_eq!(raster.marks(block).pixel(Marks::OPEN, row, column).0, border, "{by:?} {x} {y}");
             let inside = (3..29).contains(&x) && (3..29).contains(&y);
-            assert_eq!(raster.marks(tile).covered() >> bit & 1 == 1, inside, "{by:?} {x} {y}");
+            assert_eq!(raster.marks(block).covered()[row] >> column & 1 == 1, inside, "{by:?} {x} {y}");
         }
     }
 }
@@ -163,10 +165,10 @@ fn seams_of_two_patches_cancel() {
         let quad = [c, a, d, b];
         for y in 0..64 {
             for x in 0..64 {
-                let (tile, bit) = tile_and_bit(&area, x, y);
-                let mut both = first.marks(tile);
-                both.add(&second.marks(tile));
-                if both.covered_seams() >> bit & 1 == 1 {
+                let (block, row, column) = place(&area, x, y);
+                let mut both = *first.marks(block);
+                both.add(second.marks(block));
+                if both.covered_seams()[row] >> column & 1 == 1 {
                     seams += 1;
                     for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 0.5)] {
                         let p = (x as f64 + dx, y as f64 + dy);
