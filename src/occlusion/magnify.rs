@@ -26,6 +26,7 @@ use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, block};
+use crate::simd::vectorized;
 
 /// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
@@ -286,7 +287,8 @@ impl Magnifier {
                 && let Some(drawable) = (patches.drawable)(listed.id)
             {
                 let drawable = Drawable { id: listed.id, ..drawable };
-                self.late[face].keep(&projector, &drawable, listed.pixels);
+                let (late, within) = (&mut self.late[face], listed.pixels);
+                vectorized!(simd => late.keep(simd, &projector, &drawable, within));
             }
         }
         let stores = Stores { ids, drawn, late: &self.late[face] };

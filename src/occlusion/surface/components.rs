@@ -37,7 +37,7 @@ pub(super) fn draw_surfaces<S: Simd>(
     }
     let mut kept = std::mem::take(&mut scratch.kept[face]);
     let projector = Projector::new(buffer, viewpoint);
-    see(&projector, viewpoint.reach, batch, sights, &mut kept, scratch);
+    see(simd, &projector, viewpoint.reach, batch, sights, &mut kept, scratch);
     join(batch, viewpoint.reach, &mut kept, scratch);
     order(scratch);
     let mut first = 0;
@@ -84,7 +84,8 @@ fn is_narrow(pixels: &PixelRect) -> bool {
 
 /// Collects the patches that the face sees.
 #[inline(always)]
-fn see(
+fn see<S: Simd>(
+    simd: S,
     projector: &Projector,
     reach: f64,
     batch: &[Drawable],
@@ -99,7 +100,7 @@ fn see(
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        let place = kept.keep(projector, &batch[drawable as usize], pixels);
+        let place = kept.keep(simd, projector, &batch[drawable as usize], pixels);
         let Some(pixels) = kept.patch(place).pixels else { continue };
         if is_narrow(&pixels) {
             scratch.narrow.push((drawable, near, pixels));

@@ -3,6 +3,8 @@
 //! The first pass draws a patch in the pixels of the face, the second one in groups of finer pixels
 //! ([`local`](crate::occlusion::surface::local)), where its edges are the same but for a factor.
 
+use fearless_simd::Simd;
+
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::drawable::Drawable;
@@ -64,12 +66,18 @@ impl KeptPatches {
 
     /// Projects a patch that touches some pixels, unless that is done. Returns its place.
     #[inline(always)]
-    pub(crate) fn keep(&mut self, projector: &Projector, d: &Drawable, within: PixelRect) -> u32 {
+    pub(crate) fn keep<S: Simd>(
+        &mut self,
+        simd: S,
+        projector: &Projector,
+        d: &Drawable,
+        within: PixelRect,
+    ) -> u32 {
         if let Some(place) = self.find(d.id) {
             return place;
         }
         let (place, first) = (self.patches.len() as u32, self.sides.reached());
-        let pixels = projector.project(d, within, &mut self.sides);
+        let pixels = projector.project(simd, d, within, &mut self.sides);
         if pixels.is_none() {
             self.sides.truncate(first);
         }

@@ -5,9 +5,9 @@
 //! change nothing. So patches are joined along the sides only that come near: the sides of a set of
 //! patches that no two of them share may be open wherever they are drawn.
 
-use fearless_simd::Simd;
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
 
-use crate::numeric::{greater, lesser};
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::components::farness;
 use crate::occlusion::surface::kept::{Kept, KeptPatches};
@@ -157,7 +157,7 @@ impl Local {
         listed: &[Listing],
         useful: &mut Vec<u32>,
     ) {
-        self.choose(spot, stores, listed);
+        self.choose(simd, spot, stores, listed);
         self.join(spot, stores);
         self.order();
         let mut first = 0;
@@ -177,7 +177,7 @@ impl Local {
 
     /// Collects the patches with edges near the group, or around it.
     #[inline(always)]
-    fn choose(&mut self, spot: &Spot, stores: Stores, listed: &[Listing]) {
+    fn choose<S: Simd>(&mut self, simd: S, spot: &Spot, stores: Stores, listed: &[Listing]) {
         self.members.clear();
         self.choices.clear();
         self.drawing = self.drawing.wrapping_add(1);
@@ -198,7 +198,7 @@ impl Local {
             }
             let (first, mut passed, mut any) = (self.choices.len() as u32, Windings::default(), 0);
             for sides in store.groups(place) {
-                let (near, left) = bounds.near_and_left(&sides.edges);
+                let (near, left) = bounds.near_and_left(simd, &sides.edges);
                 any |= near;
                 self.choices.push(Choice { near, seams: 0 });
                 if left != 0 {
@@ -392,15 +392,15 @@ impl Bounds {
     /// An edge stays within its width of the rectangle around its ends; one that stays outside of
     /// the group's rows passes the middles of none of them.
     #[inline(always)]
-    fn near_and_left(&self, e: &Edges) -> (u8, u8) {
-        let low: Lanes = each(|i| lesser(e.y0[i], e.y1[i]) - e.wide[i]);
-        let high: Lanes = each(|i| greater(e.y0[i], e.y1[i]) + e.wide[i]);
-        let left: Lanes = each(|i| lesser(e.x0[i], e.x1[i]) - e.wide[i]);
-        let right: Lanes = each(|i| greater(e.x0[i], e.x1[i]) + e.wide[i]);
-        let beside = |i: usize| (low[i] <= self.high) & (high[i] >= self.low) & (left[i] <= self.right);
-        let bits = |is: &dyn Fn(usize) -> bool| (0..LANES).fold(0, |bits, i| bits | u8::from(is(i)) << i);
-        let beside = bits(&beside) & e.plain;
-        let left = bits(&|i| right[i] < self.left);
+    fn near_and_left<S: Simd>(&self, simd: S, e: &Edges) -> (u8, u8) {
+        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
+        let (x0, y0, x1, y1) = (load(&e.x0), load(&e.y0), load(&e.x1), load(&e.y1));
+        let wide = load(&e.wide);
+        let beside = (y0.min(y1) - wide).simd_le(self.high)
+            & (y0.max(y1) + wide).simd_ge(self.low)
+            & (x0.min(x1) - wide).simd_le(self.right);
+        let left = (x0.max(x1) + wide).simd_lt(self.left);
+        let (beside, left) = (beside.to_bitmask() as u8 & e.plain, left.to_bitmask() as u8);
         (beside & !left, beside & left)
     }
 }
@@ -485,7 +485,7 @@ mod tests {
             let (mut passed, mut choices, mut sides) = (Windings::default(), Vec::new(), Vec::new());
             for edges in groups {
                 vectorized!(simd => raster.edges(simd, &scaled(&edges), turned));
-                let (near, left) = bounds.near_and_left(&edges);
+                let (near, left) = vectorized!(simd => bounds.near_and_left(simd, &edges));
                 chosen += near.count_ones();
                 left_of_it += left.count_ones();
                 passed.add(rows_passed(&scaled(&edges), left, (first.1 as i32, GROUP_PIXELS), turned));

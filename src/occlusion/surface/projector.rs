@@ -1,15 +1,16 @@
 //! Sides of patches projected to the pixels of a face, eight at a time in single precision.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
-use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::raster::{Edges, LANES, Lanes, each};
+use crate::occlusion::surface::raster::{Edges, LANES, Lanes};
 use crate::occlusion::surface::rim::Rims;
 use crate::occlusion::surface::sides::{NO_TWIN, SeenSides, Sides, WholeSide};
 use crate::occlusion::surface::viewpoint::Viewpoint;
@@ -70,44 +71,47 @@ impl Ends {
 }
 
 /// Sides in coordinates of the face.
-struct Placed {
-    from: [Lanes; 3],
-    to: [Lanes; 3],
-    slack: Lanes,
+struct Placed<S: Simd> {
+    from: [f32x8<S>; 3],
+    to: [f32x8<S>; 3],
+    slack: f32x8<S>,
     /// Whether all coordinates are finite, as a sum of zeros.
-    zero: Lanes,
+    zero: f32x8<S>,
     /// Which edges may be drawn as they are.
-    plain: [bool; LANES],
+    plain: mask32x8<S>,
 }
 
 /// A rectangle around points, lane by lane.
-struct Extent {
-    least: [Lanes; 2],
-    most: [Lanes; 2],
+struct Extent<S: Simd> {
+    least: [f32x8<S>; 2],
+    most: [f32x8<S>; 2],
     /// The greatest width of an edge, and whether that is known of all of them.
-    wide: Lanes,
-    known: [bool; LANES],
+    wide: f32x8<S>,
+    known: mask32x8<S>,
 }
 
-impl Extent {
-    const EMPTY: Self = Self {
-        least: [[f32::INFINITY; LANES]; 2],
-        most: [[f32::NEG_INFINITY; LANES]; 2],
-        wide: [0.0; LANES],
-        known: [true; LANES],
-    };
+impl<S: Simd> Extent<S> {
+    #[inline(always)]
+    fn empty(simd: S) -> Self {
+        Self {
+            least: [f32x8::splat(simd, f32::INFINITY); 2],
+            most: [f32x8::splat(simd, f32::NEG_INFINITY); 2],
+            wide: f32x8::splat(simd, 0.0),
+            known: mask32x8::splat(simd, true),
+        }
+    }
 }
 
 impl Frame {
     /// Moves points to the face, given by their coordinates.
     #[inline(always)]
-    fn turn(&self, points: &[Lanes; 3]) -> [Lanes; 3] {
+    fn turn<S: Simd>(&self, simd: S, points: &[Lanes; 3]) -> [f32x8<S>; 3] {
         let (eye, rest, at) = (self.eye.0.to_array(), self.eye.1.to_array(), self.at.to_array());
-        let off = |axis: usize| -> Lanes { each(|i| points[axis][i] - eye[axis] - rest[axis]) };
+        let off = |axis: usize| f32x8::from_slice(simd, &points[axis]) - eye[axis] - rest[axis];
         let (x, y, z) = (off(0), off(1), off(2));
         let turned = |axis: usize| {
             let (row, at) = (self.rows[axis], at[axis]);
-            each(|i| row.x * x[i] + row.y * y[i] + row.z * z[i] + at)
+            x * row.x + y * row.y + z * row.z + at
         };
         [turned(0), turned(1), turned(2)]
     }
@@ -191,9 +195,15 @@ impl Projector {
     /// Appends the sides of a patch as the face sees them. Returns the pixels of `within` that the
     /// patch may touch; `None` if there are none, or if it cannot be drawn.
     #[inline(always)]
-    pub(super) fn project(&self, d: &Drawable, within: PixelRect, out: &mut SeenSides) -> Option<PixelRect> {
+    pub(super) fn project<S: Simd>(
+        &self,
+        simd: S,
+        d: &Drawable,
+        within: PixelRect,
+        out: &mut SeenSides,
+    ) -> Option<PixelRect> {
         let frame = self.frame(d);
-        let mut extent = Extent::EMPTY;
+        let mut extent = Extent::empty(simd);
         let (mut ends, mut finite) = (Ends::default(), true);
         let mut outline = d.outline();
         while outline.len() > 0 {
@@ -210,9 +220,9 @@ impl Projector {
             for lane in count..LANES {
                 ends.copy(0, lane);
             }
-            let placed = self.place(&frame, &ends);
+            let placed = self.place(simd, &frame, &ends);
             let mut edges = self.edges(&placed, &mut extent);
-            finite &= placed.zero.iter().sum::<f32>() == 0.0;
+            finite &= placed.zero.simd_eq(0.0).to_bitmask() == 0xff;
             let used = (0xff_u32 >> (LANES - count)) as u8;
             let deep = !edges.plain & used;
             edges.plain &= used;
@@ -234,16 +244,16 @@ impl Projector {
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
     /// deep enough.
     #[inline(always)]
-    fn tighter(&self, extent: &Extent, within: PixelRect) -> Option<PixelRect> {
-        if !extent.known.iter().all(|&known| known) {
+    fn tighter<S: Simd>(&self, extent: &Extent<S>, within: PixelRect) -> Option<PixelRect> {
+        if extent.known.to_bitmask() != 0xff {
             return Some(within);
         }
-        let most = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::NEG_INFINITY, greater));
-        let least = |lanes: &Lanes| f64::from(lanes.iter().copied().fold(f32::INFINITY, lesser));
-        let wide = most(&extent.wide);
+        let most = |lanes: f32x8<S>| f64::from(lanes.reduce_max());
+        let least = |lanes: f32x8<S>| f64::from(lanes.reduce_min());
+        let wide = most(extent.wide);
         let narrow = |(lo, hi): (i64, i64), axis: usize, first: i64| {
             let at = |v: f64| first + floor(v.clamp(-FARTHEST_PIXEL, FARTHEST_PIXEL));
-            let (a, b) = (at(least(&extent.least[axis]) - wide), at(most(&extent.most[axis]) + wide));
+            let (a, b) = (at(least(extent.least[axis]) - wide), at(most(extent.most[axis]) + wide));
             (lo.max(a), hi.min(b + 1))
         };
         let pixels = PixelRect { x: narrow(within.x, 0, self.first.0), y: narrow(within.y, 1, self.first.1) };
@@ -252,61 +262,60 @@ impl Projector {
 
     /// Moves points to the face.
     #[inline(always)]
-    fn place(&self, f: &Frame, ends: &Ends) -> Placed {
-        let (from, to) = (f.turn(&ends.from), f.turn(&ends.to));
-        let slack: Lanes = each(|i| ends.slack[i] * f.growth + f.error);
-        let zeros = |p: &[Lanes; 3], i: usize| (p[0][i] * 0.0 + p[1][i] * 0.0) + p[2][i] * 0.0;
-        let zero = each(|i| slack[i] * 0.0 + (zeros(&from, i) + zeros(&to, i)));
-        let plain = each(|i| {
-            let (near, far) = (lesser(from[2][i], to[2][i]), greater(from[2][i], to[2][i]));
-            // One width serves all of the edge, or there is no slack.
-            let even = (slack[i] == 0.0) | ((far <= 2.0 * near) & (far > 2.0 * slack[i]));
-            (near >= self.limit) & even
-        });
-        Placed { from, to, slack, zero, plain }
+    fn place<S: Simd>(&self, simd: S, f: &Frame, ends: &Ends) -> Placed<S> {
+        let (from, to) = (f.turn(simd, &ends.from), f.turn(simd, &ends.to));
+        let slack = f32x8::from_slice(simd, &ends.slack) * f.growth + f.error;
+        let zeros = |[x, y, z]: [f32x8<S>; 3]| x * 0.0 + y * 0.0 + z * 0.0;
+        let (near, far) = (from[2].min(to[2]), from[2].max(to[2]));
+        // One width serves all of the edge, or there is no slack.
+        let even = slack.simd_eq(0.0) | (far.simd_le(near * 2.0) & far.simd_gt(slack * 2.0));
+        let plain = near.simd_ge(self.limit) & even;
+        Placed { from, to, slack, zero: slack * 0.0 + (zeros(from) + zeros(to)), plain }
     }
 
     /// The edges in pixels. Those that leave the range of pixels are no longer plain.
     #[inline(always)]
-    fn edges(&self, p: &Placed, extent: &mut Extent) -> Edges {
+    fn edges<S: Simd>(&self, p: &Placed<S>, extent: &mut Extent<S>) -> Edges {
         let shift = self.middle.0.abs() + self.middle.1.abs();
-        let (a, b): (Lanes, Lanes) = (each(|i| 1.0 / p.from[2][i]), each(|i| 1.0 / p.to[2][i]));
-        let column = |p: &[Lanes; 3], inverse: &Lanes| -> Lanes {
-            each(|i| p[0][i] * inverse[i] * self.per_unit + self.middle.0)
-        };
-        let row = |p: &[Lanes; 3], inverse: &Lanes| -> Lanes {
-            each(|i| p[1][i] * inverse[i] * self.per_unit + self.middle.1)
-        };
-        let (x0, y0, x1, y1) = (column(&p.from, &a), row(&p.from, &a), column(&p.to, &b), row(&p.to, &b));
-        let sum: Lanes = each(|i| (x0[i].abs() + y0[i].abs()) + (x1[i].abs() + y1[i].abs()));
-        let unsure: Lanes = each(|i| EDGE as f32 + PROJECTED * (sum[i] + shift));
+        let one = f32x8::splat(p.slack.simd, 1.0);
+        let (a, b) = (one / p.from[2], one / p.to[2]);
+        let column = |p: &[f32x8<S>; 3], inverse: f32x8<S>| p[0] * inverse * self.per_unit + self.middle.0;
+        let row = |p: &[f32x8<S>; 3], inverse: f32x8<S>| p[1] * inverse * self.per_unit + self.middle.1;
+        let (x0, y0, x1, y1) = (column(&p.from, a), row(&p.from, a), column(&p.to, b), row(&p.to, b));
+        let sum = (x0.abs() + y0.abs()) + (x1.abs() + y1.abs());
+        let unsure = (sum + shift) * PROJECTED + EDGE as f32;
         // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
         let grow = SLACK_ROOM * self.per_unit;
-        let wide: Lanes = each(|i| 2.0 * unsure[i] + p.slack[i] * greater(a[i], b[i]) * grow);
+        let wide = unsure * 2.0 + p.slack * a.max(b) * grow;
         // Also if it is not a number.
-        let small: [bool; LANES] = each(|i| sum[i] < FAR_PIXEL);
-        let plain: [bool; LANES] = each(|i| p.plain[i] & small[i] & (wide[i] < FAR_PIXEL));
-        extent.least[0] = each(|i| lesser(lesser(x0[i], x1[i]), extent.least[0][i]));
-        extent.least[1] = each(|i| lesser(lesser(y0[i], y1[i]), extent.least[1][i]));
-        extent.most[0] = each(|i| greater(greater(x0[i], x1[i]), extent.most[0][i]));
-        extent.most[1] = each(|i| greater(greater(y0[i], y1[i]), extent.most[1][i]));
-        extent.wide = each(|i| greater(wide[i], extent.wide[i]));
+        let small = sum.simd_lt(FAR_PIXEL);
+        let plain = p.plain & small & wide.simd_lt(FAR_PIXEL);
+        extent.least = [x0.min(x1).min(extent.least[0]), y0.min(y1).min(extent.least[1])];
+        extent.most = [x0.max(x1).max(extent.most[0]), y0.max(y1).max(extent.most[1])];
+        extent.wide = extent.wide.max(wide);
         if self.reach > 0.0 {
             let room = REACH_ROOM * self.reach as f32 * self.per_unit;
-            extent.wide = each(|i| greater(wide[i] + room * greater(a[i], b[i]), extent.wide[i]));
+            extent.wide = extent.wide.max(wide + a.max(b) * room);
         }
-        extent.known = each(|i| {
-            let near = lesser(p.from[2][i], p.to[2][i]);
-            extent.known[i] & (near >= 2.0 * self.limit + 2.0 * p.slack[i]) & small[i]
-        });
-        let plain = (0..LANES).fold(0, |bits, i| bits | u8::from(plain[i]) << i);
-        Edges { x0, y0, x1, y1, wide, unsure, plain, seams: 0 }
+        let near = p.from[2].min(p.to[2]);
+        extent.known = extent.known & near.simd_ge(p.slack * 2.0 + 2.0 * self.limit) & small;
+        let plain = plain.to_bitmask() as u8;
+        Edges {
+            x0: x0.into(),
+            y0: y0.into(),
+            x1: x1.into(),
+            y1: y1.into(),
+            wide: wide.into(),
+            unsure: unsure.into(),
+            plain,
+            seams: 0,
+        }
     }
 }
 
 /// A side that is not drawn as one edge.
-fn whole_side(p: &Placed, e: &Edges, group: u32, lane: usize) -> WholeSide {
-    let at = |of: &[Lanes; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
+fn whole_side<S: Simd>(p: &Placed<S>, e: &Edges, group: u32, lane: usize) -> WholeSide {
+    let at = |of: &[f32x8<S>; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
     WholeSide {
         group,
         lane: lane as u32,
@@ -326,6 +335,7 @@ mod tests {
     use crate::mesh::surface::{Rules, Surface};
     use crate::occlusion::face::Rect;
     use crate::random::Random;
+    use crate::simd::vectorized;
 
     /// A point with coordinates in single precision.
     fn single(random: &mut Random, reach: f32) -> Vec3 {
@@ -393,7 +403,8 @@ mod tests {
                     error: 0.0,
                 };
                 let mut out = SeenSides::default();
-                projector.project(&drawable, *buffer.window().pixels(), &mut out);
+                let within = *buffer.window().pixels();
+                vectorized!(simd => projector.project(simd, &drawable, within, &mut out));
                 let place = |v: Vec3| {
                     let v = v.as_dvec3();
                     placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye

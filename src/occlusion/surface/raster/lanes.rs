@@ -57,12 +57,13 @@ pub(crate) fn each<T: Copy + Default>(mut f: impl FnMut(usize) -> T) -> [T; LANE
     lanes
 }
 
-/// Edges ready to be drawn, from their lower to their upper ends.
+/// Edges ready to be drawn, from their lower to their upper ends. Columns and rows in whole numbers
+/// are counted from the corner of the area.
 struct Lines {
-    /// Column and row of the lower end.
+    /// Column and row of the lower end; of edges nearly parallel to the rows, the first column.
     x: Lanes,
     y: Lanes,
-    /// Columns for each row.
+    /// Columns for each row; 0 for those.
     slope: Lanes,
     /// How far left of the column where it passes the middle of a row the columns begin that it
     /// touches there, and how far right they end: half a column more and less than the same.
@@ -73,7 +74,10 @@ struct Lines {
     right: Lanes,
     /// How far the column may be off where it passes a row.
     unsure: Lanes,
-    /// The first and last row that it touches.
+    /// Where it is farther than this from the middle between two columns, it is known on which side
+    /// of the middle of a pixel it passes a row.
+    sure: Lanes,
+    /// The first and last row of the area that it touches.
     first: [i32; LANES],
     last: [i32; LANES],
     /// It passes the middles of the rows from one up to before the other.
@@ -82,109 +86,73 @@ struct Lines {
     /// The first and last column that it touches.
     low: [i32; LANES],
     high: [i32; LANES],
-    /// Those that were given from the upper to the lower end, one bit each.
-    down: u8,
-    /// Those nearly parallel to the rows, one bit each.
-    is_flat: u8,
+    /// Those that touch the area or pass left of it, one bit each.
+    drawn: u8,
+    /// Those that make winding numbers to their right fall.
+    falls: u8,
+    /// Seams that two patches agree about, and those of them of which it must be known where they
+    /// pass rows.
+    seams: u8,
+    doubted: u8,
 }
 
 impl Lines {
     #[inline(always)]
-    fn new(e: &Edges) -> Self {
-        let select = |first: bool, a: f32, b: f32| if first { a } else { b };
-        let up: [bool; LANES] = each(|i| e.y0[i] <= e.y1[i]);
-        let (x, to_x) =
-            (each(|i| select(up[i], e.x0[i], e.x1[i])), each(|i| select(up[i], e.x1[i], e.x0[i])));
-        let (y, to_y) =
-            (each(|i| select(up[i], e.y0[i], e.y1[i])), each(|i| select(up[i], e.y1[i], e.y0[i])));
-        let slope: Lanes = each(|i| (to_x[i] - x[i]) / (to_y[i] - y[i]));
+    fn new<S: Simd>(simd: S, e: &Edges, raster: &Raster, fall: bool) -> Self {
+        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
+        let splat = |v: f32| f32x8::splat(simd, v);
+        let (x0, y0, x1, y1) = (load(&e.x0), load(&e.y0), load(&e.x1), load(&e.y1));
+        let (wide, unsure) = (load(&e.wide), load(&e.unsure));
+        let up = y0.simd_le(y1);
+        let (x, to_x) = (up.select(x0, x1), up.select(x1, x0));
+        let (y, to_y) = (up.select(y0, y1), up.select(y1, y0));
+        let slope = (to_x - x) / (to_y - y);
+        let steep = slope.abs();
         // Not if it is not a number.
-        let is_slanted: [bool; LANES] = each(|i| slope[i].abs() < FLAT);
-        let half: Lanes = each(|i| {
-            let steep = slope[i].abs();
-            select(is_slanted[i], 0.5 * steep + (e.wide[i] * steep + e.wide[i]), ACROSS_AREA)
-        });
-        let unsure: Lanes = each(|i| {
-            let steep = slope[i].abs();
-            select(is_slanted[i], e.unsure[i] * steep + e.unsure[i], ACROSS_AREA)
-        });
-        let left: Lanes = each(|i| select(x[i] < to_x[i], x[i], to_x[i]) - e.wide[i] - 0.5);
-        let right: Lanes = each(|i| select(x[i] < to_x[i], to_x[i], x[i]) + e.wide[i] - 0.5);
+        let is_slanted = steep.simd_lt(FLAT);
+        let half = is_slanted.select(steep * 0.5 + (wide * steep + wide), splat(ACROSS_AREA));
+        let unsure = is_slanted.select(unsure * steep + unsure, splat(ACROSS_AREA));
+        let left = x.min(to_x) - wide - 0.5;
+        let right = x.max(to_x) + wide - 0.5;
+        let (width, height) = (raster.area.width(), raster.area.height());
+        let row = |y: f32x8<S>| nearest_lanes(y) - raster.corner.1;
+        let column = |x: f32x8<S>| nearest_lanes(x) - raster.corner.0;
+        let (first, last) = (row(y - wide - 0.5), row(to_y + wide - 0.5));
+        let (from, to) = (row(y), row(to_y));
+        let (low, high) = (column(left), column(right));
+        let is_near = last.simd_ge(0) & first.simd_lt(height) & low.simd_lt(width);
+        // Two patches may not agree where a flat edge passes a row.
+        let is_agreed = is_slanted | from.simd_ge(to);
+        let [up, slanted, near, agreed] = [up, is_slanted, is_near, is_agreed].map(|m| m.to_bitmask() as u8);
+        let store = |v: f32x8<S>| -> Lanes { v.into() };
+        let whole = |v: i32x8<S>| -> [i32; LANES] { v.into() };
         Self {
-            slope: each(|i| select(is_slanted[i], slope[i], 0.0)),
-            first: each(|i| nearest(y[i] - e.wide[i] - 0.5)),
-            last: each(|i| nearest(to_y[i] + e.wide[i] - 0.5)),
-            from: each(|i| nearest(y[i])),
-            to: each(|i| nearest(to_y[i])),
-            low: each(|i| nearest(left[i])),
-            high: each(|i| nearest(right[i])),
-            down: (0..LANES).fold(0, |bits, i| bits | u8::from(!up[i]) << i),
-            x,
-            y,
-            before: each(|i| half[i] + 0.5),
-            after: each(|i| half[i] - 0.5),
-            is_flat: (0..LANES).fold(0, |bits, i| bits | u8::from(!is_slanted[i]) << i),
-            left,
-            right,
-            unsure,
-        }
-    }
-}
-
-/// One edge, in columns and rows of the face.
-struct Line {
-    /// Column and row of the lower end.
-    x: f32,
-    y: f32,
-    slope: f32,
-    before: f32,
-    after: f32,
-    is_flat: bool,
-    left: f32,
-    right: f32,
-    unsure: f32,
-    /// Where it is farther than this from the middle between two columns, it is known on which side
-    /// of the middle of a pixel it passes a row.
-    sure: f32,
-    /// It passes the middles of the rows of the area from one up to before the other.
-    from: i32,
-    to: i32,
-    layer: usize,
-    /// Whether two patches share it, and must agree where it passes rows.
-    is_seam: bool,
-    /// Whether winding numbers to its right fall.
-    falls: bool,
-}
-
-impl Line {
-    #[inline(always)]
-    fn new(l: &Lines, i: usize, seam: bool, falls: bool, corner: (i32, i32)) -> Self {
-        let (from, to) = (l.from[i] - corner.1, l.to[i] - corner.1);
-        let is_flat = l.is_flat >> i & 1 == 1;
-        Self {
-            x: l.x[i],
-            y: l.y[i],
-            slope: l.slope[i],
-            before: l.before[i],
-            after: l.after[i],
-            is_flat,
-            left: l.left[i],
-            right: l.right[i],
-            unsure: l.unsure[i],
-            sure: 0.5 - l.unsure[i],
-            is_seam: seam && !is_flat,
-            from,
-            to,
-            // Two patches may not agree where a flat edge passes a row.
-            layer: if seam && !(is_flat && from < to) { Marks::SEAM } else { Marks::OPEN },
-            falls: (l.down >> i & 1 == 1) != falls,
+            x: store(is_slanted.select(x, left + 0.5)),
+            y: store(y),
+            slope: store(is_slanted.select(slope, splat(0.0))),
+            before: store(half + 0.5),
+            after: store(half - 0.5),
+            left: store(left),
+            right: store(right),
+            unsure: store(unsure),
+            sure: store(-unsure + 0.5),
+            first: whole(first.max(i32x8::splat(simd, 0))),
+            last: whole(last.min(i32x8::splat(simd, height - 1))),
+            from: whole(from),
+            to: whole(to),
+            low: whole(low),
+            high: whole(high),
+            drawn: near & e.plain,
+            falls: if fall { up } else { !up },
+            seams: e.seams & agreed,
+            doubted: e.seams & slanted,
         }
     }
 
-    /// The columns where it passes the middles of rows, which are given in rows of the face.
+    /// The column where an edge passes the middle of a row, which is given in rows of the face.
     #[inline(always)]
-    fn at<S: Simd>(&self, middles: f32x8<S>) -> f32x8<S> {
-        (middles - self.y) * self.slope + self.x
+    fn at(&self, i: usize, middle: f32) -> f32 {
+        self.x[i] + (middle - self.y[i]) * self.slope[i]
     }
 }
 
@@ -193,89 +161,75 @@ impl Raster {
     /// one, or fall.
     #[inline(always)]
     pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &Edges, fall: bool) {
-        let l = Lines::new(edges);
-        let (corner, width, height) = (self.corner, self.area.width(), self.area.height());
-        let mut lanes = edges.plain;
+        let lines = Lines::new(simd, edges, self, fall);
+        let mut lanes = lines.drawn;
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes - 1;
-            let (first, last) = (l.first[i] - corner.1, l.last[i] - corner.1);
-            let columns = (l.low[i] - corner.0, l.high[i] - corner.0);
-            if last >= 0 && first < height && columns.0 < width {
-                let line = Line::new(&l, i, edges.seams >> i & 1 == 1, fall, corner);
-                let rows = (first.max(0), last.min(height - 1));
-                for block in rows.0 as usize / LANES..=rows.1 as usize / LANES {
-                    self.line(simd, &line, rows, columns, block);
-                }
+            for block in lines.first[i] as usize / LANES..=lines.last[i] as usize / LANES {
+                self.line(simd, &lines, i, block);
             }
         }
     }
 
-    /// Draws one edge in those of some rows that belong to one row of blocks. The columns are given
-    /// that it touches.
+    /// Draws one edge in those rows of a row of blocks that it touches.
     #[inline(always)]
-    fn line<S: Simd>(
-        &mut self,
-        simd: S,
-        line: &Line,
-        (first, last): (i32, i32),
-        columns: (i32, i32),
-        block: usize,
-    ) {
+    fn line<S: Simd>(&mut self, simd: S, l: &Lines, i: usize, block: usize) {
         let (top, left) = ((block * LANES) as i32, self.corner.0);
         let rows = i32x8::from_slice(simd, &ROWS) + top;
-        let at = line.at(f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32);
+        let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
+        let at = (middles - l.y[i]) * l.slope[i] + l.x[i];
         // The first column that it touches, the one beyond the last, and where it passes the row.
-        let begin = nearest_lanes((at - line.before).max(f32x8::splat(simd, line.left))) - left;
-        let end = nearest_lanes((at + line.after).min(f32x8::splat(simd, line.right))) + (1 - left);
-        let column =
-            nearest_lanes(if line.is_flat { f32x8::splat(simd, line.left + 0.5) } else { at }) - left;
-        let is_touched = rows.simd_ge(first) & rows.simd_le(last);
-        let is_passed = rows.simd_ge(line.from) & rows.simd_lt(line.to);
+        let begin = nearest_lanes((at - l.before[i]).max(f32x8::splat(simd, l.left[i]))) - left;
+        let end = nearest_lanes((at + l.after[i]).min(f32x8::splat(simd, l.right[i]))) + (1 - left);
+        let column = nearest_lanes(at) - left;
+        let is_touched = rows.simd_ge(l.first[i]) & rows.simd_le(l.last[i]);
+        let is_passed = rows.simd_ge(l.from[i]) & rows.simd_lt(l.to[i]);
+        let (low, high) = (l.low[i], l.high[i]);
+        let (low, high) = if (low ^ high) >> 5 == 0 { (low, high) } else { self.columns(l, i, top) };
         // One column more: it may pass rows there.
-        let columns = if (columns.0 ^ columns.1) >> 5 == 0 { columns } else { self.columns(line, top) };
-        let most = self.area.width() - 1;
-        let (low, high) = (columns.0.max(0) >> 5, (columns.1 + 1).clamp(-1, most) >> 5);
+        let (low, high) = (low.max(0) >> 5, (high + 1).clamp(-1, self.area.width() - 1) >> 5);
         let start = block * self.across;
-        let none = u32x8::splat(simd, 0);
+        let (none, falls) = (u32x8::splat(simd, 0), l.falls >> i & 1 == 1);
+        let layer = if l.seams >> i & 1 == 1 { Marks::SEAM } else { Marks::OPEN };
         for x in low..=high {
             let Some(marks) = self.blocks.get_mut(start + x as usize) else { break };
             let touched = from_columns(simd, begin - (x << 5)) & !from_columns(simd, end - (x << 5));
-            marks.mark(line.layer, is_touched.select(touched, none));
-            marks.wind(is_passed.select(from_columns(simd, column - (x << 5)), none), line.falls);
+            marks.mark(layer, is_touched.select(touched, none));
+            marks.wind(is_passed.select(from_columns(simd, column - (x << 5)), none), falls);
         }
-        if high + 1 < self.across as i32 && line.from < top + LANES as i32 && line.to > top {
-            let (from, to) = ((line.from - top).max(0), (line.to - top).min(LANES as i32));
-            self.carried[start + (high + 1) as usize].step((1u32 << to) - (1 << from), line.falls);
+        if high + 1 < self.across as i32 && l.from[i] < top + LANES as i32 && l.to[i] > top {
+            let (from, to) = ((l.from[i] - top).max(0), (l.to[i] - top).min(LANES as i32));
+            self.carried[start + (high + 1) as usize].step((1u32 << to) - (1 << from), falls);
         }
-        if line.is_seam {
+        if l.doubted >> i & 1 == 1 {
             let rounded = (at + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE;
-            let is_sure = (at - rounded).abs().simd_le(line.sure);
+            let is_sure = (at - rounded).abs().simd_le(l.sure[i]);
             let doubted = (is_passed & !is_sure).to_bitmask();
             if doubted != 0 {
-                self.doubt(line, doubted, top);
+                self.doubt(l, i, doubted, top);
             }
         }
     }
 
     /// The first and last column that an edge touches in eight rows from one on.
     #[inline(always)]
-    fn columns(&self, line: &Line, top: i32) -> (i32, i32) {
-        let at = |row: usize| line.x + (MIDDLES[row] + (top + self.corner.1) as f32 - line.y) * line.slope;
+    fn columns(&self, l: &Lines, i: usize, top: i32) -> (i32, i32) {
+        let at = |row: usize| l.at(i, MIDDLES[row] + (top + self.corner.1) as f32);
         let (a, b) = (at(0), at(LANES - 1));
-        let (low, high) = (lesser(a, b) - line.before, greater(a, b) + line.after);
-        let (low, high) = (greater(low, line.left), lesser(high, line.right));
+        let (low, high) = (lesser(a, b) - l.before[i], greater(a, b) + l.after[i]);
+        let (low, high) = (greater(low, l.left[i]), lesser(high, l.right[i]));
         (nearest(low) - self.corner.0, nearest(high) - self.corner.0)
     }
 
     /// Marks the pixels of which it is not known on which side of their middles a seam passes: its
     /// two patches may both count them, or neither. The rows are bits, from the row `top` on.
     #[cold]
-    fn doubt(&mut self, line: &Line, rows: u64, top: i32) {
+    fn doubt(&mut self, l: &Lines, i: usize, rows: u64, top: i32) {
         for k in (0..LANES).filter(|&k| rows >> k & 1 == 1) {
-            let at = line.x + (MIDDLES[k] + (top + self.corner.1) as f32 - line.y) * line.slope;
-            let lo = (nearest(at - line.unsure - 0.5) - self.corner.0).max(0);
-            let hi = (nearest(at + line.unsure - 0.5) - self.corner.0).min(self.area.width() - 1);
+            let at = l.at(i, MIDDLES[k] + (top + self.corner.1) as f32);
+            let lo = (nearest(at - l.unsure[i] - 0.5) - self.corner.0).max(0);
+            let hi = (nearest(at + l.unsure[i] - 0.5) - self.corner.0).min(self.area.width() - 1);
             if lo <= hi {
                 self.mark(top + k as i32, lo, hi, Marks::OPEN);
             }
