@@ -188,7 +188,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         if pixel.open == 0 {
             return true;
         }
-        if search.squares == 0 {
+        if search.squares == 0 || solids.is_empty() {
             return false;
         }
         let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);

@@ -105,14 +105,15 @@ impl FineFace {
         self.groups.get(self.places[self.place(coarse, at)] as usize)
     }
 
-    /// The open finer pixels of a tile that a target may touch.
-    fn open(&self, tile: usize, (x, y): (i64, i64), target: &FaceTarget) -> u64 {
+    /// The open finer pixels of a tile that a target may touch: all of them, or one if there are any
+    /// and one is `enough`.
+    fn open(&self, tile: usize, (x, y): (i64, i64), target: &FaceTarget, enough: bool) -> u64 {
         let PixelRect { x: (x0, x1), y: (y0, y1) } = self.window.touched_by(&target.rect);
         let touched = block(x0 - x, x1 - x, y0 - y, y1 - y);
         let mut open = 0;
         search_tile(&self.tiles, tile, &self.window, (x, y), target, touched, &mut |fx, fy, _| {
             open |= 1 << ((fy - y) * TILE + (fx - x));
-            false
+            enough
         });
         open
     }
@@ -231,11 +232,11 @@ impl Magnifier {
     ) -> bool {
         let (fine, place) = (&self.faces[face], place_in_group(x, y));
         let drawn = fine.find(buffer.window(), (x, y)).filter(|group| group.drawn >> place & 1 == 1);
-        drawn.is_some_and(|group| fine.open(group.tiles + place, (x * FINER, y * FINER), target) == 0)
+        drawn.is_some_and(|group| fine.open(group.tiles + place, (x * FINER, y * FINER), target, true) == 0)
     }
 
     /// A magnified pixel, with those of its finer pixels open that a target may touch, and the
-    /// convex occluders around.
+    /// convex occluders around. Without such occluders, with one of those pixels at most.
     pub(crate) fn search(
         &self,
         (face, buffer): (usize, &FaceBuffer),
@@ -246,7 +247,8 @@ impl Magnifier {
         let fine = &self.faces[face];
         let whole = self.pixel(face, (x, y), rect);
         let Some(group) = fine.find(buffer.window(), (x, y)) else { return (whole, &[]) };
-        let open = fine.open(group.tiles + place_in_group(x, y), whole.first, target);
+        let enough = group.solids.0 == group.solids.1;
+        let open = fine.open(group.tiles + place_in_group(x, y), whole.first, target, enough);
         (Pixel { open, ..whole }, &fine.solids[group.solids.0..group.solids.1])
     }
 

@@ -49,7 +49,7 @@ pub(super) fn draw_component<S: Simd>(
         }
         deep.draw(raster, kept.deep(s.kept), patch.turned, is_seam);
         raster.finish();
-        if sheet.cover_patch(raster, (s.near, &patch.back), rims, joint.as_deref_mut()) {
+        if sheet.cover_patch(simd, raster, (s.near, &patch.back), rims, joint.as_deref_mut()) {
             useful.push(s.drawable);
         }
     }

@@ -335,7 +335,7 @@ impl Local {
             deep.draw(raster, stores.store(m.is_late).deep(m.place), patch.turned, |side| seams(m, side));
             raster.pass_left(&m.passed);
             raster.finish();
-            if spot.sheet.cover_patch(raster, (m.near, &patch.back), rims, joint.as_deref_mut()) {
+            if spot.sheet.cover_patch(simd, raster, (m.near, &patch.back), rims, joint.as_deref_mut()) {
                 useful.push(m.id);
             }
         }

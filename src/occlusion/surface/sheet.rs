@@ -1,8 +1,9 @@
 //! Tiles that patches cover, by the marks of their outlines.
 
+use fearless_simd::Simd;
+
 use crate::numeric::occlusion::below;
 use crate::occlusion::coverage::Coverage;
-use crate::occlusion::face::Rect;
 use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::raster::{Area, COLUMNS, Marks, Raster, TILES, tiles};
 use crate::occlusion::tiles::TILE;
@@ -65,18 +66,19 @@ impl Sheet<'_> {
         Some(Place { tile, column: x, row: y, from: from as usize, to: to as usize })
     }
 
+    /// The left or lower border of a tile on the face.
     #[inline(always)]
-    fn rect(&self, column: i64, row: i64) -> Rect {
-        let border = |at: i64| at as f64 * self.step - 1.0;
-        Rect { u0: border(column), v0: border(row), u1: border(column + 1), v1: border(row + 1) }
+    fn border(&self, at: i64) -> f64 {
+        at as f64 * self.step - 1.0
     }
 
     /// Covers the pixels of one patch, of which no point is nearer than `near`, and adds its marks to
     /// those of its component. Pixels that rims touch stay open. Returns whether any hides more than
     /// before.
     #[inline(always)]
-    pub(super) fn cover_patch(
+    pub(super) fn cover_patch<S: Simd>(
         &mut self,
+        simd: S,
         raster: &Raster,
         (near, back): (f32, &Back),
         rims: Option<&Raster>,
@@ -112,7 +114,8 @@ impl Sheet<'_> {
                     }
                     continue;
                 }
-                let (near, plane) = back.behind(&self.rect(place.column + i as i64, place.row));
+                let at = (self.border(place.column + i as i64), self.border(place.row));
+                let (near, plane) = back.behind(simd, at, self.step);
                 let near = below(near);
                 if words[i] != 0 && closed < near {
                     changed |= self.coverage.cover_plane(tile, words[i], near, plane);
