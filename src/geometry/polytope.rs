@@ -137,17 +137,9 @@ impl Polytope {
         Self { vertices: SmallVec::from_buf(b.corners()), faces, edges: SmallVec::from_slice(&BOX_EDGES) }
     }
 
-    /// The same polytope, moved.
-    pub(crate) fn moved(&self, by: DVec3) -> Self {
-        Self {
-            vertices: self.vertices.iter().map(|&v| v + by).collect(),
-            faces: self
-                .faces
-                .iter()
-                .map(|face| HalfSpace { offset: face.offset - face.normal.dot(by), ..*face })
-                .collect(),
-            edges: self.edges.clone(),
-        }
+    /// The polytope as a part whose space has its origin at `at`.
+    pub(crate) fn part(&self, at: DVec3, origin: DVec3) -> Part<'_> {
+        Part { vertices: &self.vertices, faces: &self.faces, edges: &self.edges, origin: origin - at }
     }
 
     pub(crate) fn bounds(&self) -> Block {
@@ -158,20 +150,11 @@ impl Polytope {
         b
     }
 
-    /// Whether a face is turned to the eye at the origin, or to rays along `direction`.
-    fn is_front(&self, face: usize, direction: Option<DVec3>) -> bool {
-        let HalfSpace { normal, offset } = self.faces[face];
-        match direction {
-            Some(d) => normal.dot(d) > 0.0,
-            None => offset < 0.0,
-        }
-    }
-
     /// The faces turned to the eye.
     pub(crate) fn fronts(&self, direction: Option<DVec3>) -> SmallVec<[HalfSpace; 3]> {
         // Memory is taken once, for polytopes of many faces.
         let mut fronts = SmallVec::with_capacity(self.faces.len() / 2);
-        fronts.extend((0..self.faces.len()).filter(|&f| self.is_front(f, direction)).map(|f| self.faces[f]));
+        fronts.extend(self.faces.iter().copied().filter(|face| is_front(face, direction)));
         fronts
     }
 
@@ -180,52 +163,129 @@ impl Polytope {
     /// With `room`, only the directions whose rays keep farther than that from all edges of the
     /// silhouette.
     pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
-        let mut planes = SmallVec::new();
-        let center = self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64;
-        for &[a, b, f, g] in &self.edges {
-            if self.is_front(f.into(), direction) == self.is_front(g.into(), direction) {
-                continue;
-            }
-            let (p, q) = (self.vertices[usize::from(a)], self.vertices[usize::from(b)]);
-            let edge = q - p;
-            let across = match direction {
-                None => p.cross(edge),
-                Some(d) => {
-                    let n = edge.cross(d);
-                    n - d * n.dot(d)
-                }
-            };
-            let length = across.length();
-            let largest = p.abs().max_element().max(q.abs().max_element());
-            // Edges without length, as rays see them, bound nothing.
-            if edge.length() <= NO_EDGE * largest || direction.is_some() && length <= NO_EDGE * largest {
-                continue;
-            }
-            let known = match direction {
-                // Twice the triangle's area is the edge's length times its distance.
-                None => length > NEAREST_EDGE * largest * edge.length(),
-                Some(_) => length > STEEPEST_EDGE * edge.length(),
-            };
-            if !known {
-                return Outline::Everything;
-            }
-            let n = across / length;
-            let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
-            let side = n.dot(center) + h;
-            // A shape without width: which side is inside is rounding.
-            if side.abs() < NO_WIDTH * largest {
-                return Outline::Everything;
-            }
-            let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
-            if room > 0.0 {
-                let Some(turned) = turned_past(normal, p, edge, room) else {
-                    return Outline::Everything;
-                };
-                normal = turned;
-            }
-            planes.push(HalfSpace { normal, offset });
+        let fronts: Turned = self.faces.iter().map(|face| is_front(face, direction)).collect();
+        outline(&self.vertices, &self.edges, &fronts, direction, room)
+    }
+}
+
+/// Whether a face is turned to the eye at the origin, or to rays along `direction`.
+fn is_front(face: &HalfSpace, direction: Option<DVec3>) -> bool {
+    match direction {
+        Some(d) => face.normal.dot(d) > 0.0,
+        None => face.offset < 0.0,
+    }
+}
+
+/// For each face, whether it is turned to the eye.
+type Turned = SmallVec<[bool; 32]>;
+
+/// The silhouette of a polytope with these corners and edges.
+fn outline(
+    vertices: &[DVec3],
+    edges: &[[u16; 4]],
+    fronts: &[bool],
+    direction: Option<DVec3>,
+    room: f64,
+) -> Outline {
+    let mut planes = SmallVec::new();
+    let center = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
+    for &[a, b, f, g] in edges {
+        if fronts[usize::from(f)] == fronts[usize::from(g)] {
+            continue;
         }
-        if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
+        let (p, q) = (vertices[usize::from(a)], vertices[usize::from(b)]);
+        let edge = q - p;
+        let across = match direction {
+            None => p.cross(edge),
+            Some(d) => {
+                let n = edge.cross(d);
+                n - d * n.dot(d)
+            }
+        };
+        let length = across.length();
+        let largest = p.abs().max_element().max(q.abs().max_element());
+        // Edges without length, as rays see them, bound nothing.
+        if edge.length() <= NO_EDGE * largest || direction.is_some() && length <= NO_EDGE * largest {
+            continue;
+        }
+        let known = match direction {
+            // Twice the triangle's area is the edge's length times its distance.
+            None => length > NEAREST_EDGE * largest * edge.length(),
+            Some(_) => length > STEEPEST_EDGE * edge.length(),
+        };
+        if !known {
+            return Outline::Everything;
+        }
+        let n = across / length;
+        let h = if direction.is_some() { -n.dot(p) } else { 0.0 };
+        let side = n.dot(center) + h;
+        // A shape without width: which side is inside is rounding.
+        if side.abs() < NO_WIDTH * largest {
+            return Outline::Everything;
+        }
+        let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
+        if room > 0.0 {
+            let Some(turned) = turned_past(normal, p, edge, room) else {
+                return Outline::Everything;
+            };
+            normal = turned;
+        }
+        planes.push(HalfSpace { normal, offset });
+    }
+    if planes.len() < 3 { Outline::Everything } else { Outline::Cone(planes) }
+}
+
+/// A convex polytope given in another space, of which little need be known: it is placed where it
+/// is needed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub(crate) vertices: &'a [DVec3],
+    pub(crate) faces: &'a [HalfSpace],
+    pub(crate) edges: &'a [[u16; 4]],
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+}
+
+impl Part<'_> {
+    /// A point inside, relative to the origin.
+    pub(crate) fn middle(&self) -> DVec3 {
+        self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64 - self.origin
+    }
+
+    /// The box around it, relative to the origin.
+    pub(crate) fn bounds(&self) -> Block {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (min, max) = self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)));
+        Block { min: min - self.origin, max: max - self.origin }
+    }
+
+    /// Its corners relative to the origin, its silhouette, and its faces turned to the eye.
+    #[allow(clippy::type_complexity)]
+    pub(crate) fn seen(
+        &self,
+        direction: Option<DVec3>,
+    ) -> (SmallVec<[DVec3; 8]>, Outline, SmallVec<[HalfSpace; 3]>) {
+        let vertices: SmallVec<[DVec3; 8]> = self.vertices.iter().map(|&v| v - self.origin).collect();
+        let mut turned = Turned::with_capacity(self.faces.len());
+        let mut fronts = SmallVec::new();
+        for face in self.faces {
+            let placed = HalfSpace { offset: face.distance(self.origin), ..*face };
+            turned.push(is_front(&placed, direction));
+            if is_front(&placed, direction) {
+                fronts.push(placed);
+            }
+        }
+        let outline = outline(&vertices, self.edges, &turned, direction, 0.0);
+        (vertices, outline, fronts)
+    }
+
+    /// All of it, relative to the origin.
+    pub(crate) fn polytope(&self) -> Polytope {
+        Polytope {
+            vertices: self.vertices.iter().map(|&v| v - self.origin).collect(),
+            faces: self.faces.iter().map(|f| HalfSpace { offset: f.distance(self.origin), ..*f }).collect(),
+            edges: SmallVec::from_slice(self.edges),
+        }
     }
 }
 

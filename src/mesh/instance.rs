@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::{Part, Polytope};
 use crate::geometry::{Aabb, Block};
 use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
@@ -161,13 +161,18 @@ impl Instance {
         })
     }
 
+    /// The solids that it is tested by, relative to its middle.
+    fn placed_parts(&self) -> &[Polytope] {
+        self.inner.solids.parts.get_or_init(|| self.parts_from(self.middle()).collect())
+    }
+
     /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex;
     /// with a distance by which the mesh reaches beyond its faces at most.
     pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
         let convex = self.inner.mesh.convex()?;
         let place = || self.solid_from(convex, self.middle()).map(Box::new);
         let (solid, beyond) = self.inner.solids.convex.get_or_init(place).as_deref()?;
-        Some((solid.moved(self.middle() - origin), *beyond))
+        Some((solid.part(self.middle(), origin).polytope(), *beyond))
     }
 
     /// A solid inside the mesh that may be much smaller, relative to an origin.
@@ -175,7 +180,7 @@ impl Instance {
         let inner = self.inner.mesh.inner()?;
         let place = || Some(Box::new(self.solid_from(&inner.solid, self.middle())?.0));
         let solid = self.inner.solids.inner.get_or_init(place).as_deref()?;
-        Some(solid.moved(self.middle() - origin))
+        Some(solid.part(self.middle(), origin).polytope())
     }
 
     /// A convex solid inside the mesh as placed, relative to an origin.
@@ -342,10 +347,13 @@ impl Kind for Instance {
         Some(self.placement().affine.transform_point3(self.mesh().middle()))
     }
 
-    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
-        let at = self.middle();
-        let parts = self.inner.solids.parts.get_or_init(|| self.parts_from(at).collect());
-        Some(parts.iter().all(|part| test(part.moved(at - origin))))
+    fn any_part(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> bool {
+        self.placed_parts().len() > 1
+            && self.placed_parts().iter().any(|part| test(&part.part(self.middle(), origin)))
+    }
+
+    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {
+        Some(self.placed_parts().iter().all(|part| test(&part.part(self.middle(), origin))))
     }
 }
 
@@ -392,7 +400,7 @@ mod tests {
                 let mut asked = 0;
                 let all = instance.all_parts(eye, &mut |part| {
                     asked += 1;
-                    alike(&part, &parts[asked - 1], 3000.0)
+                    alike(&part.polytope(), &parts[asked - 1], 3000.0)
                 });
                 assert_eq!((all, asked), (Some(true), parts.len()));
             }

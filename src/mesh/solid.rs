@@ -19,7 +19,7 @@ use glam::{DVec3, Vec3};
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::Part;
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
 use crate::heap::in_arc;
@@ -160,7 +160,11 @@ impl Kind for TriMesh {
         Some(self.middle())
     }
 
-    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
-        Some(self.parts().iter().all(|part| test(part.seen_from(origin))))
+    fn any_part(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> bool {
+        self.parts().len() > 1 && self.parts().iter().any(|part| test(&part.part(origin)))
+    }
+
+    fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {
+        Some(self.parts().iter().all(|part| test(&part.part(origin))))
     }
 }

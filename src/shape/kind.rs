@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::Part;
 use crate::shape::Shape;
 use crate::shape::traits::Rows;
 
@@ -118,9 +118,14 @@ pub(crate) trait Kind: Shape {
         None
     }
 
+    /// Whether any of its convex parts, if they are several, passes a test, relative to an origin.
+    fn any_part(&self, _origin: DVec3, _test: &mut dyn FnMut(&Part) -> bool) -> bool {
+        false
+    }
+
     /// Whether all convex parts that together contain it pass a test, relative to an origin that is
     /// known exactly; `None` if it has no parts.
-    fn all_parts(&self, _origin: DVec3, _test: &mut dyn FnMut(Polytope) -> bool) -> Option<bool> {
+    fn all_parts(&self, _origin: DVec3, _test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {
         None
     }
 }

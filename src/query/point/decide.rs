@@ -2,7 +2,6 @@
 
 use casca_slots::Slot;
 
-use crate::geometry::body::Body;
 use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
 use crate::occlusion::examine::{Budget, Effort, Examination};
@@ -84,7 +83,14 @@ impl Walk<'_> {
         }
         // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
         let parts = if buffers.uncertainty() == 0.0 {
-            bounds.kind().all_parts(origin, &mut |part| hidden(&Target::new(Body::Polytope(part), direction)))
+            // Then any examination finds it.
+            if bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot)) {
+                return false;
+            }
+            bounds.kind().all_parts(origin, &mut |part| {
+                let block = part.bounds();
+                buffers.hides(&block) || hidden(&Target::part(part, block, direction))
+            })
         } else {
             None
         };

@@ -15,7 +15,7 @@ use crate::error::{Error, finite3};
 use crate::geometry::Plane;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::{Part, Polytope};
 use crate::numeric::shape::{CORNER, FLAT, KEPT, LENGTH_OF_ERROR, MAX_PULL, MOST_PULL};
 use crate::shape::convex::hull::{Closed, closed};
 
@@ -254,15 +254,12 @@ impl Convex {
 
     /// The solid relative to an origin.
     pub(crate) fn seen_from(&self, origin: DVec3) -> Polytope {
-        Polytope {
-            vertices: self.vertices.iter().map(|&v| v - origin).collect(),
-            faces: self
-                .faces
-                .iter()
-                .map(|face| HalfSpace { offset: face.distance(origin), ..*face })
-                .collect(),
-            edges: self.edges.iter().copied().collect(),
-        }
+        self.part(origin).polytope()
+    }
+
+    /// The solid, to be placed relative to an origin.
+    pub(crate) fn part(&self, origin: DVec3) -> Part<'_> {
+        Part { vertices: &self.vertices, faces: &self.faces, edges: &self.edges, origin }
     }
 
     /// The greatest coordinate.
