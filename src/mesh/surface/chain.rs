@@ -5,7 +5,8 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
-use crate::mesh::surface::weld::{Welded, key};
+use crate::mesh::surface::position::key;
+use crate::mesh::surface::weld::Welded;
 use crate::numeric::mesh::SLACK;
 
 /// A chain of n points is cut at its farthest point down to this depth for each doubling of n, and

@@ -22,10 +22,13 @@ mod gather;
 mod grow;
 mod index;
 mod patch;
+mod position;
 pub(crate) mod seams;
+mod split;
 mod tree;
 mod weld;
 
 pub(crate) use index::{PatchIndex, PatchNumber};
 pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
-pub(crate) use weld::{Topology, Welded, key};
+pub(crate) use position::key;
+pub(crate) use weld::{Topology, Welded};

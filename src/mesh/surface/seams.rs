@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use crate::heap::in_tree;
 use crate::mesh::surface::index::{PatchIndex, PatchNumber};
 use crate::mesh::surface::patch::Surface;
-use crate::mesh::surface::weld::key;
+use crate::mesh::surface::position::key;
 
 /// The ends of an open edge in order, and a number that tells its chain from others.
 type Chain = ([[u32; 3]; 2], u64);

@@ -4,13 +4,22 @@ use std::hash::BuildHasher;
 
 use glam::{DVec3, Vec3};
 use hashbrown::{DefaultHashBuilder, HashTable};
+use smallvec::SmallVec;
 
 use crate::mesh::surface::patch::NONE;
+use crate::mesh::surface::position::key;
+use crate::mesh::surface::split::split;
 
 /// Buckets get about so many positions, until there are as many buckets as a processor writes to at
 /// a time.
 const BUCKET: usize = 8192;
 const MOST_BUCKETS: usize = 256;
+
+/// Where more triangles than this share an edge, none are neighbours there.
+const MOST_AROUND: usize = 8;
+
+/// Triangles of which the normals' angle has at least this cosine lie in one plane.
+const STRAIGHT: f64 = 0.9999;
 
 /// An edge of one triangle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,15 +43,14 @@ impl Edge {
 pub(crate) struct Neighbour(u32);
 
 impl Neighbour {
-    /// The triangle, and whether both run along the edge in the same direction, if just two share
-    /// it.
+    /// The triangle, and whether both run along the edge in the same direction, if there is one.
     pub(crate) fn get(self) -> Option<(u32, bool)> {
         (self.0 != NONE).then_some((self.0 >> 1, self.0 & 1 == 1))
     }
 }
 
 /// Triangles whose corners are numbered by position, without those that have two equal corners
-/// and without repetitions.
+/// and without repetitions, and split where vertices lie on their edges.
 pub(crate) struct Welded {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -61,17 +69,17 @@ pub(crate) struct Topology {
     pub(crate) alike: bool,
 }
 
-/// A position as a key: equal positions, the zeros included, have equal keys.
-pub(crate) fn key(p: Vec3) -> [u32; 3] {
-    p.to_array().map(|c| (c + 0.0).to_bits())
-}
-
 impl Welded {
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         let (positions, mut triangles) = number(positions, triangles);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
-        if drop_repeated(&mut triangles, &edges) {
+        let dropped = drop_repeated(&mut triangles, &edges);
+        let cut = split(&positions, &mut triangles);
+        if dropped || cut {
+            edges = edges_of(positions.len(), &triangles);
+        }
+        if cut && drop_repeated(&mut triangles, &edges) {
             edges = edges_of(positions.len(), &triangles);
         }
         Self { positions, triangles, edges, topology }
@@ -82,11 +90,10 @@ impl Welded {
     }
 
     /// The neighbours of each triangle. The first lies beyond the edge from its first corner to its
-    /// second.
+    /// second. Where more than two share an edge, those are neighbours that go on straight.
     pub(crate) fn neighbours(&self) -> Vec<[Neighbour; 3]> {
         let mut all = vec![[Neighbour(NONE); 3]; self.triangles.len()];
-        for beside in self.edges.chunk_by(|a, b| a.ends == b.ends) {
-            let &[one, two] = beside else { continue };
+        let mut join = |one: Edge, two: Edge| {
             let alike = u32::from(one.run().1 == two.run().1);
             for (own, other) in [(one, two), (two, one)] {
                 let (triangle, upwards) = own.run();
@@ -95,8 +102,37 @@ impl Welded {
                 let side = corners.iter().position(|&v| v == from).unwrap_or(0);
                 all[triangle as usize][side] = Neighbour(other.run & !1 | alike);
             }
+        };
+        for beside in self.edges.chunk_by(|a, b| a.ends == b.ends) {
+            match beside {
+                &[one, two] => join(one, two),
+                [_, _, _, ..] if beside.len() <= MOST_AROUND => {
+                    self.straight_pairs(beside).for_each(|(one, two)| join(one, two));
+                }
+                _ => {}
+            }
         }
         all
+    }
+
+    /// Of the triangles around an edge, pairs that lie in one plane, on different sides of the edge.
+    fn straight_pairs(&self, beside: &[Edge]) -> impl Iterator<Item = (Edge, Edge)> {
+        let normal = |edge: &Edge| {
+            let [a, b, c] = self.corners(edge.run().0 as usize);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            // As if all ran along the edge upwards: those on different sides have opposite normals.
+            if edge.run().1 { normal } else { -normal }
+        };
+        let mut left: SmallVec<[(Edge, DVec3); MOST_AROUND]> =
+            beside.iter().map(|edge| (*edge, normal(edge))).collect();
+        std::iter::from_fn(move || {
+            while let Some((one, own)) = left.pop() {
+                if let Some(at) = left.iter().position(|(_, other)| own.dot(*other) <= -STRAIGHT) {
+                    return Some((one, left.swap_remove(at).0));
+                }
+            }
+            None
+        })
     }
 }
 
