@@ -259,31 +259,38 @@ impl Part<'_> {
         Block { min: min - self.origin, max: max - self.origin }
     }
 
-    /// Its corners relative to the origin, its silhouette, and its faces turned to the eye.
+    /// Its corners relative to the origin, its silhouette (see [`Polytope::outline`]), and its faces
+    /// turned to the eye.
     #[allow(clippy::type_complexity)]
     pub(crate) fn seen(
         &self,
         direction: Option<DVec3>,
+        room: f64,
     ) -> (SmallVec<[DVec3; 8]>, Outline, SmallVec<[HalfSpace; 3]>) {
         let vertices: SmallVec<[DVec3; 8]> = self.vertices.iter().map(|&v| v - self.origin).collect();
         let mut turned = Turned::with_capacity(self.faces.len());
-        let mut fronts = SmallVec::new();
-        for face in self.faces {
-            let placed = HalfSpace { offset: face.distance(self.origin), ..*face };
+        // Memory is taken once, for polytopes of many faces.
+        let mut fronts = SmallVec::with_capacity(self.faces.len() / 2);
+        for placed in self.faces() {
             turned.push(is_front(&placed, direction));
             if is_front(&placed, direction) {
                 fronts.push(placed);
             }
         }
-        let outline = outline(&vertices, self.edges, &turned, direction, 0.0);
+        let outline = outline(&vertices, self.edges, &turned, direction, room);
         (vertices, outline, fronts)
+    }
+
+    /// Its faces relative to the origin.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = HalfSpace> {
+        self.faces.iter().map(|face| HalfSpace { offset: face.distance(self.origin), ..*face })
     }
 
     /// All of it, relative to the origin.
     pub(crate) fn polytope(&self) -> Polytope {
         Polytope {
             vertices: self.vertices.iter().map(|&v| v - self.origin).collect(),
-            faces: self.faces.iter().map(|f| HalfSpace { offset: f.distance(self.origin), ..*f }).collect(),
+            faces: self.faces().collect(),
             edges: SmallVec::from_slice(self.edges),
         }
     }

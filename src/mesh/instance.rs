@@ -168,19 +168,19 @@ impl Instance {
 
     /// A solid inside the mesh and hardly smaller, relative to an origin, if the mesh is convex;
     /// with a distance by which the mesh reaches beyond its faces at most.
-    pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Polytope, f64)> {
+    pub(crate) fn convex_from(&self, origin: DVec3) -> Option<(Part<'_>, f64)> {
         let convex = self.inner.mesh.convex()?;
         let place = || self.solid_from(convex, self.middle()).map(Box::new);
         let (solid, beyond) = self.inner.solids.convex.get_or_init(place).as_deref()?;
-        Some((solid.part(self.middle(), origin).polytope(), *beyond))
+        Some((solid.part(self.middle(), origin), *beyond))
     }
 
     /// A solid inside the mesh that may be much smaller, relative to an origin.
-    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
+    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Part<'_>> {
         let inner = self.inner.mesh.inner()?;
         let place = || Some(Box::new(self.solid_from(&inner.solid, self.middle())?.0));
         let solid = self.inner.solids.inner.get_or_init(place).as_deref()?;
-        Some(solid.part(self.middle(), origin).polytope())
+        Some(solid.part(self.middle(), origin))
     }
 
     /// A convex solid inside the mesh as placed, relative to an origin.
@@ -395,7 +395,10 @@ mod tests {
                 let eye = random.point(1000.0);
                 let direct = instance.solid_from(mesh.convex().unwrap(), eye).unwrap();
                 let kept = instance.convex_from(eye).unwrap();
-                assert!(alike(&kept.0, &direct.0, 3000.0) && (kept.1 - direct.1).abs() < 1e-11, "{place:?}");
+                assert!(
+                    alike(&kept.0.polytope(), &direct.0, 3000.0) && (kept.1 - direct.1).abs() < 1e-11,
+                    "{place:?}"
+                );
                 let parts: Vec<Polytope> = instance.parts_from(eye).collect();
                 let mut asked = 0;
                 let all = instance.all_parts(eye, &mut |part| {

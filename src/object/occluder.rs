@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::placement::Placement;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::Part;
 use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::grid::Grid;
 use crate::grid::run::CellRun;
@@ -86,9 +86,9 @@ impl Occluder {
     /// relative to an origin that is known exactly; with a distance by which the mesh reaches
     /// beyond the solid's faces at most. Seen from farther outside than that, it hides nothing that
     /// the triangles do not.
-    pub(crate) fn convex_mesh(&self, origin: DVec3) -> Option<(Polytope, f64)> {
+    pub(crate) fn convex_mesh(&self, origin: DVec3) -> Option<(Part<'_>, f64)> {
         match self {
-            Self::Mesh(m) => m.convex().map(|convex| (convex.seen_from(origin), convex.lost)),
+            Self::Mesh(m) => m.convex().map(|convex| (convex.part(origin), convex.lost)),
             Self::Instance(i) => i.convex_from(origin),
             _ => None,
         }
@@ -105,9 +105,9 @@ impl Occluder {
 
     /// That solid relative to an origin that is known exactly. It may be drawn in place of the
     /// triangles if rays start outside of the box around the mesh.
-    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Polytope> {
+    pub(crate) fn inner_from(&self, origin: DVec3) -> Option<Part<'_>> {
         match self {
-            Self::Mesh(m) => m.inner().map(|inner| inner.solid.seen_from(origin)),
+            Self::Mesh(m) => m.inner().map(|inner| inner.solid.part(origin)),
             Self::Instance(i) => i.inner_from(origin),
             _ => None,
         }

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Outline, Polytope, outline_of_block};
+use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
 use crate::numeric::occlusion::SPHERE_AROUND_EYE;
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::{Front, contour_depth};
@@ -96,6 +96,14 @@ impl Solid {
         let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
         let block = polytope.bounds();
         drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block })
+    }
+
+    /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
+    pub(crate) fn part(part: &Part, direction: Option<DVec3>, reach: f64) -> Option<Self> {
+        let (vertices, outline, planes) = part.seen(direction, reach);
+        let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
+        let shadow = Shadow { planes, ball: None };
+        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds() })
     }
 
     /// Its silhouette on a face.

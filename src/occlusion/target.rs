@@ -93,7 +93,7 @@ impl Target {
 
     /// A part of a mesh; the box around it is given.
     pub(crate) fn part(part: &Part, block: Block, direction: Option<DVec3>) -> Self {
-        let (vertices, outline, fronts) = part.seen(direction);
+        let (vertices, outline, fronts) = part.seen(direction, 0.0);
         Self { outline, fronts, vertices, block }
     }
 

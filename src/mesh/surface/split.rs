@@ -158,10 +158,12 @@ mod tests {
 
     #[test]
     fn triangles_without_area_vanish() {
-        let positions = [0.0, 1.0, 2.0, 7.0].map(|x| Vec3::new(x, 0.0, 0.0));
-        let mut triangles = vec![[0, 2, 1], [0, 1, 3], [0, 1, 2], [1, 2, 1], [0, 1, 1]];
+        let mut positions = [0.0, 1.0, 2.0, 7.0].map(|x| Vec3::new(x, 0.0, 0.0)).to_vec();
+        positions.extend([Vec3::Y, Vec3::ONE]);
+        let mut triangles = vec![[0, 2, 1], [0, 1, 3], [0, 1, 2], [4, 5, 0], [5, 4, 3]];
         assert!(split(&positions, &mut triangles));
         assert!(triangles.iter().all(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+        assert!(triangles.contains(&[4, 5, 0]) && triangles.contains(&[5, 4, 3]));
     }
 
     #[test]

@@ -71,13 +71,13 @@ impl Walk<'_> {
         if buffers.uncertainty() > 0.0 {
             return false;
         }
-        let Some((polytope, beyond)) = occluder.convex_mesh(origin) else { return false };
+        let Some((part, beyond)) = occluder.convex_mesh(origin) else { return false };
         // Outside of the mesh, too: between it and the solid one sees into the mesh.
         let outside = |block: &Block| {
             let (middle, half) = ((block.min + block.max) * 0.5 - origin, (block.max - block.min) * 0.5);
             let room = REGION * (1.0 + block.min.abs().max(block.max.abs()).max_element());
-            let clear = |f: &HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + room;
-            polytope.faces.iter().any(clear)
+            let clear = |f: HalfSpace| f.beyond(middle) - f.normal.abs().dot(half) > beyond + room;
+            part.faces().any(clear)
         };
         let starts_outside = match buffers.direction() {
             Some(d) => !self.view.cuts_front(d, &occluder.block()),
@@ -86,7 +86,7 @@ impl Walk<'_> {
         if !(starts_outside && self.starts.cut().iter().all(|(_, region)| outside(region))) {
             return false;
         }
-        let Some(solid) = Solid::polytope(polytope, buffers.direction(), buffers.reach()) else {
+        let Some(solid) = Solid::part(&part, buffers.direction(), buffers.reach()) else {
             return false;
         };
         let changed = buffers.draw(solid, slot);
@@ -107,8 +107,8 @@ impl Walk<'_> {
         }
         let is_alike = self.is_like_solid(&block, inner.gap);
         let buffers = &mut self.scratch.buffers;
-        let polytope = occluder.inner_from(buffers.origin());
-        let Some(solid) = polytope.and_then(|p| Solid::polytope(p, buffers.direction(), buffers.reach()))
+        let part = occluder.inner_from(buffers.origin());
+        let Some(solid) = part.and_then(|part| Solid::part(&part, buffers.direction(), buffers.reach()))
         else {
             return false;
         };
