@@ -1,10 +1,11 @@
 //! Functions compiled for the vectors of several processors, of which the best are chosen at run
 //! time.
 //!
-//! [`vectorized`] calls a function with a token of `fearless_simd`, which tells the vectors that the
-//! function may use. What it calls is compiled for them, too, as far as it is inlined: loops over
-//! arrays of eight numbers become vector instructions, and the innermost loops name those. Products
-//! and sums are never contracted, so that all copies give the same results; tests compare them.
+//! [`vectorized`] calls a function with a token of `fearless_simd`, which tells the vectors that
+//! the function may use. What it calls is compiled for them, too, as far as it is inlined: loops
+//! over arrays of eight numbers become vector instructions, and the innermost loops name those.
+//! Products and sums are never contracted, so that all copies give the same results; tests compare
+//! them.
 
 use std::sync::LazyLock;
 
@@ -19,7 +20,8 @@ pub(crate) fn level() -> Level {
     *LEVEL
 }
 
-/// Evaluates an expression, compiled for the vectors of this processor, of which it is given a token.
+/// Evaluates an expression, compiled for the vectors of this processor, of which it is given a
+/// token.
 macro_rules! vectorized {
     ($simd:ident => $run:expr) => {
         ::fearless_simd::dispatch!($crate::simd::level(), $simd => $run)

@@ -259,8 +259,8 @@ impl Part<'_> {
         Block { min: min - self.origin, max: max - self.origin }
     }
 
-    /// Its corners relative to the origin, its silhouette (see [`Polytope::outline`]), and its faces
-    /// turned to the eye.
+    /// Its corners relative to the origin, its silhouette (see [`Polytope::outline`]), and its
+    /// faces turned to the eye.
     #[allow(clippy::type_complexity)]
     pub(crate) fn seen(
         &self,

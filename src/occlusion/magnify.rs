@@ -21,7 +21,8 @@ use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::refine::Pixel;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
-use crate::occlusion::surface::local::{FINER, GROUP, GROUP_TILES, Listing, Local, Spot, Stores};
+use crate::occlusion::surface::local::{Listing, Local, Spot, Stores};
+use crate::occlusion::surface::near::{FINER, GROUP, GROUP_TILES};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::target::FaceTarget;
@@ -105,8 +106,8 @@ impl FineFace {
         self.groups.get(self.places[self.place(coarse, at)] as usize)
     }
 
-    /// The open finer pixels of a tile that a target may touch: all of them, or one if there are any
-    /// and one is `enough`.
+    /// The open finer pixels of a tile that a target may touch: all of them, or one if there are
+    /// any and one is `enough`.
     fn open(&self, tile: usize, (x, y): (i64, i64), target: &FaceTarget, enough: bool) -> u64 {
         let PixelRect { x: (x0, x1), y: (y0, y1) } = self.window.touched_by(&target.rect);
         let touched = block(x0 - x, x1 - x, y0 - y, y1 - y);

@@ -98,7 +98,8 @@ impl Solid {
         drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block })
     }
 
-    /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
+    /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
+    /// tell.
     pub(crate) fn part(part: &Part, direction: Option<DVec3>, reach: f64) -> Option<Self> {
         let (vertices, outline, planes) = part.seen(direction, reach);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();

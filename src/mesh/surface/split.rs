@@ -50,8 +50,8 @@ fn lines(positions: &[Vec3], triangles: &[[u32; 3]]) -> [Lines; 3] {
     lines
 }
 
-/// The vertices strictly between the ends of an edge, from the lesser to the greater coordinate, and
-/// whether the edge runs so.
+/// The vertices strictly between the ends of an edge, from the lesser to the greater coordinate,
+/// and whether the edge runs so.
 fn between<'a>(positions: &[Vec3], lines: &'a [Lines; 3], from: u32, to: u32) -> (&'a [(f32, u32)], bool) {
     let (p, q) = (positions[from as usize], positions[to as usize]);
     let Some(axis) = axis_of(p, q) else { return (&[], true) };

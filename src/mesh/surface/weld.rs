@@ -115,7 +115,8 @@ impl Welded {
         all
     }
 
-    /// Of the triangles around an edge, pairs that lie in one plane, on different sides of the edge.
+    /// Of the triangles around an edge, pairs that lie in one plane, on different sides of the
+    /// edge.
     fn straight_pairs(&self, beside: &[Edge]) -> impl Iterator<Item = (Edge, Edge)> {
         let normal = |edge: &Edge| {
             let [a, b, c] = self.corners(edge.run().0 as usize);

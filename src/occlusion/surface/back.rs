@@ -72,8 +72,8 @@ impl Back {
         }
     }
 
-    /// Points of a square, given by its lower left corner and its size, that are less near than this
-    /// are behind the patch. With the plane that bounds it, if one does.
+    /// Points of a square, given by its lower left corner and its size, that are less near than
+    /// this are behind the patch. With the plane that bounds it, if one does.
     #[inline(always)]
     pub(super) fn behind<S: Simd>(&self, simd: S, (u, v): (f64, f64), size: f64) -> (f64, Option<Linear>) {
         let load = |of: &[f64; PLANES]| f64x8::from_slice(simd, of);

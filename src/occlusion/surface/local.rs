@@ -5,36 +5,18 @@
 //! change nothing. So patches are joined along the sides only that come near: the sides of a set of
 //! patches that no two of them share may be open wherever they are drawn.
 
-use fearless_simd::f32x8;
-use fearless_simd::prelude::*;
+use fearless_simd::Simd;
 
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::components::farness;
 use crate::occlusion::surface::kept::{Kept, KeptPatches};
+use crate::occlusion::surface::near::{Bounds, Choice, FINER, GROUP, GROUP_PIXELS, draw_edges, scaled};
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::raster::{
-    Area, COLUMNS, Edges, LANES, Lanes, Raster, Windings, each, rows_passed,
-};
+use crate::occlusion::surface::raster::{Area, LANES, Raster, Windings, rows_passed};
 use crate::occlusion::surface::scratch::Ids;
 use crate::occlusion::surface::sheet::{Joint, Sheet};
 use crate::occlusion::surface::sides::{NO_TWIN, Sides, WholeSide};
-use crate::occlusion::tiles::TILE;
 use crate::simd::vectorized;
-
-/// How many times finer.
-pub(crate) const FINER: i64 = TILE;
-
-/// Pixels along each side of a group. Larger groups need fewer drawings, and fill more pixels that
-/// no target asks for.
-pub(crate) const GROUP: i64 = 4;
-
-/// Tiles of finer pixels in a group.
-pub(crate) const GROUP_TILES: usize = (GROUP * GROUP) as usize;
-
-/// Finer pixels along each side of a group.
-const GROUP_PIXELS: i32 = (GROUP * FINER) as i32;
-
-const _: () = assert!(GROUP_PIXELS as i64 == COLUMNS, "a group is one column of blocks");
 
 /// A group of pixels.
 pub(crate) struct Spot<'a> {
@@ -111,13 +93,6 @@ struct Member {
     first: u32,
     /// The edges left of the group.
     passed: Windings,
-}
-
-/// Those of eight sides that come near the group, and the seams among them, one bit each.
-#[derive(Debug, Default, Clone, Copy)]
-struct Choice {
-    near: u8,
-    seams: u8,
 }
 
 /// Memory for drawing into groups.
@@ -347,64 +322,6 @@ impl Local {
     }
 }
 
-/// Draws the edges of a patch that were chosen.
-#[inline(always)]
-fn draw_edges<S: Simd>(simd: S, raster: &mut Raster, groups: &[Sides], choices: &[Choice], turned: bool) {
-    let (mut few, mut count) = (Edges::default(), 0);
-    for (sides, choice) in groups.iter().zip(choices) {
-        let mut lanes = choice.near;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % LANES;
-            lanes &= lanes - 1;
-            few.take(count, &sides.edges, lane, choice.seams >> lane & 1 == 1);
-            count += 1;
-            if count == LANES {
-                raster.edges(simd, &scaled(&few), turned);
-                (few, count) = (Edges::default(), 0);
-            }
-        }
-    }
-    if count > 0 {
-        raster.edges(simd, &scaled(&few), turned);
-    }
-}
-
-/// Edges in finer pixels.
-#[inline(always)]
-fn scaled(e: &Edges) -> Edges {
-    let by = |lanes: &Lanes| -> Lanes { each(|i| lanes[i] * FINER as f32) };
-    let (x0, y0, x1, y1) = (by(&e.x0), by(&e.y0), by(&e.x1), by(&e.y1));
-    Edges { x0, y0, x1, y1, wide: by(&e.wide), unsure: by(&e.unsure), ..*e }
-}
-
-/// The borders of a group, counted in pixels as edges are.
-struct Bounds {
-    left: f32,
-    right: f32,
-    low: f32,
-    high: f32,
-}
-
-impl Bounds {
-    /// Those of some edges that come near the group, and those that pass it on the left, one bit
-    /// each.
-    ///
-    /// An edge stays within its width of the rectangle around its ends; one that stays outside of
-    /// the group's rows passes the middles of none of them.
-    #[inline(always)]
-    fn near_and_left<S: Simd>(&self, simd: S, e: &Edges) -> (u8, u8) {
-        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
-        let (x0, y0, x1, y1) = (load(&e.x0), load(&e.y0), load(&e.x1), load(&e.y1));
-        let wide = load(&e.wide);
-        let beside = (y0.min(y1) - wide).simd_le(self.high)
-            & (y0.max(y1) + wide).simd_ge(self.low)
-            & (x0.min(x1) - wide).simd_le(self.right);
-        let left = (x0.max(x1) + wide).simd_lt(self.left);
-        let (beside, left) = (beside.to_bitmask() as u8 & e.plain, left.to_bitmask() as u8);
-        (beside & !left, beside & left)
-    }
-}
-
 impl Spot<'_> {
     /// The first pixel that edges are counted from, in finer pixels.
     fn fine_first(&self) -> (i64, i64) {
@@ -437,70 +354,5 @@ impl Spot<'_> {
                 let first = self.sheet.base + ((row - y) * GROUP) as usize;
                 self.sheet.coverage.all_closed(first + columns.0, first + columns.1 - 1, near)
             })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::random::Random;
-
-    /// Edges with ends in a wide rectangle around a group, some of them flat, steep or short.
-    fn random_edges(random: &mut Random, bounds: &Bounds) -> Edges {
-        let mut byte = || (random.next() * 256.0) as u8;
-        let plain = byte();
-        let seams = plain & byte();
-        let mut edges = Edges { plain, seams, ..Edges::default() };
-        for i in 0..LANES {
-            let spread = [1.0, 6.0, 40.0][i % 3];
-            let mut end = |middle: f32| middle + random.within(-spread, spread) as f32;
-            let (x, y) = (bounds.left + 2.0, bounds.low + 2.0);
-            (edges.x0[i], edges.y0[i]) = (end(x), end(y));
-            (edges.x1[i], edges.y1[i]) = (end(x), end(y));
-            match i {
-                5 => edges.y1[i] = edges.y0[i],
-                6 => edges.y1[i] = edges.y0[i] + 1e-4,
-                7 => edges.x1[i] = edges.x0[i],
-                _ => {}
-            }
-            edges.unsure[i] = 1e-5;
-            edges.wide[i] = if i % 2 == 0 { 2e-5 } else { random.within(0.01, 0.6) as f32 };
-        }
-        edges
-    }
-
-    #[test]
-    fn chosen_edges_leave_the_marks_of_all() {
-        let mut random = Random(17);
-        let first = (40 * FINER, 12 * FINER);
-        let bounds = Bounds { left: 40.0, low: 12.0, right: 44.0, high: 16.0 };
-        let area = Area { x: first.0, y: first.1, nx: 1, ny: GROUP };
-        let (mut raster, mut chosen_only) = (Raster::default(), Raster::default());
-        let (mut covered, mut chosen, mut left_of_it) = (0, 0, 0);
-        for round in 0..2000 {
-            let turned = round % 2 == 0;
-            let groups: Vec<Edges> = (0..3).map(|_| random_edges(&mut random, &bounds)).collect();
-            raster.begin(area, (0, 0));
-            chosen_only.begin(area, (0, 0));
-            let (mut passed, mut choices, mut sides) = (Windings::default(), Vec::new(), Vec::new());
-            for edges in groups {
-                vectorized!(simd => raster.edges(simd, &scaled(&edges), turned));
-                let (near, left) = vectorized!(simd => bounds.near_and_left(simd, &edges));
-                chosen += near.count_ones();
-                left_of_it += left.count_ones();
-                passed.add(rows_passed(&scaled(&edges), left, (first.1 as i32, GROUP_PIXELS), turned));
-                choices.push(Choice { near, seams: edges.seams });
-                sides.push(Sides { edges, twins: [NO_TWIN; LANES], opposite: 0 });
-            }
-            raster.finish();
-            vectorized!(simd => draw_edges(simd, &mut chosen_only, &sides, &choices, turned));
-            chosen_only.pass_left(&passed);
-            chosen_only.finish();
-            for block in 0..GROUP as usize {
-                assert_eq!(chosen_only.marks(block), raster.marks(block), "{round}");
-                covered += raster.marks(block).covered().iter().map(|row| row.count_ones()).sum::<u32>();
-            }
-        }
-        assert!(covered > 100_000 && chosen > 10_000 && left_of_it > 1000, "{covered} {chosen} {left_of_it}");
     }
 }

@@ -28,6 +28,7 @@ pub(crate) mod deep;
 pub(crate) mod drawable;
 pub(crate) mod kept;
 pub(crate) mod local;
+pub(crate) mod near;
 pub(crate) mod projector;
 pub(crate) mod raster;
 mod rim;

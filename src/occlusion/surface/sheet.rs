@@ -72,9 +72,9 @@ impl Sheet<'_> {
         at as f64 * self.step - 1.0
     }
 
-    /// Covers the pixels of one patch, of which no point is nearer than `near`, and adds its marks to
-    /// those of its component. Pixels that rims touch stay open. Returns whether any hides more than
-    /// before.
+    /// Covers the pixels of one patch, of which no point is nearer than `near`, and adds its marks
+    /// to those of its component. Pixels that rims touch stay open. Returns whether any hides more
+    /// than before.
     #[inline(always)]
     pub(super) fn cover_patch<S: Simd>(
         &mut self,

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::u32x8;
 
 use crate::occlusion::surface::raster::area::TILES;
-use crate::occlusion::surface::raster::lanes::{LANES, each};
+use crate::occlusion::surface::raster::edges::{LANES, each};
 use crate::occlusion::tiles::TILE;
 
 /// Eight rows of pixels, a word for each; bit i is column i.

@@ -22,6 +22,7 @@
 
 mod area;
 mod edge;
+mod edges;
 mod lanes;
 mod marks;
 mod strip;
@@ -29,7 +30,8 @@ mod strip;
 use crate::occlusion::surface::raster::marks::from_column;
 
 pub(crate) use crate::occlusion::surface::raster::area::{Area, COLUMNS, TILES};
-pub(crate) use crate::occlusion::surface::raster::lanes::{Edges, LANES, Lanes, each, rows_passed};
+pub(crate) use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes, each};
+pub(crate) use crate::occlusion::surface::raster::lanes::rows_passed;
 pub(crate) use crate::occlusion::surface::raster::marks::{Marks, Windings, tiles};
 
 /// The pixels around one patch.
@@ -86,8 +88,8 @@ impl Raster {
         &self.blocks[block]
     }
 
-    /// Adds the winding numbers of edges left of the area, which has 32 rows at most: a bit for each
-    /// row.
+    /// Adds the winding numbers of edges left of the area, which has 32 rows at most: a bit for
+    /// each row.
     #[inline(always)]
     pub(crate) fn pass_left(&mut self, passed: &Windings) {
         if passed.is_zero() {
