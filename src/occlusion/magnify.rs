@@ -4,10 +4,10 @@
 //! and patches of triangles that reach into it are drawn there together: edges then touch pixels an
 //! eighth as wide, occluders of both kinds join, and patches of different batches leave no seams.
 //!
-//! Patches are drawn into groups of 4x4 pixels, and convex occluders into single pixels, when the
-//! first target asks for them. The tiles are kept for the rest of the query, for all targets. They
-//! follow from the occluders drawn alone: which target asks first decides about none of them,
-//! unless the budget ends.
+//! Patches are drawn into groups of 4x4 pixels ([`local`](crate::occlusion::surface::local)), and
+//! convex occluders into single pixels, when the first target asks for them. The tiles are kept for
+//! the rest of the query, for all targets. They follow from the occluders drawn alone: which target
+//! asks first decides about none of them, unless the budget ends.
 
 use casca_slots::Slot;
 

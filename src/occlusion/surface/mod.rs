@@ -12,9 +12,12 @@
 //! are its rim. Pixels with rays within the reach of the rim stay open, and are marked before the
 //! component covers any ([`rim`]). Only patches that are wholly turned to the eye are joined then.
 //!
-//! [`Drawable`] is a patch to be drawn; [`projector`] puts its sides on the face, [`components`]
-//! joins patches, [`raster`] finds the pixels, and [`component`] covers them at the depth that
-//! [`back`] gives.
+//! A query draws in two passes. A [`drawable`] is a patch to be drawn; [`projector`] puts its sides
+//! on the face, once: [`kept`] keeps them. In the first pass, [`components`] joins the patches of a
+//! batch, and [`component`] draws them in the pixels of the face. In the second one, [`local`]
+//! draws those that reach into 4x4 pixels which leave objects undecided, eight times as fine, from
+//! the edges that come [`near`]. In both, [`raster`] finds the pixels, and [`sheet`] covers them at
+//! the depth that [`back`] gives.
 //!
 //! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by
 //! the slack of the outline.

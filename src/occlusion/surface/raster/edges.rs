@@ -7,7 +7,7 @@ pub(crate) const LANES: usize = 8;
 pub(crate) type Lanes = [f32; LANES];
 
 /// Edges of an outline, in pixels. No coordinate of those that are drawn is greater than
-/// [`FAR_PIXEL`].
+/// [`FAR_PIXEL`](crate::numeric::occlusion::FAR_PIXEL).
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Edges {
     pub(crate) x0: Lanes,
