@@ -83,7 +83,7 @@ impl<'a> Walk<'a> {
         let last = self.waiting_up_to(m);
         let count = self.scratch.waiting[..last].iter().map(|shell| shell.listed.len()).sum();
         if count > 0 {
-            self.draw_waiting(last, count);
+            self.draw_waiting(last, m.max(0) as usize, count);
         }
     }
 
@@ -100,8 +100,9 @@ impl<'a> Walk<'a> {
         self.scratch.buffers.reach() > 0.0 && shells.iter().map(|shell| shell.count).sum::<u64>() < enough
     }
 
-    /// Draws patches that wait in the first shells, together.
-    fn draw_waiting(&mut self, last: usize, count: usize) {
+    /// Draws patches that wait in the first shells, together. Parts that begin beyond shell `m`
+    /// wait; which ones does not depend on the shells that there is room for.
+    fn draw_waiting(&mut self, last: usize, m: usize, count: usize) {
         let mut batch = Batch::with_capacity(count);
         self.scratch.batches += 1;
         for shell in 0..last {
@@ -109,7 +110,7 @@ impl<'a> Walk<'a> {
             let mut at = 0;
             while let Some(&(slot, patch)) = self.scratch.waiting[shell].listed.get(at) {
                 at += 1;
-                self.collect(slot, patch, last - 1, &mut batch);
+                self.collect(slot, patch, m, &mut batch);
             }
             self.scratch.waiting[shell].clear();
         }
