@@ -10,6 +10,7 @@
 //! asks first decides about none of them, unless the budget ends.
 
 use casca_slots::Slot;
+use fearless_simd::Simd;
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -141,7 +142,8 @@ impl FineFace {
 
     /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects
     /// of those that hid more than before.
-    fn draw_solids(&mut self, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<Slot>) {
+    #[inline(always)]
+    fn draw_solids<S: Simd>(&mut self, simd: S, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<Slot>) {
         let place = self.places[self.place(buffer.window(), (x, y))];
         let Some(group) = self.groups.get_mut(place as usize) else { return };
         let bit = 1 << place_in_group(x, y);
@@ -158,7 +160,7 @@ impl FineFace {
                 break;
             }
             let drawn = buffer.drawn(listed);
-            let mask = drawn.silhouette.pixels(&us, &vs);
+            let mask = drawn.silhouette.pixels(simd, &us, &vs);
             if mask != 0 {
                 let whole = mask == u64::MAX;
                 let near = if whole { drawn.front.behind_inside(&rect) } else { drawn.front.behind(&rect) };
@@ -266,7 +268,8 @@ impl Magnifier {
             let group = self.faces[face].add(buffer, at);
             self.draw_patches(buffers, (face, buffer), (at, group), patches, budget);
         }
-        self.faces[face].draw_solids(buffer, at, &mut self.used.solids);
+        let (fine, used) = (&mut self.faces[face], &mut self.used.solids);
+        vectorized!(simd => fine.draw_solids(simd, buffer, at, used));
     }
 
     /// Draws the patches that reach into a group of pixels.

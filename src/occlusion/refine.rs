@@ -15,7 +15,7 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
-use crate::occlusion::silhouette::Silhouette;
+use crate::occlusion::silhouette::Crossing;
 use crate::occlusion::solid::Shadow;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, block};
@@ -35,7 +35,7 @@ struct Candidate<'a> {
     drawn: &'a Drawn,
     near: f32,
     /// Its silhouette, for squares in the pixel.
-    silhouette: Silhouette,
+    silhouette: Crossing<'a>,
     /// The space behind its front.
     shadow: &'a Shadow,
     /// Whether all of the target lies there, once that was found out.
@@ -60,7 +60,7 @@ pub(crate) struct Contest<'a> {
     /// The target, on all faces.
     whole: &'a Target,
     /// The target's silhouette, for squares in the pixel.
-    target: Silhouette,
+    target: Crossing<'a>,
 }
 
 impl Contest<'_> {
@@ -266,7 +266,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        let target = self.target.silhouette.crossing(pixel).unwrap_or_else(|| self.target.silhouette.clone());
+        let target = self.target.silhouette.crossing(pixel).unwrap_or_else(|| self.target.silhouette.whole());
         Some(Contest { candidates, whole, target })
     }
 

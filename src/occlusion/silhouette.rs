@@ -4,6 +4,8 @@
 //! direction (u, v): its inside is convex, so a square whose four corners are inside is inside.
 //! A polytope's is the intersection of half-planes. Both are exact up to their margins.
 
+use fearless_simd::f64x8;
+use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
 use crate::geometry::plane::HalfSpace;
@@ -29,41 +31,53 @@ pub(crate) enum Kind {
     Everything,
 }
 
+/// Rows of a tile, and columns.
+const ROWS: usize = TILE as usize;
+
 /// The borders between the columns or rows of a tile.
-pub(crate) type Borders = [f64; TILE as usize + 1];
+pub(crate) type Borders = [f64; ROWS + 1];
 
 /// The pixels of a tile that lie inside a half-plane.
-fn half_pixels(half: &Linear, us: &Borders, vs: &Borders) -> u64 {
+#[inline(always)]
+fn half_pixels<S: Simd>(simd: S, half: &Linear, us: &Borders, vs: &Borders) -> u64 {
     // The half-plane is least at one corner of each pixel, the same for all.
     let (left, lower) = (usize::from(half.a < 0.0), usize::from(half.b < 0.0));
-    let columns: [f64; TILE as usize] = std::array::from_fn(|i| half.a * us[i + left]);
+    let columns = f64x8::from_slice(simd, &us[left..left + ROWS]) * half.a;
     let mut pixels = 0;
-    for j in 0..TILE as usize {
+    for j in 0..ROWS {
         let rest = half.b * vs[j + lower] + half.c;
-        let count = columns.iter().map(|&c| u32::from(c + rest >= CONE_MARGIN)).sum::<u32>();
-        // The first ones of falling columns, the last ones of rising columns.
-        let row = if half.a < 0.0 { (1u64 << count) - 1 } else { 0xff & 0xff << (8 - count) };
-        pixels |= row << (8 * j);
+        pixels |= (columns + rest).simd_ge(CONE_MARGIN).to_bitmask() << (8 * j);
     }
     pixels
 }
 
 /// The pixels of a tile whose corners lie inside a conic `s^2 - k ((u - u0)^2 + (v - v0)^2 + e)`:
 /// so do the pixels, as its inside is convex.
-fn conic_pixels(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), us: &Borders, vs: &Borders) -> u64 {
-    let columns: [(f64, f64); TILE as usize + 1] =
-        std::array::from_fn(|i| (s.a * us[i], k * (us[i] - u0) * (us[i] - u0)));
-    let corners: [u16; TILE as usize + 1] = std::array::from_fn(|j| {
-        let (rest, dv) = (s.b * vs[j] + s.c, vs[j] - v0);
+#[inline(always)]
+fn conic_pixels<S: Simd>(
+    simd: S,
+    (s, k): (&Linear, f64),
+    (u0, v0, e): (f64, f64, f64),
+    us: &Borders,
+    vs: &Borders,
+) -> u64 {
+    let square = |u: f64| k * (u - u0) * (u - u0);
+    let (first, last) = (f64x8::from_slice(simd, &us[..ROWS]), us[ROWS]);
+    let (along, squares) = (first * s.a, (first - u0) * k * (first - u0));
+    let (along_last, square_last) = (s.a * last, square(last));
+    let mut corners = [0; ROWS + 1];
+    for (corners, &v) in corners.iter_mut().zip(vs) {
+        let (rest, dv) = (s.b * v + s.c, v - v0);
         let own = k * (dv * dv + e);
-        columns.iter().enumerate().fold(0, |row, (i, &(a, square))| {
-            let at = a + rest;
-            row | u16::from(at > 0.0 && at * at - (square + own) >= CONIC) << i
-        })
-    });
+        let at = along + rest;
+        let inside = at.simd_gt(0.0) & (at * at - (squares + own)).simd_ge(CONIC);
+        let at = along_last + rest;
+        let last = at > 0.0 && at * at - (square_last + own) >= CONIC;
+        *corners = inside.to_bitmask() | u64::from(last) << ROWS;
+    }
     corners.windows(2).enumerate().fold(0, |pixels, (j, c)| {
         let both = c[0] & c[1];
-        pixels | u64::from(both & both >> 1 & 0xff) << (8 * j)
+        pixels | (both & both >> 1 & 0xff) << (8 * j)
     })
 }
 
@@ -71,6 +85,74 @@ fn conic_pixels(s: &Linear, k: f64, (u0, v0, e): (f64, f64, f64), us: &Borders, 
 #[derive(Debug, Clone)]
 pub(crate) struct Silhouette {
     kind: Kind,
+}
+
+/// A silhouette for tests of squares in one place, where only some of its half-planes matter.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Crossing<'a> {
+    silhouette: &'a Silhouette,
+    /// The half-planes of a polygon that matter, one bit each. Those from [`CHOSEN`] on all do.
+    among: u64,
+}
+
+/// Half-planes that are told apart by the bits of a word.
+const CHOSEN: usize = u64::BITS as usize;
+
+impl Crossing<'_> {
+    /// Whether all of those half-planes of a polygon pass a test.
+    #[inline(always)]
+    fn all(&self, halves: &[Linear], test: impl Fn(&Linear) -> bool) -> bool {
+        let mut rest = self.among;
+        while rest != 0 {
+            let Some(half) = halves.get(rest.trailing_zeros() as usize) else { break };
+            if !test(half) {
+                return false;
+            }
+            rest &= rest - 1;
+        }
+        halves.get(CHOSEN..).is_none_or(|more| more.iter().all(test))
+    }
+
+    /// Whether it is that of a sphere.
+    pub(crate) fn is_conic(&self) -> bool {
+        self.silhouette.is_conic()
+    }
+
+    /// As [`Silhouette::covers`].
+    #[inline]
+    pub(crate) fn covers(&self, r: &Rect) -> bool {
+        match &self.silhouette.kind {
+            Kind::Polygon(halves) => self.all(halves, |half| half.least(r) >= CONE_MARGIN),
+            _ => self.silhouette.covers(r),
+        }
+    }
+
+    /// As [`Silhouette::touches`].
+    #[inline]
+    pub(crate) fn touches(&self, r: &Rect) -> bool {
+        match &self.silhouette.kind {
+            Kind::Polygon(halves) => self.all(halves, |half| half.most(r) >= -CONE_MARGIN),
+            _ => self.silhouette.touches(r),
+        }
+    }
+
+    /// As [`Silhouette::holds`].
+    #[inline]
+    pub(crate) fn holds(&self, u: f64, v: f64) -> bool {
+        match &self.silhouette.kind {
+            Kind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= CONE_MARGIN),
+            _ => self.silhouette.holds(u, v),
+        }
+    }
+
+    /// As [`Silhouette::may_hold`].
+    #[inline]
+    pub(crate) fn may_hold(&self, u: f64, v: f64) -> bool {
+        match &self.silhouette.kind {
+            Kind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= -CONE_MARGIN),
+            _ => self.silhouette.may_hold(u, v),
+        }
+    }
 }
 
 /// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to
@@ -172,28 +254,34 @@ impl Silhouette {
     /// The silhouette for tests of squares inside a rectangle, without the half-planes that the
     /// rectangle lies inside of; `None` if the rectangle does not touch it.
     #[inline]
-    pub(crate) fn crossing(&self, r: &Rect) -> Option<Self> {
-        let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.clone()) };
-        let mut crossing = SmallVec::new();
-        for half in halves {
+    pub(crate) fn crossing(&self, r: &Rect) -> Option<Crossing<'_>> {
+        let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.whole()) };
+        let mut among = 0;
+        for (i, half) in halves.iter().enumerate() {
             if half.most(r) < -CONE_MARGIN {
                 return None;
             }
-            if half.least(r) < CONE_MARGIN {
-                crossing.push(*half);
+            if half.least(r) < CONE_MARGIN && i < CHOSEN {
+                among |= 1 << i;
             }
         }
-        Some(Self { kind: Kind::Polygon(crossing) })
+        Some(Crossing { silhouette: self, among })
+    }
+
+    /// All of it.
+    pub(crate) fn whole(&self) -> Crossing<'_> {
+        Crossing { silhouette: self, among: u64::MAX }
     }
 
     /// The pixels of a tile that are surely covered. The tile's borders between columns and rows
     /// are given.
-    pub(crate) fn pixels(&self, us: &Borders, vs: &Borders) -> u64 {
+    #[inline(always)]
+    pub(crate) fn pixels<S: Simd>(&self, simd: S, us: &Borders, vs: &Borders) -> u64 {
         let tile = Rect { u0: us[0], v0: vs[0], u1: us[us.len() - 1], v1: vs[vs.len() - 1] };
         match &self.kind {
             Kind::Conic { .. } if !self.touches(&tile) => 0,
             Kind::Conic { .. } if self.covers(&tile) => u64::MAX,
-            Kind::Conic { s, k, u0, v0, e, .. } => conic_pixels(s, *k, (*u0, *v0, *e), us, vs),
+            Kind::Conic { s, k, u0, v0, e, .. } => conic_pixels(simd, (s, *k), (*u0, *v0, *e), us, vs),
             Kind::Polygon(halves) => {
                 let mut pixels = u64::MAX;
                 for half in halves {
@@ -201,7 +289,7 @@ impl Silhouette {
                         return 0;
                     }
                     if half.least(&tile) < CONE_MARGIN {
-                        pixels &= half_pixels(half, us, vs);
+                        pixels &= half_pixels(simd, half, us, vs);
                     }
                 }
                 pixels
@@ -243,6 +331,7 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::polytope::Polytope;
+    use crate::simd::vectorized;
 
     #[test]
     fn pixels_of_a_tile_are_those_that_are_covered_one_by_one() {
@@ -274,7 +363,8 @@ mod tests {
                     assert_eq!(whole.touches(&pixel), part.is_some_and(|part| part.touches(&pixel)));
                     assert_eq!(whole.covers(&pixel), part.is_some_and(|part| part.covers(&pixel)));
                 }
-                assert_eq!(whole.pixels(&us, &vs), covered, "{outline:?} {tile}");
+                let pixels = vectorized!(simd => whole.pixels(simd, &us, &vs));
+                assert_eq!(pixels, covered, "{outline:?} {tile}");
                 partly += u32::from(covered != 0 && covered != u64::MAX);
             }
         }
