@@ -143,7 +143,13 @@ impl FineFace {
     /// Draws the convex occluders into a pixel of a group, unless that is done. Appends the objects
     /// of those that hid more than before.
     #[inline(always)]
-    fn draw_solids<S: Simd>(&mut self, simd: S, buffer: &FaceBuffer, (x, y): (i64, i64), used: &mut Vec<Slot>) {
+    fn draw_solids<S: Simd>(
+        &mut self,
+        simd: S,
+        buffer: &FaceBuffer,
+        (x, y): (i64, i64),
+        used: &mut Vec<Slot>,
+    ) {
         let place = self.places[self.place(buffer.window(), (x, y))];
         let Some(group) = self.groups.get_mut(place as usize) else { return };
         let bit = 1 << place_in_group(x, y);

@@ -1,13 +1,13 @@
 //! Eight edges at a time, in single precision; each in eight rows at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, i32x8, u32x8};
+use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
 
 use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::numeric::{greater, lesser};
-use crate::occlusion::surface::raster::Raster;
 use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes};
 use crate::occlusion::surface::raster::marks::{Marks, Windings, from_column};
+use crate::occlusion::surface::raster::{COLUMNS, Raster};
 
 /// Edges ready to be drawn, from their lower to their upper ends. Columns and rows in whole numbers
 /// are counted from the corner of the area.
@@ -40,6 +40,8 @@ struct Lines {
     high: [i32; LANES],
     /// Those that touch the area or pass left of it, one bit each.
     drawn: u8,
+    /// Those of them that stay in one block of the area, and pass rows only there.
+    inside: u8,
     /// Those that make winding numbers to their right fall.
     falls: u8,
     /// Seams that two patches agree about, and those of them of which it must be known where they
@@ -75,7 +77,15 @@ impl Lines {
         let is_near = last.simd_ge(0) & first.simd_lt(height) & low.simd_lt(width);
         // Two patches may not agree where a flat edge passes a row.
         let is_agreed = is_slanted | from.simd_ge(to);
-        let [up, slanted, near, agreed] = [up, is_slanted, is_near, is_agreed].map(|m| m.to_bitmask() as u8);
+        // One column more: it may pass rows there.
+        let is_inside = first.simd_ge(0)
+            & last.simd_lt(height)
+            & low.simd_ge(0)
+            & high.simd_lt(width - 1)
+            & ((first ^ last) & !(LANES as i32 - 1)).simd_eq(0)
+            & ((low ^ (high + 1)) & !(COLUMNS as i32 - 1)).simd_eq(0);
+        let [up, slanted, near, inside, agreed] =
+            [up, is_slanted, is_near, is_inside, is_agreed].map(|m| m.to_bitmask() as u8);
         let store = |v: f32x8<S>| -> Lanes { v.into() };
         let whole = |v: i32x8<S>| -> [i32; LANES] { v.into() };
         Self {
@@ -95,6 +105,7 @@ impl Lines {
             low: whole(low),
             high: whole(high),
             drawn: near & e.plain,
+            inside: near & inside & e.plain,
             falls: if fall { up } else { !up },
             seams: e.seams & agreed,
             doubted: e.seams & slanted,
@@ -114,13 +125,69 @@ impl Raster {
     #[inline(always)]
     pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &Edges, fall: bool) {
         let lines = Lines::new(simd, edges, self, fall);
-        let mut lanes = lines.drawn;
+        let mut lanes = lines.inside;
+        while lanes != 0 {
+            let i = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            self.line_inside(simd, &lines, i);
+        }
+        let mut lanes = lines.drawn & !lines.inside;
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes - 1;
             for block in lines.first[i] as usize / LANES..=lines.last[i] as usize / LANES {
                 self.line(simd, &lines, i, block);
             }
+        }
+    }
+
+    /// Draws one edge that stays in one block: as [`Raster::line`], with less to ask.
+    #[inline(always)]
+    fn line_inside<S: Simd>(&mut self, simd: S, l: &Lines, i: usize) {
+        let (top, column) = (l.first[i] & !(LANES as i32 - 1), l.low[i] & !(COLUMNS as i32 - 1));
+        let block = (top / LANES as i32) as usize * self.across + (column / COLUMNS as i32) as usize;
+        let Some(marks) = self.blocks.get_mut(block) else { return };
+        let left = self.corner.0 + column;
+        let rows = i32x8::from_slice(simd, &ROWS) + top;
+        let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
+        let at = (middles - l.y[i]) * l.slope[i] + l.x[i];
+        // The first and the last column that it touches, and where it passes the row: in the rows
+        // that count they are columns of the block.
+        let begin = nearest_lanes((at - l.before[i]).max(f32x8::splat(simd, l.left[i]))) - left;
+        let end = nearest_lanes((at + l.after[i]).min(f32x8::splat(simd, l.right[i]))) - left;
+        let passes = nearest_lanes(at) - left;
+        let is_touched = rows.simd_ge(l.first[i]) & rows.simd_le(l.last[i]);
+        let is_passed = rows.simd_ge(l.from[i]) & rows.simd_lt(l.to[i]);
+        let (none, all) = (u32x8::splat(simd, 0), u32x8::splat(simd, u32::MAX));
+        let within = |column: i32x8<S>| (column & (COLUMNS as i32 - 1)).bitcast::<u32x8<S>>();
+        let touched = (all << within(begin)) & (all >> within(-end - 1));
+        let (falls, layer) = (l.falls >> i & 1 == 1, usize::from(l.seams >> i & 1));
+        marks.mark(layer, is_touched.select(touched, none));
+        marks.wind(is_passed.select(all << within(passes), none), falls);
+        if column + (COLUMNS as i32) < self.area.width() && l.from[i] < l.to[i] {
+            let rows = (1u32 << (l.to[i] - top)) - (1 << (l.from[i] - top));
+            self.carried[block + 1].step(rows, falls);
+        }
+        if l.doubted >> i & 1 == 1 {
+            self.doubt_where(l, i, (at, is_passed), top);
+        }
+    }
+
+    /// Marks the pixels of a seam of which it is not known on which side of it their middles lie,
+    /// in those of eight rows that it passes. It passes them at the columns given.
+    #[inline(always)]
+    fn doubt_where<S: Simd>(
+        &mut self,
+        l: &Lines,
+        i: usize,
+        (at, is_passed): (f32x8<S>, mask32x8<S>),
+        top: i32,
+    ) {
+        let rounded = (at + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE;
+        let is_sure = (at - rounded).abs().simd_le(l.sure[i]);
+        let doubted = (is_passed & !is_sure).to_bitmask();
+        if doubted != 0 {
+            self.doubt(l, i, doubted, top);
         }
     }
 
@@ -155,12 +222,7 @@ impl Raster {
             self.carried[start + (high + 1) as usize].step((1u32 << to) - (1 << from), falls);
         }
         if l.doubted >> i & 1 == 1 {
-            let rounded = (at + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE;
-            let is_sure = (at - rounded).abs().simd_le(l.sure[i]);
-            let doubted = (is_passed & !is_sure).to_bitmask();
-            if doubted != 0 {
-                self.doubt(l, i, doubted, top);
-            }
+            self.doubt_where(l, i, (at, is_passed), top);
         }
     }
 
