@@ -4,8 +4,8 @@
 //! [`vectorized`] calls a function with a token of `fearless_simd`, which tells the vectors that
 //! the function may use. What it calls is compiled for them, too, as far as it is inlined: loops
 //! over arrays of eight numbers become vector instructions, and the innermost loops name those.
-//! Products and sums are never contracted, so that all copies give the same results; tests compare
-//! them.
+//! Products and sums are never contracted, so that all copies give the same results; a test of the
+//! rasteriser compares them.
 
 use std::sync::LazyLock;
 

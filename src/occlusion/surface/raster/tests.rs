@@ -88,11 +88,17 @@ fn pixels_are_marked_as_the_outline_says() {
     let mut random = Random(1);
     let mut raster = Raster::default();
     let (mut covered, mut open) = (0, 0);
-    for round in 0..300 {
+    for round in 0..700 {
         // Outlines reach beyond the area on all sides; some are small, some flat.
         let height = if round % 5 == 0 { 0.01 } else { 30.0 };
+        // Edges of small ones mostly stay in one block.
+        let (middle, size) = match round % 7 {
+            0 | 1 | 2 => ((25.0, 30.0), (45.0, height)),
+            _ => ((random.within(5.0, 60.0), random.within(15.0, 50.0)), (6.0, 5.0)),
+        };
         let ring: Vec<Point> = (0..3 + round % 5)
-            .map(|_| (single(random.within(-20.0, 70.0)), single(30.0 + random.within(-height, height))))
+            .map(|_| (middle.0 + random.within(-size.0, size.0), middle.1 + random.within(-size.1, size.1)))
+            .map(|(x, y)| (single(x), single(y)))
             .collect();
         let area = Area::around(&PixelRect { x: (9, 41), y: (17, 50) });
         let wide = [1e-3, 0.3, 2.5][round % 3];
@@ -179,4 +185,36 @@ fn seams_of_two_patches_cancel() {
         }
     }
     assert!(seams > 5000, "{seams}");
+}
+
+#[test]
+fn all_vectors_draw_the_same() {
+    let mut random = Random(23);
+    let area = Area::around(&PixelRect { x: (0, 96), y: (0, 48) });
+    let (mut least, mut best) = (Raster::default(), Raster::default());
+    let mut marked = 0;
+    for round in 0..500 {
+        let size = [2.0, 15.0, 200.0][round % 3];
+        let mut end = || random.within(-size, size) as f32;
+        let mut edges = Edges { plain: 0xff, seams: 0b1010_0110, ..Edges::default() };
+        for i in 0..LANES {
+            let (x, y) = (40.0 + 5.0 * i as f32, 24.0 - i as f32);
+            (edges.x0[i], edges.y0[i]) = (x + end(), y + end());
+            (edges.x1[i], edges.y1[i]) = (x + end(), y + end());
+            (edges.wide[i], edges.unsure[i]) = (1e-3 + end().abs() * 1e-2, 5e-4);
+        }
+        edges.x1[0] = edges.x0[0];
+        edges.y1[7] = edges.y0[7];
+        least.begin(area, (0, 0));
+        best.begin(area, (0, 0));
+        ::fearless_simd::dispatch!(::fearless_simd::Level::baseline(), simd => least.edges(simd, &edges, false));
+        vectorized!(simd => best.edges(simd, &edges, false));
+        least.finish();
+        best.finish();
+        for block in 0..area.block_count() {
+            assert_eq!(least.marks(block), best.marks(block), "{round} {edges:?}");
+            marked += least.marks(block).marked_columns().count_ones();
+        }
+    }
+    assert!(marked > 10_000, "{marked}");
 }
