@@ -21,6 +21,7 @@ mod facets;
 mod gather;
 mod grow;
 mod index;
+mod interior;
 mod patch;
 mod position;
 pub(crate) mod seams;

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use hashbrown::{DefaultHashBuilder, HashTable};
 use smallvec::SmallVec;
 
+use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
 use crate::mesh::surface::position::key;
 use crate::mesh::surface::split::split;
@@ -50,7 +51,8 @@ impl Neighbour {
 }
 
 /// Triangles whose corners are numbered by position, without those that have two equal corners
-/// and without repetitions, and split where vertices lie on their edges.
+/// and without repetitions or faces between boxes that abut, and split where vertices lie on their
+/// edges.
 pub(crate) struct Welded {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -74,6 +76,14 @@ impl Welded {
         let (positions, mut triangles) = number(positions, triangles);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
+        let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
+            let ends = [a.min(b), a.max(b)];
+            let first = edges.partition_point(|edge| edge.ends < ends);
+            edges[first..].iter().take_while(|edge| edge.ends == ends).for_each(|edge| found(edge.run().0));
+        });
+        if hollow {
+            edges = edges_of(positions.len(), &triangles);
+        }
         let dropped = drop_repeated(&mut triangles, &edges);
         let cut = split(&positions, &mut triangles);
         if dropped || cut {

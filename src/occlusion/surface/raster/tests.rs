@@ -93,7 +93,7 @@ fn pixels_are_marked_as_the_outline_says() {
         let height = if round % 5 == 0 { 0.01 } else { 30.0 };
         // Edges of small ones mostly stay in one block.
         let (middle, size) = match round % 7 {
-            0 | 1 | 2 => ((25.0, 30.0), (45.0, height)),
+            0..=2 => ((25.0, 30.0), (45.0, height)),
             _ => ((random.within(5.0, 60.0), random.within(15.0, 50.0)), (6.0, 5.0)),
         };
         let ring: Vec<Point> = (0..3 + round % 5)
