@@ -47,7 +47,7 @@ pub(super) fn draw_component<S: Simd>(
         for sides in kept.groups(s.kept) {
             raster.edges(simd, &sides.edges, patch.turned);
         }
-        deep.draw(raster, kept.deep(s.kept), patch.turned, is_seam);
+        deep.draw(simd, raster, (kept.deep(s.kept), patch.turned), is_seam);
         raster.finish();
         if sheet.cover_patch(simd, raster, (s.near, &patch.back), rims, joint.as_deref_mut()) {
             useful.push(s.drawable);

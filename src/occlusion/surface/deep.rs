@@ -1,9 +1,10 @@
 //! Sides that reach over a large range of depths, or behind the near limit: drawn in pieces.
 
+use fearless_simd::Simd;
 use glam::DVec3;
 
-use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING};
-use crate::occlusion::surface::raster::Raster;
+use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PIECE_ROUNDING, PROJECTED};
+use crate::occlusion::surface::raster::{Edges, LANES, Raster};
 use crate::occlusion::surface::sides::WholeSide;
 
 /// Where an edge passes the near limit.
@@ -24,6 +25,56 @@ pub(super) struct DeepSides {
     pub(super) finer: f64,
 }
 
+/// Pieces of the sides of one patch: those within the range of single precision are drawn eight at
+/// a time.
+struct Pieces<'a, S> {
+    simd: S,
+    raster: &'a mut Raster,
+    /// Whether winding numbers fall to the right of those of the eight that go up.
+    falls: bool,
+    edges: Edges,
+    count: usize,
+    /// The magnitudes of the coordinates of the middle of the face, added.
+    shift: f64,
+}
+
+impl<S: Simd> Pieces<'_, S> {
+    /// Draws a piece, at once or later. Its ends are in single precision.
+    #[inline(always)]
+    fn add(&mut self, from: (f64, f64), to: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
+        let sum = from.0.abs() + from.1.abs() + to.0.abs() + to.1.abs();
+        let rounding = (sum + self.shift) * f64::from(PROJECTED);
+        // Room for the rounding of the widths themselves.
+        let (wide, unsure) = (wide + unsure + 3.0 * rounding, unsure + rounding);
+        let far = f64::from(FAR_PIXEL);
+        // Also if one is not a number.
+        if !(sum < far && wide < far) {
+            self.raster.edge(from, to, falls, (wide, unsure), seam);
+            return;
+        }
+        let (from, to) = if falls == self.falls { (from, to) } else { (to, from) };
+        let (at, e) = (self.count % LANES, &mut self.edges);
+        (e.x0[at], e.y0[at]) = (from.0 as f32, from.1 as f32);
+        (e.x1[at], e.y1[at]) = (to.0 as f32, to.1 as f32);
+        (e.wide[at], e.unsure[at]) = (wide as f32, unsure as f32);
+        e.plain |= 1 << at;
+        e.seams |= u8::from(seam) << at;
+        self.count += 1;
+        if self.count == LANES {
+            self.flush();
+        }
+    }
+
+    /// Draws those that wait.
+    #[inline(always)]
+    fn flush(&mut self) {
+        if self.count > 0 {
+            self.raster.edges(self.simd, &self.edges, self.falls);
+            (self.edges, self.count) = (Edges::default(), 0);
+        }
+    }
+}
+
 impl DeepSides {
     /// The same in pixels that are so many times as fine.
     pub(super) fn finer(&self, by: f64) -> Self {
@@ -37,37 +88,39 @@ impl DeepSides {
 
     /// Draws sides; `falls` tells whether winding numbers fall to the right of those that go up,
     /// and `is_seam` which of them two patches share.
-    pub(super) fn draw(
+    #[inline(always)]
+    pub(super) fn draw<S: Simd>(
         &self,
+        simd: S,
         raster: &mut Raster,
-        sides: &[WholeSide],
-        falls: bool,
+        (sides, falls): (&[WholeSide], bool),
         is_seam: impl Fn(&WholeSide) -> bool,
     ) {
+        if sides.is_empty() {
+            return;
+        }
+        let shift = self.middle.0.abs() + self.middle.1.abs();
+        let mut pieces = Pieces { simd, raster, falls, edges: Edges::default(), count: 0, shift };
         let mut base = None;
         for side in sides {
             let cut = self.cut(side.ends);
-            self.draw_side(raster, side, cut.as_ref(), falls, is_seam(side));
+            self.draw_side(&mut pieces, side, cut.as_ref(), is_seam(side));
             // An outline that the near limit cuts is closed along it, far outside the face.
             if let Some(Cut { at, leaves }) = cut {
                 let base = *base.get_or_insert(at);
                 // From where the outline leaves to where it comes back.
                 let (from, to) = if leaves { (at, base) } else { (base, at) };
-                raster.edge(self.pixel(from), self.pixel(to), falls, (EDGE, EDGE), false);
+                let (from, to) = (self.single(from), self.single(to));
+                pieces.raster.edge(from, to, falls, (EDGE, EDGE), false);
             }
         }
+        pieces.flush();
     }
 
     /// Draws a side in pieces whose depth doubles at most, from the near limit on.
-    fn draw_side(
-        &self,
-        raster: &mut Raster,
-        side: &WholeSide,
-        cut: Option<&Cut>,
-        mut falls: bool,
-        seam: bool,
-    ) {
-        let ([mut p, mut q], slack) = (side.ends, side.slack);
+    #[inline(always)]
+    fn draw_side<S: Simd>(&self, pieces: &mut Pieces<S>, side: &WholeSide, cut: Option<&Cut>, seam: bool) {
+        let ([mut p, mut q], slack, mut falls) = (side.ends, side.slack, pieces.falls);
         if p.z < self.limit && q.z < self.limit {
             return;
         }
@@ -75,9 +128,9 @@ impl DeepSides {
         let mut ends = side.pixels.map(|(x, y)| (x * self.finer, y * self.finer));
         if let Some(&Cut { at, leaves }) = cut {
             if leaves {
-                (q, ends[1]) = (at, self.pixel(at));
+                (q, ends[1]) = (at, self.single(at));
             } else {
-                (p, ends[0]) = (at, self.pixel(at));
+                (p, ends[0]) = (at, self.single(at));
             }
         }
         if p.z > q.z {
@@ -92,10 +145,10 @@ impl DeepSides {
                 (far.z, ends[1])
             } else {
                 let at = near + (far - near) * ((end - near.z) / (far.z - near.z));
-                (at.z, self.pixel(at))
+                (at.z, self.single(at))
             };
             let slack = if stop <= 2.0 * slack { 0.0 } else { slack };
-            raster.edge(from, to, falls, self.widths(near, far, start, slack), seam);
+            pieces.add(from, to, falls, self.widths(near, far, start, slack), seam);
             if is_last {
                 break;
             }
@@ -119,6 +172,13 @@ impl DeepSides {
         (p.x * scale + self.middle.0, p.y * scale + self.middle.1)
     }
 
+    /// As [`DeepSides::pixel`], in single precision: all that have a point in common draw the same
+    /// one.
+    fn single(&self, p: DVec3) -> (f64, f64) {
+        let (x, y) = self.pixel(p);
+        (f64::from(x as f32), f64::from(y as f32))
+    }
+
     /// Where an edge passes the near limit.
     pub(super) fn cut(&self, [p, q]: [DVec3; 2]) -> Option<Cut> {
         if (p.z < self.limit) == (q.z < self.limit) {
@@ -137,6 +197,10 @@ impl DeepSides {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::occlusion::pixels::PixelRect;
+    use crate::occlusion::surface::raster::{Area, Marks};
+    use crate::random::Random;
+    use crate::simd::vectorized;
 
     fn sides(limit: f64) -> DeepSides {
         DeepSides { per_unit: 512.0, middle: (512.0, 512.0), limit, finer: 1.0 }
@@ -169,5 +233,51 @@ mod tests {
                 assert!((moved.0 - at.0).abs() <= wide && (moved.1 - at.1).abs() <= wide, "{end} {offset}");
             }
         }
+    }
+
+    #[test]
+    fn pieces_leave_the_winding_numbers_of_whole_sides() {
+        let sides = DeepSides { per_unit: 32.0, middle: (32.0, 32.0), limit: 0.1, finer: 1.0 };
+        let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
+        let (mut random, mut raster) = (Random(41), Raster::default());
+        let (mut covered, mut marked) = (0, 0);
+        for round in 0..400 {
+            // Some corners are far beside the face.
+            let spread = [1.2, 3.0, 4000.0][round % 3];
+            let corners: [DVec3; 3] = std::array::from_fn(|_| {
+                let z = random.within(0.2, 3.0).exp();
+                DVec3::new(random.within(-spread, spread), random.within(-spread, spread), 1.0) * z
+            });
+            let slack = if round % 2 == 0 { 0.0 } else { 0.003 };
+            let whole: Vec<WholeSide> = (0..3)
+                .map(|i| {
+                    let ends = [corners[i], corners[(i + 1) % 3]];
+                    WholeSide { group: 0, lane: i as u32, ends, pixels: ends.map(|p| sides.single(p)), slack }
+                })
+                .collect();
+            let turned = round % 4 > 1;
+            raster.begin(area, (0, 0));
+            vectorized!(simd => sides.draw(simd, &mut raster, (&whole, turned), |_| round % 5 == 0));
+            raster.finish();
+            let pixels = corners.map(|p| sides.pixel(p));
+            for (x, y) in (0..64usize).flat_map(|y| (0..64).map(move |x| (x, y))) {
+                let marks = raster.marks(y / 8 * area.nx as usize + x / 32);
+                let layers = [Marks::OPEN, Marks::SEAM].map(|layer| marks.pixel(layer, y % 8, x % 32));
+                if layers[0].0 || layers[1].0 {
+                    marked += 1;
+                    continue;
+                }
+                let p = (x as f64 + 0.5, y as f64 + 0.5);
+                let across = |i: usize| {
+                    let (a, b) = (pixels[i], pixels[(i + 1) % 3]);
+                    (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0)
+                };
+                let signs = [across(0), across(1), across(2)];
+                let inside = signs.iter().all(|&s| s > 0.0) || signs.iter().all(|&s| s < 0.0);
+                assert_eq!(layers[0].1 != 0, inside, "{round}: {x} {y}");
+                covered += u32::from(inside);
+            }
+        }
+        assert!(covered > 100_000 && marked > 10_000, "{covered} {marked}");
     }
 }

@@ -307,7 +307,8 @@ impl Local {
             let patch = stores.patch(m);
             raster.begin(area, first);
             draw_edges(simd, raster, stores.groups(m), &choices[m.first as usize..], patch.turned);
-            deep.draw(raster, stores.store(m.is_late).deep(m.place), patch.turned, |side| seams(m, side));
+            let sides = stores.store(m.is_late).deep(m.place);
+            deep.draw(simd, raster, (sides, patch.turned), |side| seams(m, side));
             raster.pass_left(&m.passed);
             raster.finish();
             if spot.sheet.cover_patch(simd, raster, (m.near, &patch.back), rims, joint.as_deref_mut()) {
