@@ -3,8 +3,12 @@
 //! A silhouette is prepared once for a face: each edge of a polygon becomes a line that gives a
 //! column for each row, and a conic two roots for each border between rows. A silhouette is convex,
 //! so a row of pixels is inside as far as both of its borders are. Everything is kept in pixels,
-//! and the loops over the eight rows of a tile have no branches, so that compilers vectorise them.
+//! and the loops over the eight rows of a tile have no branches, so that compilers vectorise them,
+//! for the best vectors of the processor where the caller is compiled for them
+//! ([`simd`](crate::simd)).
 
+use fearless_simd::prelude::*;
+use fearless_simd::{i32x8, u32x8};
 use smallvec::SmallVec;
 
 use crate::numeric::occlusion::{
@@ -16,6 +20,7 @@ use crate::occlusion::face::Linear;
 use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
 use crate::occlusion::silhouette::{Kind, Silhouette};
 use crate::occlusion::tiles::TILE;
+use crate::simd::vectorized;
 
 /// Rows of a tile.
 const ROWS: usize = TILE as usize;
@@ -96,41 +101,37 @@ pub(crate) struct TileRow {
 
 impl TileRow {
     /// The columns that some row covers, upper end excluded.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn columns(&self) -> (i64, i64) {
         (self.some.0.into(), self.some.1.into())
     }
 
     /// Whether the tile that begins at column `x` is covered as a whole.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn covers_tile(&self, x: i64) -> bool {
         i64::from(self.all.0) <= x && x + TILE <= self.all.1.into()
     }
 
     /// The covered pixels of any tile of the window.
-    #[inline]
     pub(crate) fn mask_of_tile(&self, x: i64) -> u64 {
         if self.covers_tile(x) {
             u64::MAX
         } else if x + TILE <= self.some.0.into() || i64::from(self.some.1) <= x {
             0
         } else {
-            self.mask(x)
+            vectorized!(simd => self.mask(simd, x))
         }
     }
 
     /// The covered pixels of the tile that begins at column `x`.
-    #[inline]
-    pub(crate) fn mask(&self, x: i64) -> u64 {
+    #[inline(always)]
+    pub(crate) fn mask<S: Simd>(&self, simd: S, x: i64) -> u64 {
         let x = x as i32;
-        let mut rows = [0i32; ROWS];
-        // Column by column, because processors shift all lanes of a vector alike.
-        for column in 0..TILE as i32 {
-            for (i, row) in rows.iter_mut().enumerate() {
-                let covered = (self.first[i] <= x + column) & (x + column < self.end[i]);
-                *row |= if covered { 1 << column } else { 0 };
-            }
-        }
+        let from = |columns: &[i32; ROWS]| {
+            let column = (i32x8::from_slice(simd, columns) - x).max(0).min(TILE as i32);
+            u32x8::splat(simd, 0xff) << column.bitcast::<u32x8<S>>()
+        };
+        let rows: [u32; ROWS] = (from(&self.first) & !from(&self.end)).into();
         u64::from_le_bytes(rows.map(|row| row as u8))
     }
 }
@@ -168,7 +169,7 @@ impl Rows {
     }
 
     /// The covered pixels of the row of tiles `ty`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn tile_row(&self, ty: i64) -> TileRow {
         let y = ty * TILE;
         let v = self.base + self.step * y as f64;
@@ -334,6 +335,7 @@ impl Conic {
     }
 
     /// The columns inside the branch of a hyperbola that opens to greater columns if `right`.
+    #[inline(always)]
     fn beside(&self, right: bool, v: f64, step: f64) -> ([f64; ROWS], [f64; ROWS]) {
         let root = |i: usize| {
             let (middle, square, _) = self.line(v + step * i as f64);

@@ -1,6 +1,7 @@
 //! Drawing convex occluders.
 
 use casca_slots::Slot;
+use fearless_simd::Simd;
 
 use crate::numeric::occlusion::{above, below};
 use crate::occlusion::coverage::Coverage;
@@ -10,6 +11,7 @@ use crate::occlusion::pixels::Window;
 use crate::occlusion::rows::{Rows, TileRow};
 use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
+use crate::simd::vectorized;
 
 impl FaceBuffer {
     /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and
@@ -31,35 +33,42 @@ impl FaceBuffer {
         });
         let Drawn { silhouette, front, .. } = &self.drawn[number];
         let rows = Rows::inside(silhouette, &self.window, &pixels);
-        let cover = |rows: &Rows| cover_rows(&mut self.coverage, &self.window, rows, front, nearest);
+        let cover = |rows: &Rows| vectorized!(simd => cover_rows(simd, &mut self.coverage, &self.window, rows, front, nearest));
         (true, rows.as_ref().is_some_and(cover))
     }
 }
 
 /// Covers the tiles of an occluder of which no point is nearer than `nearest`. Returns whether that
 /// hides more than before.
-fn cover_rows(coverage: &mut Coverage, window: &Window, rows: &Rows, front: &Front, nearest: f32) -> bool {
+#[inline(always)]
+fn cover_rows<S: Simd>(
+    simd: S,
+    coverage: &mut Coverage,
+    window: &Window,
+    rows: &Rows,
+    front: &Front,
+    nearest: f32,
+) -> bool {
     let mut changed = false;
     let (tiles_x, tiles_y) = (rows.pixels().tiles_x(), rows.pixels().tiles_y());
     for ty in tiles_y.0..=tiles_y.1 {
         let start = window.tile_index(tiles_x.0, ty);
         let end = start + (tiles_x.1 - tiles_x.0) as usize;
         if !coverage.all_closed(start, end, nearest) {
-            changed |= cover_row(coverage, window, &rows.tile_row(ty), ty, front, nearest);
+            changed |= cover_row(simd, coverage, window, (&rows.tile_row(ty), ty), (front, nearest));
         }
     }
     changed
 }
 
 /// Covers a row of tiles.
-#[inline]
-fn cover_row(
+#[inline(always)]
+fn cover_row<S: Simd>(
+    simd: S,
     coverage: &mut Coverage,
     window: &Window,
-    row: &TileRow,
-    ty: i64,
-    front: &Front,
-    nearest: f32,
+    (row, ty): (&TileRow, i64),
+    (front, nearest): (&Front, f32),
 ) -> bool {
     let (left, right) = row.columns();
     if left >= right {
@@ -81,7 +90,7 @@ fn cover_row(
         if near <= closed {
             continue;
         }
-        let mask = if whole { u64::MAX } else { row.mask(x) };
+        let mask = if whole { u64::MAX } else { row.mask(simd, x) };
         changed |= mask != 0 && coverage.cover(t, mask, near);
     }
     changed
