@@ -145,8 +145,8 @@ pub(crate) const PLACED: f64 = 1.0 / (1 << 21) as f64;
 /// depth of the piece.
 ///
 /// With e = 2^-24: two roundings of each coordinate move a point of the face by 4 e; the pixels of
-/// the ends themselves, which are in single precision, err by 16 e, and others are rounded to it, by
-/// 2 e. Together 22 e, below 32 e.
+/// the ends themselves, which are in single precision, err by 16 e, and others are rounded to it,
+/// by 2 e. Together 22 e, below 32 e.
 pub(crate) const PIECE_ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 
 /// Points of a face move by at most this many times the slack of a point over its depth: twice, and
