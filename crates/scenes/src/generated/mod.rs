@@ -12,6 +12,7 @@
 //! - [`SceneKind::Town`]: buildings of panels that share no vertices, thin railings, 20,000 small
 //!   things.
 //! - [`SceneKind::Rocks`]: closed meshes of high curvature.
+//! - [`SceneKind::Valley`]: a wood of open cones and loose leaves on rolling ground.
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
 //! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and
@@ -23,6 +24,7 @@ mod city;
 mod crowd;
 mod dice;
 mod forest;
+mod ground;
 mod motion;
 mod noise;
 mod options;
@@ -35,6 +37,7 @@ mod terrain;
 #[cfg(test)]
 mod tests;
 mod town;
+mod valley;
 mod walking;
 
 use std::str::FromStr;
@@ -71,11 +74,13 @@ pub enum SceneKind {
     Spheres16,
     /// 30,000 small things in the streets.
     City10,
+    /// A wood of trees that are no solids.
+    Valley,
 }
 
 impl SceneKind {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Spheres,
         Self::City,
         Self::Rooms,
@@ -88,6 +93,7 @@ impl SceneKind {
         Self::CityMeshes,
         Self::Spheres16,
         Self::City10,
+        Self::Valley,
     ];
 
     /// Those of spheres and boxes, at their standard sizes.
@@ -108,6 +114,7 @@ impl SceneKind {
             Self::CityMeshes => "city-meshes",
             Self::Spheres16 => "spheres-16",
             Self::City10 => "city-10",
+            Self::Valley => "valley",
         }
     }
 
@@ -124,6 +131,7 @@ impl SceneKind {
             Self::Rocks => "closed meshes of high curvature",
             Self::SpheresMeshes => "round meshes, some of them moving",
             Self::CityMeshes => "streets with many small meshes",
+            Self::Valley => "woods of open cones on rolling ground",
         }
     }
 
@@ -162,6 +170,7 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
         SceneKind::CityMeshes => solid_meshes::meshed(city::build(&options), 1),
         SceneKind::Spheres16 => times(16.0, &options, spheres::build),
         SceneKind::City10 => times(10.0, &options, city::build),
+        SceneKind::Valley => valley::build(&options),
     }
 }
 
