@@ -13,6 +13,8 @@
 //!   things.
 //! - [`SceneKind::Rocks`]: closed meshes of high curvature.
 //! - [`SceneKind::Valley`]: a wood of open cones and loose leaves on rolling ground.
+//! - [`SceneKind::Harbour`]: stacked containers, cranes of thin beams, a ship, 2,500 small things.
+//! - [`SceneKind::Storeys`]: eight storeys of rooms with stairs and furniture.
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
 //! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and
@@ -24,7 +26,9 @@ mod city;
 mod crowd;
 mod dice;
 mod forest;
+mod furniture;
 mod ground;
+mod harbour;
 mod motion;
 mod noise;
 mod options;
@@ -33,6 +37,7 @@ mod rocks;
 mod rooms;
 mod solid_meshes;
 mod spheres;
+mod storeys;
 mod terrain;
 #[cfg(test)]
 mod tests;
@@ -76,11 +81,15 @@ pub enum SceneKind {
     City10,
     /// A wood of trees that are no solids.
     Valley,
+    /// A container terminal.
+    Harbour,
+    /// A tower, inside.
+    Storeys,
 }
 
 impl SceneKind {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Spheres,
         Self::City,
         Self::Rooms,
@@ -94,6 +103,8 @@ impl SceneKind {
         Self::Spheres16,
         Self::City10,
         Self::Valley,
+        Self::Harbour,
+        Self::Storeys,
     ];
 
     /// Those of spheres and boxes, at their standard sizes.
@@ -115,6 +126,8 @@ impl SceneKind {
             Self::Spheres16 => "spheres-16",
             Self::City10 => "city-10",
             Self::Valley => "valley",
+            Self::Harbour => "harbour",
+            Self::Storeys => "storeys",
         }
     }
 
@@ -132,6 +145,8 @@ impl SceneKind {
             Self::SpheresMeshes => "round meshes, some of them moving",
             Self::CityMeshes => "streets with many small meshes",
             Self::Valley => "woods of open cones on rolling ground",
+            Self::Harbour => "stacked containers, cranes, small things",
+            Self::Storeys => "a tower of storeys with stairs and furniture",
         }
     }
 
@@ -171,6 +186,8 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
         SceneKind::Spheres16 => times(16.0, &options, spheres::build),
         SceneKind::City10 => times(10.0, &options, city::build),
         SceneKind::Valley => valley::build(&options),
+        SceneKind::Harbour => harbour::build(&options),
+        SceneKind::Storeys => storeys::build(&options),
     }
 }
 

@@ -39,6 +39,11 @@ pub(super) fn boxes(corners: impl IntoIterator<Item = (Vec3, Vec3)>) -> Mesh {
     all
 }
 
+/// Beams along the three axes and other boxes, by their least corners and sizes, as one mesh.
+pub(super) fn beams(parts: &[([f32; 3], [f32; 3])]) -> Mesh {
+    boxes(parts.iter().map(|&(least, size)| (Vec3::from(least), Vec3::from(least) + Vec3::from(size))))
+}
+
 /// A prism of so many sides around the y axis, of radius 1 and from y = 0 to 1.
 pub(super) fn prism(sides: u32) -> Mesh {
     let rim = |i: u32, y: f32| {
