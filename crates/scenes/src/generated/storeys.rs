@@ -90,7 +90,7 @@ struct Hole {
 }
 
 fn door(at: f32) -> Hole {
-    Hole { at, width: 1.0, from: 0.0, to: DOOR }
+    Hole { at, width: 1.2, from: 0.0, to: DOOR }
 }
 
 fn window(at: f32) -> Hole {
@@ -134,6 +134,11 @@ impl Wall {
     }
 }
 
+/// A door between windows, through which one sees into a room.
+fn front(at: f32) -> [Hole; 3] {
+    [window(at - 1.9), door(at), window(at + 1.9)]
+}
+
 /// The walls of a storey.
 fn walls() -> Vec<Wall> {
     let mut walls = Vec::new();
@@ -147,11 +152,11 @@ fn walls() -> Vec<Wall> {
     }
     let half = 0.5 * INNER;
     for at in [6.0, 14.0] {
-        let doors = [3.5, 10.5, 17.5, 24.5].map(door);
-        walls.push(Wall::inner(false, at, (OUTER, SIZE.x - OUTER), &doors));
+        let fronts = [3.5, 10.5, 17.5, 24.5].map(front);
+        walls.push(Wall::inner(false, at, (OUTER, SIZE.x - OUTER), fronts.as_flattened()));
     }
-    for (at, doors) in [(6.0, [door(10.0)]), (22.0, [door(10.0)])] {
-        walls.push(Wall::inner(true, at, (6.0 + half, 14.0 - half), &doors));
+    for at in [6.0, 22.0] {
+        walls.push(Wall::inner(true, at, (6.0 + half, 14.0 - half), &front(10.0)));
     }
     for at in [7.0, 14.0, 21.0] {
         walls.push(Wall::inner(true, at, (OUTER, 6.0 - half), &[door(3.0)]));
