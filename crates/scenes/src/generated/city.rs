@@ -27,13 +27,7 @@ pub(super) fn path() -> Path {
     let street = |i: usize| i as f32 * PITCH + STREET * 0.5;
     let stops = [(0, 0), (2, 0), (2, 2), (1, 2), (1, 4), (3, 4), (3, 1), (4, 1)];
     let at = |(x, z): (usize, usize)| Vec3::new(street(x), GROUND + 1.7, street(z));
-    let mut corners = vec![at(stops[0])];
-    for w in stops.windows(3) {
-        let [a, b, c] = [at(w[0]), at(w[1]), at(w[2])];
-        corners.extend([b + (a - b).normalize() * 4.0, b, b + (c - b).normalize() * 4.0]);
-    }
-    corners.push(at(stops[stops.len() - 1]));
-    Path::new(&corners)
+    Path::close_to(&stops.map(at), 4.0)
 }
 
 /// Buildings around courtyards, and open squares.

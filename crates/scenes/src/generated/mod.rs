@@ -12,6 +12,9 @@
 //! - [`SceneKind::Town`]: buildings of panels that share no vertices, thin railings, 20,000 small
 //!   things.
 //! - [`SceneKind::Rocks`]: closed meshes of high curvature.
+//! - [`SceneKind::Valley`]: a wood of open cones and loose leaves on rolling ground.
+//! - [`SceneKind::Harbour`]: stacked containers, cranes of thin beams, a ship, 2,500 small things.
+//! - [`SceneKind::Storeys`]: eight storeys of rooms with stairs and furniture.
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
 //! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and
@@ -23,6 +26,9 @@ mod city;
 mod crowd;
 mod dice;
 mod forest;
+mod furniture;
+mod ground;
+mod harbour;
 mod motion;
 mod noise;
 mod options;
@@ -31,10 +37,12 @@ mod rocks;
 mod rooms;
 mod solid_meshes;
 mod spheres;
+mod storeys;
 mod terrain;
 #[cfg(test)]
 mod tests;
 mod town;
+mod valley;
 mod walking;
 
 use std::str::FromStr;
@@ -71,11 +79,17 @@ pub enum SceneKind {
     Spheres16,
     /// 30,000 small things in the streets.
     City10,
+    /// A wood of trees that are no solids.
+    Valley,
+    /// A container terminal.
+    Harbour,
+    /// A tower, inside.
+    Storeys,
 }
 
 impl SceneKind {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Spheres,
         Self::City,
         Self::Rooms,
@@ -88,6 +102,9 @@ impl SceneKind {
         Self::CityMeshes,
         Self::Spheres16,
         Self::City10,
+        Self::Valley,
+        Self::Harbour,
+        Self::Storeys,
     ];
 
     /// Those of spheres and boxes, at their standard sizes.
@@ -108,6 +125,9 @@ impl SceneKind {
             Self::CityMeshes => "city-meshes",
             Self::Spheres16 => "spheres-16",
             Self::City10 => "city-10",
+            Self::Valley => "valley",
+            Self::Harbour => "harbour",
+            Self::Storeys => "storeys",
         }
     }
 
@@ -124,6 +144,9 @@ impl SceneKind {
             Self::Rocks => "closed meshes of high curvature",
             Self::SpheresMeshes => "round meshes, some of them moving",
             Self::CityMeshes => "streets with many small meshes",
+            Self::Valley => "woods of open cones on rolling ground",
+            Self::Harbour => "stacked containers, cranes, small things",
+            Self::Storeys => "a tower of storeys with stairs and furniture",
         }
     }
 
@@ -162,6 +185,9 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
         SceneKind::CityMeshes => solid_meshes::meshed(city::build(&options), 1),
         SceneKind::Spheres16 => times(16.0, &options, spheres::build),
         SceneKind::City10 => times(10.0, &options, city::build),
+        SceneKind::Valley => valley::build(&options),
+        SceneKind::Harbour => harbour::build(&options),
+        SceneKind::Storeys => storeys::build(&options),
     }
 }
 

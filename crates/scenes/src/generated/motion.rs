@@ -101,6 +101,17 @@ impl Path {
         Self { points, lengths }
     }
 
+    /// A polyline that is rounded only within `room` metres of its corners.
+    pub(super) fn close_to(stops: &[Vec3], room: f32) -> Self {
+        let mut corners = vec![stops[0]];
+        for w in stops.windows(3) {
+            let [a, b, c] = [w[0], w[1], w[2]];
+            corners.extend([b + (a - b).normalize() * room, b, b + (c - b).normalize() * room]);
+        }
+        corners.push(stops[stops.len() - 1]);
+        Self::new(&corners)
+    }
+
     pub(super) fn length(&self) -> f32 {
         self.lengths[self.lengths.len() - 1]
     }

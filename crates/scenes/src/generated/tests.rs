@@ -90,3 +90,40 @@ fn extra_hidden_spheres_change_nothing_else() {
     assert_eq!(many.objects.len(), few.objects.len() + 1000);
     assert!(few.objects.iter().zip(&many.objects).all(|(a, b)| bounds(&a.shape) == bounds(&b.shape)));
 }
+
+/// Whether a way crosses a triangle.
+fn crosses(from: Vec3, to: Vec3, [a, b, c]: [Vec3; 3]) -> bool {
+    let (ab, ac, way) = (b - a, c - a, to - from);
+    let normal = ab.cross(ac);
+    let t = normal.dot(a - from) / normal.dot(way);
+    let p = from + way * t - a;
+    let share = Vec3::new(normal.dot(ab.cross(p)), normal.dot(p.cross(ac)), 0.0) / normal.length_squared();
+    (0.0..=1.0).contains(&t) && share.min_element() >= 0.0 && share.element_sum() <= 1.0
+}
+
+#[test]
+fn walks_pass_through_no_meshes() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    assert!(crosses(Vec3::new(0.2, 0.2, 1.0), Vec3::new(0.3, 0.2, -1.0), triangle));
+    assert!(!crosses(Vec3::new(0.7, 0.7, 1.0), Vec3::new(0.7, 0.7, -1.0), triangle));
+    for kind in [SceneKind::Valley, SceneKind::Harbour, SceneKind::Storeys] {
+        let world = build(kind, &SceneOptions { frames: 2000, ..SceneOptions::default() });
+        let eyes: Vec<Vec3> = (0..world.frames).map(|f| world.camera(f, 1.5).eye).collect();
+        for o in &world.objects {
+            let Shape::Mesh { mesh, transform } = &o.shape else { continue };
+            // The valley's own tests measure the height above its ground.
+            if o.name == "ground" {
+                continue;
+            }
+            let (lo, hi) = mesh.bounds(transform);
+            for (frame, w) in eyes.windows(2).enumerate() {
+                if w[0].min(w[1]).cmple(hi).all() && w[0].max(w[1]).cmpge(lo).all() {
+                    let corners =
+                        |t: &[u32; 3]| t.map(|v| transform.transform_point3(mesh.positions[v as usize]));
+                    let crossed = mesh.triangles.iter().any(|t| crosses(w[0], w[1], corners(t)));
+                    assert!(!crossed, "{kind:?}: from {} to {} through {} {frame}", w[0], w[1], o.name);
+                }
+            }
+        }
+    }
+}

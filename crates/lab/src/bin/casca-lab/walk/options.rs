@@ -54,7 +54,7 @@ impl MethodName {
 )]
 pub struct Options {
     /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
-    /// spheres-16, city-10 or a glTF 2.0 file (.glb)
+    /// spheres-16, city-10, valley, harbour, storeys or a glTF 2.0 file (.glb)
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided
