@@ -13,9 +13,14 @@ use crate::numeric::mesh::{DENT, HULL_ROOM};
 use crate::shape::{Convex, MAX_CONVEX};
 
 /// A convex solid inside a mesh that is closed and wound alike, and hardly smaller: `None` if it is
-/// not convex or has many vertices. `outward` is 1 if normals point outwards, -1 if inwards. Costs
-/// triangles times vertices.
-pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: f64) -> Option<Convex> {
+/// not convex or has many vertices. `outward` is 1 if normals point outwards, -1 if inwards. The
+/// solid is smaller by `room` at least on all sides. Costs triangles times vertices.
+pub(super) fn convex_solid(
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+    outward: f64,
+    room: f64,
+) -> Option<Convex> {
     // A convex mesh of triangles has at most twice as many of them as vertices, but some may be
     // degenerate.
     if outward == 0.0 || triangles.len() > 4 * MAX_CONVEX {
@@ -50,7 +55,7 @@ pub(super) fn convex_solid(positions: &[Vec3], triangles: &[[u32; 3]], outward: 
         }
         dent = dent.max(before);
     }
-    Convex::inside_hull(&points, 2.0 * dent + HULL_ROOM * largest)
+    Convex::inside_hull(&points, 2.0 * dent + room + HULL_ROOM * largest)
 }
 
 #[cfg(test)]

@@ -62,6 +62,8 @@ struct Solids {
     /// With the distance by which the mesh reaches beyond its faces at most.
     convex: OnceLock<Option<Box<(Polytope, f64)>>>,
     inner: OnceLock<Option<Box<Polytope>>>,
+    /// As of convex meshes.
+    shells: OnceLock<Box<[(Polytope, f64)]>>,
     parts: OnceLock<Box<[Polytope]>>,
 }
 
@@ -71,7 +73,8 @@ impl Solids {
         let convex = self.convex.get().is_some_and(Option::is_some);
         let inner = self.inner.get().is_some_and(Option::is_some);
         let parts = self.parts.get().map_or(0, |parts| parts.len());
-        (usize::from(convex) + usize::from(inner) + parts) * size_of::<Polytope>()
+        let shells = self.shells.get().map_or(0, |shells| shells.len());
+        (usize::from(convex) + usize::from(inner) + parts + shells) * size_of::<Polytope>()
     }
 }
 
@@ -181,6 +184,17 @@ impl Instance {
         let place = || Some(Box::new(self.solid_from(&inner.solid, self.middle())?.0));
         let solid = self.inner.solids.inner.get_or_init(place).as_deref()?;
         Some(solid.part(self.middle(), origin))
+    }
+
+    /// Solids inside pieces that are open on one side, relative to an origin; with distances by
+    /// which the pieces reach beyond their faces at most.
+    pub(crate) fn shells_from(&self, origin: DVec3) -> impl Iterator<Item = (Part<'_>, f64)> {
+        let place = || {
+            let shells = self.inner.mesh.shells().solids.iter();
+            shells.filter_map(|shell| self.solid_from(shell, self.middle())).collect()
+        };
+        let placed = self.inner.solids.shells.get_or_init(place);
+        placed.iter().map(move |(solid, beyond)| (solid.part(self.middle(), origin), *beyond))
     }
 
     /// A convex solid inside the mesh as placed, relative to an origin.

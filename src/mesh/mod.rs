@@ -11,6 +11,7 @@ mod parallel;
 mod parts;
 mod preparation;
 mod raster;
+mod shell;
 mod solid;
 pub(crate) mod surface;
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{MeshOptions, Progress};
+use crate::mesh::shell::{Shells, open_shells};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
@@ -100,6 +101,8 @@ pub struct TriMesh {
     convex: Option<Convex>,
     /// A solid inside the mesh, if that is closed but has no hardly smaller one.
     inner: Option<Inner>,
+    /// Solids in convex pieces that are open on one side.
+    shells: Shells,
     pub(crate) middle: DVec3,
     /// Made when it is first asked.
     pub(crate) index: OnceLock<Index>,
@@ -215,12 +218,17 @@ impl TriMesh {
         let solid = closed && occludes && (!surface.front || alike);
         surface.outward = if alike { signed_volume(&positions, &triangles).signum() } else { 0.0 };
         let from_outside = !surface.front || surface.outward > 0.0;
-        let convex = from_outside.then(|| convex_solid(&positions, &triangles, surface.outward)).flatten();
+        let convex =
+            from_outside.then(|| convex_solid(&positions, &triangles, surface.outward, 0.0)).flatten();
         let inner = match convex {
             None if from_outside => {
                 inner_solid(&positions, &triangles, bounds, surface.outward, surface.front)
             }
             _ => None,
+        };
+        let shells = match occludes && !closed && !surface.front {
+            true => open_shells(&positions, &triangles),
+            false => Shells::default(),
         };
         let middle = middle_of(&parts);
         let (index, cells) = (OnceLock::new(), CellCache::default());
@@ -235,6 +243,7 @@ impl TriMesh {
             parts,
             convex,
             inner,
+            shells,
             middle,
             index,
             cells,
@@ -276,7 +285,8 @@ impl TriMesh {
             + self.parts.capacity() * size_of::<Convex>()
             + self.convex.as_ref().map_or(0, Convex::memory_bytes)
             + self.inner.as_ref().map_or(0, |inner| inner.solid.memory_bytes())
-            + self.parts.iter().map(Convex::memory_bytes).sum::<usize>()
+            + self.shells.solids.capacity() * size_of::<Convex>()
+            + self.parts.iter().chain(&self.shells.solids).map(Convex::memory_bytes).sum::<usize>()
             + self.index.get().map_or(0, Index::bytes)
             + self.cells.bytes()
     }
@@ -308,6 +318,12 @@ impl TriMesh {
     /// outside.
     pub(crate) fn convex(&self) -> Option<&Convex> {
         self.convex.as_ref()
+    }
+
+    /// Solids inside convex pieces that are open on one side: each line through one meets the mesh,
+    /// within the hull of that piece.
+    pub(crate) fn shells(&self) -> &Shells {
+        &self.shells
     }
 
     /// A solid inside the mesh that may be much smaller, to be drawn in place of the triangles from

@@ -113,6 +113,29 @@ impl Occluder {
         }
     }
 
+    /// The share of a mesh that is not of convex pieces open on one side, if there are such pieces.
+    pub(crate) fn beside_shells(&self) -> Option<f64> {
+        let shells = match self {
+            Self::Mesh(m) => m.shells(),
+            Self::Instance(i) => i.mesh().shells(),
+            _ => return None,
+        };
+        (!shells.solids.is_empty()).then_some(shells.gap)
+    }
+
+    /// Solids inside convex pieces of a mesh that are open on one side, relative to an origin that is
+    /// known exactly; with distances by which the pieces reach beyond their faces at most. Each line
+    /// through such a solid meets the triangles of its piece.
+    pub(crate) fn shells(&self, origin: DVec3, found: &mut dyn FnMut(&Part, f64)) {
+        match self {
+            Self::Mesh(m) => {
+                m.shells().solids.iter().for_each(|shell| found(&shell.part(origin), shell.lost))
+            }
+            Self::Instance(i) => i.shells_from(origin).for_each(|(part, beyond)| found(&part, beyond)),
+            _ => {}
+        }
+    }
+
     /// The transform of its triangles, if they are not in world space.
     pub(crate) fn placement(&self) -> Option<&Placement> {
         match self {

@@ -7,7 +7,7 @@ use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
-use crate::numeric::occlusion::SPHERE_AROUND_EYE;
+use crate::numeric::occlusion::{BEHIND, SPHERE_AROUND_EYE};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::{Front, contour_depth};
 use crate::occlusion::silhouette::Silhouette;
@@ -29,6 +29,8 @@ pub(crate) struct Solid {
     /// Its corners; none for spheres and for boxes along the axes.
     vertices: SmallVec<[DVec3; 8]>,
     block: Block,
+    /// What hides lies within the solid scaled so about its middle.
+    scale: f64,
 }
 
 /// The part of a solid that a face sees.
@@ -67,7 +69,7 @@ impl Solid {
         let (outline, planes) = outline_of_block(&block);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
         let shadow = Shadow { planes, ball: None };
-        drawable.then(|| Self { outline, shadow, vertices: SmallVec::new(), block })
+        drawable.then(|| Self { outline, shadow, vertices: SmallVec::new(), block, scale: 1.0 })
     }
 
     /// A sphere; `None` if the eye is in it.
@@ -86,6 +88,7 @@ impl Solid {
             shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
             vertices: SmallVec::new(),
             block: Block { min: center - radius, max: center + radius },
+            scale: 1.0,
         })
     }
 
@@ -95,7 +98,7 @@ impl Solid {
         let shadow = Shadow { planes: polytope.fronts(direction), ball: None };
         let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
         let block = polytope.bounds();
-        drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block })
+        drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block, scale: 1.0 })
     }
 
     /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
@@ -104,7 +107,25 @@ impl Solid {
         let (vertices, outline, planes) = part.seen(direction, reach);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
         let shadow = Shadow { planes, ball: None };
-        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds() })
+        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds(), scale: 1.0 })
+    }
+
+    /// A solid inside a convex shell that reaches beyond its faces by some distance at most, and
+    /// that each line through the solid meets: it hides what lies beyond the shell, seen from
+    /// outside of it.
+    pub(crate) fn shell(part: &Part, beyond: f64, direction: Option<DVec3>, reach: f64) -> Option<Self> {
+        let (vertices, outline, _) = part.seen(direction, reach);
+        let middle = part.middle();
+        let depth = part.faces().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
+        // Scaled so about its middle, the solid contains the shell.
+        let scale = 1.0 + beyond / depth + BEHIND;
+        let along = direction.or_else(|| middle.try_normalize())?;
+        let farthest = vertices.iter().map(|v| along.dot(*v - middle)).fold(0.0, f64::max);
+        let far = along.dot(middle) + farthest * scale;
+        let planes = SmallVec::from_slice(&[HalfSpace { normal: along, offset: -far }]);
+        let drawable = matches!(outline, Outline::Cone(_)) && depth > 0.0 && far.is_finite();
+        let shadow = Shadow { planes, ball: None };
+        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds(), scale })
     }
 
     /// Its silhouette on a face.
@@ -129,11 +150,94 @@ impl Solid {
             // The rectangle around a box is exact if the box lies in front of the eye.
             _ if self.vertices.is_empty() => (None, far),
             _ => {
-                let depths = self.vertices.iter().map(|v| v.dot(face.forward));
-                (face.points(&self.vertices).map(|(r, _)| r), depths.fold(f64::NEG_INFINITY, f64::max))
+                let depths = || self.vertices.iter().map(|v| v.dot(face.forward));
+                let middle = depths().sum::<f64>() / self.vertices.len() as f64;
+                let far = depths().fold(f64::NEG_INFINITY, f64::max);
+                (face.points(&self.vertices).map(|(r, _)| r), middle + (far - middle) * self.scale)
             }
         };
         let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
         Some(Seen { rect: rect.intersect(&Rect::FACE)?, near, far })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::TAU;
+    use std::sync::Arc;
+
+    use casca_slots::Slot;
+    use glam::{Affine3A, Quat, Vec3};
+
+    use super::*;
+    use crate::mesh::{Instance, TriMesh};
+    use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
+    use crate::occlusion::pitch::Pitch;
+    use crate::occlusion::target::Target;
+    use crate::random::Random;
+    use crate::view::View;
+
+    /// A cone without its base.
+    fn cone() -> TriMesh {
+        let rim = |i: u32| Vec3::new((TAU * i as f32 / 9.0).cos(), 0.0, (TAU * i as f32 / 9.0).sin());
+        let mut positions: Vec<Vec3> = (0..9).map(rim).collect();
+        positions.push(Vec3::Y * 1.7);
+        TriMesh::new(positions, (0..9).map(|i| [i, 9, (i + 1) % 9]).collect()).unwrap()
+    }
+
+    /// Whether a segment from the origin meets a triangle.
+    fn meets([a, b, c]: [DVec3; 3], end: DVec3) -> bool {
+        let normal = (b - a).cross(c - a);
+        let at = a.dot(normal) / end.dot(normal);
+        let p = end * at;
+        (0.0..=1.0).contains(&at)
+            && [(a, b), (b, c), (c, a)].iter().all(|(s, e)| (*e - *s).cross(p - *s).dot(normal) >= 0.0)
+    }
+
+    #[test]
+    fn a_shell_hides_only_what_segments_find_behind_its_triangles() {
+        let mesh = Arc::new(cone());
+        let mut random = Random(19);
+        let view = View::omnidirectional(Vec3::ZERO).unwrap();
+        let pitch = Pitch { pixels: 256.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
+        let mut buffers = OcclusionBuffers::default();
+        let (mut hidden, mut inside) = (0, 0);
+        for round in 0..300 {
+            let turn =
+                Quat::from_axis_angle(random.point(1.0).as_vec3().normalize(), random.next() as f32 * 6.0);
+            let scale = Vec3::splat(1.0) + random.point(1.0).as_vec3().abs();
+            let at = random.point(1.0).as_vec3().normalize() * random.within(3.0, 8.0) as f32;
+            let place = Affine3A::from_scale_rotation_translation(scale, turn, at);
+            let instance = Instance::new(mesh.clone(), place).unwrap();
+            buffers.begin(&view, &pitch);
+            let mut drawn = 0;
+            for (part, beyond) in instance.shells_from(DVec3::ZERO) {
+                drawn += 1;
+                if let Some(solid) = Solid::shell(&part, beyond, None, 0.0) {
+                    buffers.draw(solid, Slot::new(0));
+                }
+            }
+            assert_eq!(drawn, 1);
+            let triangles: Vec<[DVec3; 3]> = mesh
+                .all_corners()
+                .map(|t| t.map(|p| place.transform_point3(p.as_vec3()).as_dvec3()))
+                .collect();
+            for _ in 0..40 {
+                let middle = at.as_dvec3() * random.within(0.9, 2.0) + random.point(1.0);
+                let half = random.point(0.2).abs() + 0.01;
+                let block = Block { min: middle - half, max: middle + half };
+                if buffers.test(&Target::block(block, None)) != Verdict::Hidden {
+                    inside += u32::from(triangles.iter().any(|t| meets(*t, middle)));
+                    continue;
+                }
+                hidden += 1;
+                for _ in 0..30 {
+                    let share = DVec3::new(random.next(), random.next(), random.next());
+                    let end = block.min + share * (block.max - block.min);
+                    assert!(triangles.iter().any(|t| meets(*t, end)), "{round}: {block:?} {end}");
+                }
+            }
+        }
+        assert!(hidden > 1000 && inside > 500, "{hidden} {inside}");
     }
 }

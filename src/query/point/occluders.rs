@@ -24,6 +24,10 @@ pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 /// pixels than this. Narrower gaps hide less than the pixels that the outlines of patches touch.
 const MOST_GAP: f64 = 3.0;
 
+/// Meshes of which shells are drawn are drawn in patches, too, from this radius on, in pixels:
+/// patches hide what lies inside of shells.
+const SHELLS_ALONE: f64 = 32.0;
+
 impl Walk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: Slot) {
@@ -40,7 +44,9 @@ impl Walk<'_> {
         }
         if occluder.surface().is_some() {
             self.stats.occluders_drawn += 1;
-            let done = self.draw_convex_mesh(slot, occluder) || self.draw_inner_solid(slot, occluder);
+            let done = self.draw_convex_mesh(slot, occluder)
+                || self.draw_inner_solid(slot, occluder)
+                || self.draw_shells(slot, occluder);
             if !done {
                 self.list_surface(slot);
             }
@@ -117,6 +123,33 @@ impl Walk<'_> {
         is_alike
     }
 
+    /// Draws the solids inside pieces of a mesh that are open on one side, if the eye is known and
+    /// rays start outside of the box around the mesh. Returns whether the mesh is so small that its
+    /// patches need not be drawn beside them.
+    fn draw_shells(&mut self, slot: Slot, occluder: &Occluder) -> bool {
+        let Some(gap) = occluder.beside_shells() else { return false };
+        let block = occluder.block();
+        if self.scratch.buffers.uncertainty() > 0.0 || self.starts_near(&block) {
+            return false;
+        }
+        let buffers = &mut self.scratch.buffers;
+        let (origin, direction, reach) = (buffers.origin(), buffers.direction(), buffers.reach());
+        let mut changed = false;
+        occluder.shells(origin, &mut |part, beyond| {
+            if let Some(solid) = Solid::shell(part, beyond, direction, reach) {
+                changed |= buffers.draw(solid, slot);
+            }
+        });
+        self.drew_solid(slot, changed);
+        self.is_like_shells(&block, gap)
+    }
+
+    /// Whether a mesh, by the box around it, covers nearly the same pixels as its shells, and is so
+    /// small that few objects are behind the near side of one and before its far side.
+    fn is_like_shells(&self, block: &Block, gap: f64) -> bool {
+        self.is_small(&self.scratch.buffers.relative(block), (MOST_GAP / gap).min(SHELLS_ALONE))
+    }
+
     /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
     /// and the width of the gap between them.
     fn is_like_solid(&self, block: &Block, gap: f64) -> bool {
@@ -127,6 +160,7 @@ impl Walk<'_> {
     pub(super) fn has_patches_beside_solid(&self, slot: Slot) -> bool {
         let Some(occluder) = self.scene.object(slot).occluder() else { return false };
         occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.gap))
+            || occluder.beside_shells().is_some_and(|gap| !self.is_like_shells(&occluder.block(), gap))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
