@@ -123,9 +123,9 @@ impl Occluder {
         (!shells.solids.is_empty()).then_some(shells.gap)
     }
 
-    /// Solids inside convex pieces of a mesh that are open on one side, relative to an origin that is
-    /// known exactly; with distances by which the pieces reach beyond their faces at most. Each line
-    /// through such a solid meets the triangles of its piece.
+    /// Solids inside convex pieces of a mesh that are open on one side, relative to an origin that
+    /// is known exactly; with distances by which the pieces reach beyond their faces at most. Each
+    /// line through such a solid meets the triangles of its piece.
     pub(crate) fn shells(&self, origin: DVec3, found: &mut dyn FnMut(&Part, f64)) {
         match self {
             Self::Mesh(m) => {
