@@ -93,7 +93,8 @@ fn root(parents: &mut [u32], mut v: u32) -> u32 {
 /// A flat lid on an opening.
 struct Lid {
     triangles: Vec<[u32; 3]>,
-    /// Twice the distance at most of its corners from its plane.
+    /// Points that lie by this much in the hull of the piece are farther from the plane of the lid
+    /// than its corners.
     room: f64,
 }
 
@@ -129,9 +130,14 @@ fn lid(piece: &[[u32; 3]], positions: &[Vec3]) -> Option<Lid> {
     let corners: Vec<DVec3> = ring.iter().map(|&v| positions[v as usize].as_dvec3()).collect();
     let fan = |i: usize| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
     let normal = (1..corners.len() - 1).map(fan).sum::<DVec3>().try_normalize()?;
-    let heights = || corners.iter().map(|p| normal.dot(*p - corners[0]));
-    let (low, high) = (heights().fold(0.0, f64::min), heights().fold(0.0, f64::max));
+    let height = |v: &u32| normal.dot(positions[*v as usize].as_dvec3() - corners[0]);
+    // The piece lies on one side of the lid; no point of its hull is farther on the other side.
+    let sum: f64 = piece.iter().flatten().map(height).sum();
+    let outwards = |v: &u32| if sum > 0.0 { -height(v) } else { height(v) };
+    let low = ring.iter().map(outwards).fold(f64::INFINITY, f64::min);
+    let high = piece.iter().flatten().map(outwards).fold(f64::NEG_INFINITY, f64::max);
     let triangles = (1..ring.len() - 1).map(|i| [ring[0], ring[i], ring[i + 1]]).collect();
+    // Twice, for rounding.
     Some(Lid { triangles, room: 2.0 * (high - low) })
 }
 
