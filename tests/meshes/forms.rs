@@ -1,5 +1,7 @@
 //! Random meshes, sound and broken.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3, Vec3};
 use proptest::prelude::*;
 
@@ -25,6 +27,8 @@ pub enum Form {
     Soup(u32),
     /// A ridge with this many long teeth.
     Comb(u32),
+    /// This many cones, one above the other, without their bases.
+    Cones(u32),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +67,7 @@ pub fn form() -> impl Strategy<Value = Form> {
         1 => (1..9u32).prop_map(Form::Needles),
         1 => (1..9u32).prop_map(Form::Soup),
         1 => (2..40u32).prop_map(Form::Comb),
+        2 => (1..4u32).prop_map(Form::Cones),
     ]
 }
 
@@ -227,6 +232,22 @@ fn parts(form: Form, random: &mut Random) -> Parts {
             let (low, tip) = (n + 1, 2 * n + 2);
             let tooth = |i: u32| [[i, i + 1, tip + i], [i + 1, i, low + i], [i + 1, low + i, low + i + 1]];
             (p, (0..n).flat_map(tooth).collect())
+        }
+        Form::Cones(n) => {
+            let sides = 3 + random.below(9) as u32;
+            let (mut p, mut t) = (Vec::new(), Vec::new());
+            for i in 0..n {
+                let (first, low) = (p.len() as u32, f64::from(i) * 0.6 - 0.8);
+                let around = |side: u32| {
+                    DVec3::Y
+                        .any_orthonormal_vector()
+                        .rotate_axis(DVec3::Y, f64::from(side) * TAU / f64::from(sides))
+                };
+                p.extend((0..sides).map(|side| around(side) + DVec3::Y * low));
+                p.push(DVec3::Y * (low + random.within(0.3, 1.2)));
+                t.extend((0..sides).map(|side| [first + side, first + sides, first + (side + 1) % sides]));
+            }
+            (p, t)
         }
     }
 }
