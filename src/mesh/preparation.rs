@@ -52,6 +52,24 @@ pub struct MeshOptions {
     /// 80, or 40 for triangles that hide from their front only: a group of those hides only where
     /// all of it is seen from the front.
     pub max_angle: Option<f32>,
+    /// Closes gaps narrower than about half of this in the surface that hides others, in world
+    /// units: cracks between panels that nearly meet, and corners that nearly lie on edges. `None`
+    /// is 0: the triangles hide as they are.
+    ///
+    /// It is for levels modelled with cracks that nobody is meant to look through. Vertices within
+    /// half of the gap of others move there, and edges are split at vertices as near as that. What
+    /// is hidden then is hidden by *the triangles grown by the gap*: each line of sight to it passes
+    /// a point that is no farther than this from a triangle. So objects may be lost that are seen
+    /// through openings as narrow, past edges at that distance, or that lie as near to the
+    /// triangles as that: choose it smaller than any opening, and smaller than the distance of
+    /// posters from their walls. The same goes for [`Facing::Front`], from where the front of a
+    /// triangle is seen or nearly so: triangles not much larger than the gap may be tilted.
+    ///
+    /// Bounds, and the solids that meshes are drawn as, stay as they are, and so does
+    /// [`TriMesh::is_closed`](crate::TriMesh::is_closed). Parts thinner than half of the gap become
+    /// sheets. It costs about as much again as welding without it. Gaps between different meshes
+    /// stay open.
+    pub gap: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,
     /// Whether the mesh will hide others. One that will not is prepared faster and takes less
@@ -74,7 +92,8 @@ pub enum Facing {
 
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self { tolerance: None, min_radius: None, max_angle: None, facing: Facing::Both, occludes: true }
+        let facing = Facing::Both;
+        Self { tolerance: None, min_radius: None, max_angle: None, gap: None, facing, occludes: true }
     }
 }
 
@@ -100,6 +119,13 @@ impl MeshOptions {
         self
     }
 
+    /// Sets [`MeshOptions::gap`], in world units.
+    #[must_use]
+    pub const fn gap(mut self, gap: f32) -> Self {
+        self.gap = Some(gap);
+        self
+    }
+
     /// Sets [`MeshOptions::facing`].
     #[must_use]
     pub const fn facing(mut self, facing: Facing) -> Self {
@@ -112,6 +138,13 @@ impl MeshOptions {
     pub const fn occludes(mut self, occludes: bool) -> Self {
         self.occludes = occludes;
         self
+    }
+
+    /// How wide gaps are that the surface closes: 0 if there is none to close.
+    pub(crate) fn closed_gap(&self) -> Result<f64, Error> {
+        let gap = f64::from(self.gap.unwrap_or(0.0));
+        not_negative("the gap that is closed", gap)?;
+        Ok(if self.occludes { gap } else { 0.0 })
     }
 
     /// The rules for a mesh with a diagonal of this length.

@@ -185,9 +185,10 @@ impl TriMesh {
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
+        let gap = how.closed_gap()?;
         let mut progress = Progress::new(progress);
         progress.tell(0.0)?;
-        let welded = Welded::new(&positions, &triangles);
+        let welded = Welded::closing(&positions, &triangles, gap, rules.front);
         let topology = welded.topology;
         progress.tell(0.2)?;
         let (parts, surface) = parallel::both(
