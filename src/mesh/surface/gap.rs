@@ -14,8 +14,9 @@
 //! the mean of corners that move by half of the gap at most. Both steps together make the gap. ∎
 //!
 //! The sides of the triangles made are not split again, as their points may lie the whole gap away
-//! already. All triangles at an edge are split alike, so what was joined stays joined. Triangles of
-//! a moved corner lie within the mesh's box, since vertices move only to where others are.
+//! already. All triangles at an edge are split alike, so what was joined stays joined. Nothing
+//! leaves the mesh's box, since vertices move only to where others are. Between the two steps
+//! triangles may be dropped, which is always safe: faces between boxes are, while they are whole.
 
 use std::cell::Cell;
 
@@ -37,30 +38,47 @@ const STRAIGHT: f64 = -0.9999;
 /// The vertices at which edges are split, from the lesser end to the greater.
 type Chains = HashMap<[u32; 2], SmallVec<[u32; 4]>>;
 
-/// The triangles with gaps closed, as numbers of the same positions. Some have equal corners. Where
-/// triangles hide from their front only, those that turned by more than a right angle are dropped.
-///
-/// Costs n log n for n triangles. Where splitting takes more looks than are allowed, some edges
-/// are not split, and where more triangles would come of it than there were, none is.
-pub(super) fn close(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Vec<[u32; 3]> {
-    let mut all = Vec::with_capacity(triangles.len());
-    make(positions, triangles, gap, |old, new| {
-        if !front || normal(positions, old).dot(normal(positions, new)) > 0.0 {
-            all.push(new);
-        }
-    });
-    all
+/// How far a vertex moves in each step.
+fn half_of(gap: f64) -> f64 {
+    gap * 0.5 * (1.0 - GAP_ROOM)
 }
 
-/// Makes the triangles, and hands each over with the one that it was made from.
-fn make(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, mut add: impl FnMut([u32; 3], [u32; 3])) {
-    let half = gap * 0.5 * (1.0 - GAP_ROOM);
-    let moved = moved(positions, half);
-    let welded: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| moved[v as usize])).collect();
-    let chains = chains(positions, &welded, half);
-    for (&old, &new) in triangles.iter().zip(&welded).filter(|(_, new)| has_corners(new)) {
-        fan(new, &chains, |made| add(old, made));
+/// The first step: the triangles with other numbers of the same positions, without those of which
+/// two corners come together. Where triangles hide from their front only (`front`), those that
+/// turned by more than a right angle are dropped.
+///
+/// Costs the vertices.
+pub(super) fn join(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Vec<[u32; 3]> {
+    let moved = moved(positions, half_of(gap));
+    let made = triangles.iter().map(|t| (*t, t.map(|v| moved[v as usize])));
+    let kept = |&(old, new): &_| has_corners(&new) && !(front && is_turned(positions, old, new));
+    made.filter(kept).map(|(_, new)| new).collect()
+}
+
+/// The second step. Returns whether any edge is split. Triangles are dropped as in the first.
+///
+/// Costs n log n for n triangles. Where it takes more looks than are allowed, some edges are not
+/// split, and where more triangles would come of it than there were, none is.
+pub(super) fn split_near(positions: &[Vec3], triangles: &mut Vec<[u32; 3]>, gap: f64, front: bool) -> bool {
+    let chains = chains(positions, triangles, half_of(gap));
+    if chains.is_empty() {
+        return false;
     }
+    let mut all = Vec::with_capacity(triangles.len());
+    for &old in &*triangles {
+        fan(old, &chains, |new| {
+            if !(front && is_turned(positions, old, new)) {
+                all.push(new);
+            }
+        });
+    }
+    *triangles = all;
+    true
+}
+
+/// Whether the front of a triangle became its back.
+fn is_turned(positions: &[Vec3], old: [u32; 3], new: [u32; 3]) -> bool {
+    normal(positions, old).dot(normal(positions, new)) <= 0.0
 }
 
 /// Whether no two corners are equal.
@@ -111,13 +129,12 @@ fn moved(positions: &[Vec3], distance: f64) -> Vec<u32> {
     moved
 }
 
-/// Edges of triangles in order, each with the number of these. Those within a plane are left out,
-/// and those of triangles with equal corners.
+/// Edges of triangles in order, each with the number of these. Those within a plane are left
+/// out.
 fn open_edges(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<([u32; 2], usize)> {
     let sides = |&[a, b, c]: &[u32; 3]| [(a, b, c), (b, c, a), (c, a, b)];
     let mut all: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
-    let proper = triangles.iter().filter(|t| has_corners(t));
-    all.extend(proper.flat_map(sides).map(|(a, b, tip)| ([a.min(b), a.max(b)], tip)));
+    all.extend(triangles.iter().flat_map(sides).map(|(a, b, tip)| ([a.min(b), a.max(b)], tip)));
     all.sort_unstable();
     let is_straight = |beside: &[([u32; 2], u32)]| {
         let &[(ends, one), (_, two)] = beside else { return false };
@@ -242,7 +259,7 @@ mod tests {
 
     type Soup = (Vec<Vec3>, Vec<[u32; 3]>);
 
-    /// How far a point is from a triangle: from its plane, if the foot is inside, or from its sides.
+    /// How far a point is from a triangle: from its plane if the foot is inside, or from a side.
     fn distance(p: DVec3, t: [DVec3; 3]) -> f64 {
         let normal = (t[1] - t[0]).cross(t[2] - t[0]);
         let sides = [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
@@ -280,6 +297,26 @@ mod tests {
         (positions, (0..40).map(|_| [corner(), corner(), corner()]).collect())
     }
 
+    fn close(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Vec<[u32; 3]> {
+        let mut made = join(positions, triangles, gap, front);
+        split_near(positions, &mut made, gap, front);
+        made
+    }
+
+    /// The triangles made, each after the one that it was made from.
+    fn pairs(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64) -> Vec<([u32; 3], [u32; 3])> {
+        let moved = moved(positions, half_of(gap));
+        let joined = triangles.iter().map(|t| (*t, t.map(|v| moved[v as usize])));
+        let joined: Vec<_> = joined.filter(|(_, new)| has_corners(new)).collect();
+        let all: Vec<[u32; 3]> = joined.iter().map(|pair| pair.1).collect();
+        let chains = chains(positions, &all, half_of(gap));
+        let mut pairs = Vec::new();
+        joined.iter().for_each(|&(old, new)| fan(new, &chains, |made| pairs.push((old, made))));
+        let made: Vec<[u32; 3]> = pairs.iter().map(|pair| pair.1).collect();
+        assert_eq!(made, close(positions, triangles, gap, false));
+        pairs
+    }
+
     fn corners(positions: &[Vec3], t: [u32; 3]) -> [DVec3; 3] {
         t.map(|v| positions[v as usize].as_dvec3())
     }
@@ -311,8 +348,7 @@ mod tests {
                 1 => bricks(&mut random, gap.min(0.2) * 0.3, turn),
                 _ => bricks(&mut random, gap.min(0.2), turn),
             };
-            let mut pairs = Vec::new();
-            make(&made.0, &made.1, gap, |old, new| pairs.push((old, new)));
+            let pairs = pairs(&made.0, &made.1, gap);
             split += usize::from(pairs.len() > made.1.len());
             moved += usize::from(pairs.iter().any(|(old, new)| old != new));
             farthest = farthest.max(deviation(&mut random, &made.0, &pairs, gap));
@@ -330,10 +366,10 @@ mod tests {
             let near = [v(5.0, one + two, 0.0), v(3.0, 9.0, 0.0), v(7.0, 9.0, 0.0)];
             let positions = [moved_to, apart, near].concat();
             let mut farthest = 0.0f64;
-            make(&positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]], 1.0, |old, new| {
+            for (old, new) in pairs(&positions, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]], 1.0) {
                 let from = |v: u32| distance(positions[v as usize].as_dvec3(), corners(&positions, old));
                 farthest = new.map(from).into_iter().fold(farthest, f64::max);
-            });
+            }
             (farthest * 1000.0).round()
         };
         assert_eq!(deviation(0.499, 0.499), 998.0);

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use hashbrown::{DefaultHashBuilder, HashTable};
 use smallvec::SmallVec;
 
-use crate::mesh::surface::gap::close;
+use crate::mesh::surface::gap::{join, split_near};
 use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
 use crate::mesh::surface::position::key;
@@ -85,8 +85,7 @@ impl Welded {
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
         if gap > 0.0 {
-            let closed = close(&positions, &triangles, gap, front);
-            (positions, triangles) = number(&positions, &closed);
+            (positions, triangles) = number(&positions, &join(&positions, &triangles, gap, front));
             edges = edges_of(positions.len(), &triangles);
         }
         let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
@@ -98,7 +97,8 @@ impl Welded {
             edges = edges_of(positions.len(), &triangles);
         }
         let dropped = drop_repeated(&mut triangles, &edges);
-        let cut = split(&positions, &mut triangles);
+        let near = gap > 0.0 && split_near(&positions, &mut triangles, gap, front);
+        let cut = split(&positions, &mut triangles) || near;
         if dropped || cut {
             edges = edges_of(positions.len(), &triangles);
         }
