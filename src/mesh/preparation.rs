@@ -60,9 +60,9 @@ pub struct MeshOptions {
     /// half of the gap of another moves there, and edges are split at vertices as near as that. All
     /// that the mesh hides is then hidden by *the triangles grown by the gap*: each line of sight
     /// to it passes a point that is no farther than the gap from a triangle, or ends at one. So
-    /// objects may be lost that are seen through an opening as narrow or past an edge as near, or
-    /// that lie as near to a triangle. Choose it smaller than all openings that matter, and than the
-    /// distance of posters from their walls: a few millimetres for a building.
+    /// objects may be lost that are seen through an opening as narrow, past an edge as near, or
+    /// that lie as near to a triangle. Choose it smaller than all openings that matter, and
+    /// than the distance of posters from their walls: a few millimetres for a building.
     ///
     /// With [`Facing::Front`] such a triangle may be seen from its back, as those that are not much
     /// larger than the gap may tilt; those that turn over are left out.

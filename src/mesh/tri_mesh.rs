@@ -76,9 +76,10 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// # Guarantees
 ///
 /// It hides no more than its triangles do, wherever these are and however they are wound: what an
-/// outline simplifies is a margin when it is drawn. Only [`MeshOptions::gap`](crate::MeshOptions::gap)
-/// lets it hide a little more, up to a distance that one names. The same triangles give the same mesh on every
-/// machine and with any number of threads. Triangles of no area hide nothing and are kept.
+/// outline simplifies is a margin when it is drawn. Only
+/// [`MeshOptions::gap`](crate::MeshOptions::gap) lets it hide more, up to a distance that is
+/// chosen. The same triangles give the same mesh on every machine and with any number of threads.
+/// Triangles of no area hide nothing and are kept.
 ///
 /// # Pitfalls
 ///
