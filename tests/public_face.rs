@@ -262,8 +262,9 @@ fn options_are_built_in_one_expression() {
     let cell = CellOptions::new().mask_resolution(64).min_solid_angle(0.2);
     assert_eq!((cell.mask_resolution, cell.min_solid_angle), (64, 0.2));
     let mesh = MeshOptions::default().tolerance(0.5).min_radius(0.25).max_angle(30.0);
-    let mesh = mesh.facing(Facing::Front).occludes(false);
+    let mesh = mesh.gap(0.125).facing(Facing::Front).occludes(false);
     assert_eq!((mesh.tolerance, mesh.min_radius, mesh.max_angle), (Some(0.5), Some(0.25), Some(30.0)));
+    assert_eq!(mesh.gap, Some(0.125));
     assert_eq!(
         (mesh.facing, mesh.occludes, DrawOptions::default().min_size(0.5).min_size),
         (Facing::Front, false, 0.5)

@@ -37,7 +37,7 @@ fn values_come_back_as_they_were() {
     }
     round_trip(Method::Cell(CellOptions::new().mask_resolution(512)));
     round_trip(Method::Frustum);
-    round_trip(MeshOptions::default().tolerance(0.5).facing(Facing::Front).occludes(false));
+    round_trip(MeshOptions::default().tolerance(0.5).gap(0.25).facing(Facing::Front).occludes(false));
     round_trip(DrawOptions::default().min_size(0.25));
     round_trip(GridSpec { min: Vec3::new(-1.0, 0.1, 1e9), cell: 0.3, dims: UVec3::new(1, 2, 8192) });
     round_trip(Aabb::new(Vec3::splat(-0.1), Vec3::splat(1e-30)));

@@ -76,8 +76,10 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// # Guarantees
 ///
 /// It hides no more than its triangles do, wherever these are and however they are wound: what an
-/// outline simplifies is a margin when it is drawn. The same triangles give the same mesh on every
-/// machine and with any number of threads. Triangles of no area hide nothing and are kept.
+/// outline simplifies is a margin when it is drawn. Only
+/// [`MeshOptions::gap`](crate::MeshOptions::gap) lets it hide more, up to a distance that is
+/// chosen. The same triangles give the same mesh on every machine and with any number of threads.
+/// Triangles of no area hide nothing and are kept.
 ///
 /// # Pitfalls
 ///
@@ -185,9 +187,10 @@ impl TriMesh {
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
+        let gap = how.closed_gap()?;
         let mut progress = Progress::new(progress);
         progress.tell(0.0)?;
-        let welded = Welded::new(&positions, &triangles);
+        let welded = Welded::closing(&positions, &triangles, gap, rules.front);
         let topology = welded.topology;
         progress.tell(0.2)?;
         let (parts, surface) = parallel::both(

@@ -2,6 +2,7 @@
 //! share no code with the library.
 
 mod forms;
+mod gaps;
 mod rays;
 mod reach;
 mod solids;

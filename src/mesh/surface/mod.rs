@@ -18,6 +18,7 @@
 mod build;
 mod chain;
 mod facets;
+mod gap;
 mod gather;
 mod grow;
 mod index;

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use hashbrown::{DefaultHashBuilder, HashTable};
 use smallvec::SmallVec;
 
+use crate::mesh::surface::gap::{join, split_near};
 use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
 use crate::mesh::surface::position::key;
@@ -72,10 +73,21 @@ pub(crate) struct Topology {
 }
 
 impl Welded {
+    #[cfg(test)]
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let (positions, mut triangles) = number(positions, triangles);
+        Self::closing(positions, triangles, 0.0, false)
+    }
+
+    /// Closes gaps up to this length, if it is not 0. The topology is that of the triangles given.
+    /// `front` says whether they hide from their front only.
+    pub(crate) fn closing(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Self {
+        let (mut positions, mut triangles) = number(positions, triangles);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
+        if gap > 0.0 {
+            (positions, triangles) = number(&positions, &join(&positions, &triangles, gap, front));
+            edges = edges_of(positions.len(), &triangles);
+        }
         let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
             let ends = [a.min(b), a.max(b)];
             let first = edges.partition_point(|edge| edge.ends < ends);
@@ -85,7 +97,8 @@ impl Welded {
             edges = edges_of(positions.len(), &triangles);
         }
         let dropped = drop_repeated(&mut triangles, &edges);
-        let cut = split(&positions, &mut triangles);
+        let near = gap > 0.0 && split_near(&positions, &mut triangles, gap, front);
+        let cut = split(&positions, &mut triangles) || near;
         if dropped || cut {
             edges = edges_of(positions.len(), &triangles);
         }
