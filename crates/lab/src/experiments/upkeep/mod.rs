@@ -8,7 +8,7 @@ mod structures;
 #[cfg(test)]
 mod tests;
 
-use casca::{Aabb, GridSpec, Method};
+use casca::{Aabb, GridSpec, MOST_NEW_VOLUMES, Method};
 
 use super::stage::{Stage, Telling, frame_of, ms};
 use super::{Lab, LabError, Section, Table, grouped, median};
@@ -242,7 +242,8 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
                     if !hidden {
                         3
                     } else if count > 50_000 {
-                        15
+                        // Each frame puts so many into volumes.
+                        15 + usize::div_ceil(count, MOST_NEW_VOLUMES)
                     } else {
                         40
                     },
@@ -251,7 +252,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
                 frames: lab.pick(if count > 50_000 { 3 } else { 9 }, 3),
                 judged: lab.pick(2, 1),
                 width: lab.pick(1920, 960),
-                patience: lab.pick(3000.0, 1000.0),
+                patience: lab.pick(30_000.0, 1000.0),
             };
             rows.extend(measure(Arena { count, hidden, fast, seed: lab.seed }, sampling, lab.progress)?);
         }
