@@ -219,6 +219,34 @@ fn instances_move_without_being_described_anew() {
     assert_eq!(scene.set_transform(apart, at(9.0)), Err(Error::NotPlaced(apart)));
 }
 
+/// Meshes in several pieces do not touch all bricks of their box, though these be a row.
+#[test]
+fn a_piece_that_enters_a_brick_between_others_is_found() {
+    let mut scene = scene();
+    // The eye sees the second row of bricks between two walls, and no others.
+    for (from, to) in [(0.0, 12.0), (14.0, 32.0)] {
+        let wall = Aabb::new(Vec3::new(from, 0.0, 16.0), Vec3::new(to, 32.0, 18.0));
+        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    }
+    // Only bricks of many objects are asked whether they are hidden as a whole.
+    for i in 0..40 {
+        let x = if i % 2 == 0 { 3.0 } else { 20.0 };
+        let at = Vec3::new(x, 1.0 + (i / 8) as f32, 1.0 + (i % 8 / 2) as f32);
+        scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.2))).unwrap();
+    }
+    let mesh = |middle: f32| {
+        let corner = |x: f32| [Vec3::new(x, 4.0, 4.0), Vec3::new(x, 4.4, 4.0), Vec3::new(x, 4.2, 4.3)];
+        let positions = [1.5, middle, 18.5].into_iter().flat_map(corner).collect();
+        Arc::new(TriMesh::bounds_only(positions, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap())
+    };
+    let id = scene.insert(ObjectDesc::dynamic(mesh(7.0))).unwrap();
+    let view = View::omnidirectional(Vec3::new(13.0, 4.0, 31.0)).unwrap();
+    let mut query = Query::new();
+    assert!(!query.run(&scene, &view).contains(id), "its pieces are behind the walls");
+    scene.update(id, mesh(13.0), None).unwrap();
+    assert!(query.run(&scene, &view).contains(id));
+}
+
 #[test]
 fn refusals_name_the_reason_and_move_nothing() {
     let mut scene = scene();

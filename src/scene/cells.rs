@@ -53,6 +53,10 @@ impl Span {
 
 /// Whether two shapes surely touch the same bricks, inside the grid and none of them wholly.
 fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
+    // A mesh may be in several pieces, none of them in a brick between two others.
+    if [old, new].iter().any(|bounds| matches!(bounds, Bounds::Mesh(_))) {
+        return false;
+    }
     let cover = |shape: &Bounds| {
         let block = shape.block();
         grid.cover(block.min, block.max)
