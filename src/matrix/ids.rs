@@ -86,13 +86,31 @@ impl IdMatrix {
         }
     }
 
+    /// An object enters a brick that it does not fill, while objects are not listed by cell.
+    pub(crate) fn enter(&mut self, brick: IVec3, slot: Slot) {
+        debug_assert!(!self.is_by_cell());
+        self.bricks.get_mut(brick).join(slot, false);
+    }
+
+    /// An object leaves a brick, if it is listed there; its cells are in no list.
+    pub(crate) fn leave(&mut self, brick: IVec3, slot: Slot) {
+        let Some(members) = self.bricks.get_existing_mut(brick) else { return };
+        if let Some(at) = members.all.find(slot) {
+            members.leave(at);
+            if members.all.as_slice().is_empty() {
+                self.bricks.release(brick);
+            }
+        }
+    }
+
     /// The objects by cell. If they were never asked for, `fill` must tell them: the cells of each
     /// object, brick by brick.
     pub(crate) fn by_cell(&self, fill: impl FnOnce(&mut dyn FnMut(IVec3, &Mask, Slot))) -> ByCell<'_> {
         let cells = self.cells.get_or_init(|| {
             let mut cells = CellIds::new(self.dims);
             fill(&mut |brick, mask, slot| {
-                if *mask != ALL {
+                // Those that are known to fill a brick are in no list of a cell.
+                if *mask != ALL || !self.whole(brick).contains(&slot) {
                     cells.change(brick, &NONE, mask, slot);
                 }
             });

@@ -18,44 +18,59 @@ use crate::grid::cell_box::CellBox;
 use crate::grid::side::SideAxes;
 use crate::matrix::bits::span8;
 
+/// The part of a block of cells in a brick along one axis: a bit for each coordinate.
+#[derive(Clone, Copy)]
+struct Extent {
+    /// Inside the block.
+    all: u64,
+    /// Strictly inside.
+    inner: u64,
+}
+
+impl Extent {
+    fn new(volume: &CellBox, brick: IVec3, axis: usize) -> Self {
+        let corner = brick[axis] * BRICK;
+        let (first, last) = (volume.lo[axis] - corner, volume.hi[axis] - corner);
+        Self { all: span8(first, last), inner: span8(first + 1, last - 1) }
+    }
+
+    /// The hollow rectangle with this extent along the first axis and `up` along the second: bit
+    /// 8b+a for the coordinates a and b.
+    fn hollow(self, up: Rows) -> u64 {
+        self.all * up.all & !(self.inner * up.inner)
+    }
+
+    fn rows(self) -> Rows {
+        Rows { all: spread(self.all), inner: spread(self.inner) }
+    }
+}
+
+/// An [`Extent`] along the second axis of a tile: bit 8b for coordinate b.
+#[derive(Clone, Copy)]
+struct Rows {
+    all: u64,
+    inner: u64,
+}
+
 /// The walls of a block of cells, brick by brick.
 trait Hollow {
-    /// The hollow projection along one axis as an 8x8 tile of a brick: bit 8b+a
-    /// for the axes a and b that remain.
-    fn hollow(&self, brick: IVec3, a: usize, b: usize) -> u64;
-
+    /// The hollow projections of the block in a brick that it reaches into.
     fn projections(&self, brick: IVec3) -> Projections;
 }
 
 impl Hollow for CellBox {
-    fn hollow(&self, brick: IVec3, a: usize, b: usize) -> u64 {
-        let corner = brick * BRICK;
-        let (a0, a1) = (self.lo[a] - corner[a], self.hi[a] - corner[a]);
-        let (b0, b1) = (self.lo[b] - corner[b], self.hi[b] - corner[b]);
-        rectangle(a0, a1, b0, b1) & !rectangle(a0 + 1, a1 - 1, b0 + 1, b1 - 1)
-    }
-
     fn projections(&self, brick: IVec3) -> Projections {
-        Projections {
-            xy: self.hollow(brick, 0, 1),
-            xz: self.hollow(brick, 0, 2),
-            yz: self.hollow(brick, 1, 2),
-        }
+        let [x, y, z] = [0, 1, 2].map(|axis| Extent::new(self, brick, axis));
+        let (y_rows, z_rows) = (y.rows(), z.rows());
+        Projections { xy: x.hollow(y_rows), xz: x.hollow(z_rows), yz: y.hollow(z_rows) }
     }
-}
-
-/// A rectangle of an 8x8 tile, cut off at its borders.
-fn rectangle(a0: i32, a1: i32, b0: i32, b1: i32) -> u64 {
-    if a0 > a1 {
-        return 0;
-    }
-    let rows = span8(b0, b1);
-    span8(a0, a1) * spread(rows)
 }
 
 /// Puts bit i of a byte at bit 8i.
 fn spread(byte: u64) -> u64 {
-    (0..8).map(|i| (byte >> i & 1) << (8 * i)).sum()
+    // Byte i keeps bit i, which the sum carries into bit 7 wherever it was.
+    let own = byte.wrapping_mul(0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
+    (own + 0x7f7f_7f7f_7f7f_7f7f) >> 7 & 0x0101_0101_0101_0101
 }
 
 /// The three projections inside one brick; bit 8 * second + first axis.

@@ -10,6 +10,7 @@ use crate::grid::cell_box::{CellBox, volume};
 use crate::matrix::bits::NONE;
 use crate::object::{Bounds, Motion, Occluder};
 use crate::scene::Scene;
+use crate::scene::rooms::BrickBox;
 use crate::scene::state::Event;
 use crate::shape::pieces::touched;
 
@@ -73,6 +74,10 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
 impl Scene {
     /// Writes an object that is in no matrix into I and O.
     pub(super) fn list(&mut self, slot: Slot) {
+        if let Some(bricks) = self.bricks_to_list(slot, &self.object(slot).bounds) {
+            self.list_in_bricks(slot, bricks);
+            return;
+        }
         let grid = self.grid;
         let object = &mut self.slots[slot];
         object.apply(Event::Listed);
@@ -104,8 +109,55 @@ impl Scene {
         }
     }
 
+    /// The bricks to list an object in instead of cells, if it may be: it moves, is small and hides
+    /// nothing, and no query asked for objects by cell.
+    fn bricks_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<BrickBox> {
+        let object = self.object(slot);
+        let may = !object.is_static() && object.given_occluder().is_none() && !self.ids.is_by_cell();
+        if may { BrickBox::of(&self.grid, bounds) } else { None }
+    }
+
+    /// Lists an object that is in no matrix in some bricks.
+    fn list_in_bricks(&mut self, slot: Slot, bricks: BrickBox) {
+        let object = &mut self.slots[slot];
+        object.apply(Event::Listed);
+        (object.in_cells, object.listed_in) = (true, Some(bricks));
+        let on_expiry = object.on_expiry();
+        bricks.bricks().for_each(|brick| self.ids.enter(brick, slot));
+        self.members.add_mover(slot, on_expiry);
+        self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
+    }
+
+    /// Moves a listed object that is in some bricks to others: only lists that change are touched.
+    /// False, without a change, if it is not, or may not be listed by bricks any more.
+    fn move_bricks(&mut self, slot: Slot, bounds: &Bounds) -> bool {
+        let Some(old) = self.object(slot).listed_in else { return false };
+        let Some(new) = self.bricks_to_list(slot, bounds) else { return false };
+        old.bricks().filter(|&b| !new.contains(b)).for_each(|b| self.ids.leave(b, slot));
+        new.bricks().filter(|&b| !old.contains(b)).for_each(|b| self.ids.enter(b, slot));
+        self.slots[slot].listed_in = Some(new);
+        self.rooms.open(self.slots.id(slot), &new.block(&self.grid));
+        true
+    }
+
+    /// Takes an object out of the bricks that it is listed in, and of the cells of its bounds if a
+    /// query asked for objects by cell since.
+    fn leave_bricks(&mut self, slot: Slot, bricks: BrickBox) {
+        let Self { slots, ids, grid, .. } = self;
+        if ids.is_by_cell() {
+            let bounds = &slots[slot].bounds;
+            touched(bounds, grid, &mut |p| p.bricks(|b, m| ids.change(b, m, &NONE, slot)));
+        }
+        bricks.bricks().for_each(|brick| ids.leave(brick, slot));
+        self.rooms.close(slot);
+    }
+
     /// Erases a listed object from I and O.
     pub(super) fn unlist(&mut self, slot: Slot) {
+        if let Some(bricks) = self.slots[slot].listed_in.take() {
+            self.leave_bricks(slot, bricks);
+            self.slots[slot].in_cells = false;
+        }
         let grid = self.grid;
         let object = &mut self.slots[slot];
         let in_cells = std::mem::take(&mut object.in_cells);
@@ -132,7 +184,8 @@ impl Scene {
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
     pub(super) fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
-        if !self.move_cells(slot, &bounds, occluder.as_ref()) {
+        let by_bricks = occluder.is_none() && self.move_bricks(slot, &bounds);
+        if !by_bricks && !self.move_cells(slot, &bounds, occluder.as_ref()) {
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);
             self.slots[slot].bounds = bounds;
@@ -150,6 +203,10 @@ impl Scene {
         let object = &self.slots[slot];
         let in_cells = object.in_cells && !self.members.is_always(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
+        // From now on it is listed in other ways.
+        if object.listed_in.is_some() || !hides && self.bricks_to_list(slot, bounds).is_some() {
+            return false;
+        }
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
         }

@@ -62,6 +62,9 @@ impl Scene {
         occluder: Option<Occluder>,
     ) -> Result<(), Error> {
         let bounds = bounds.into();
+        if occluder.is_none() && self.move_in_room(id, &bounds) {
+            return Ok(());
+        }
         check_pair(&bounds, occluder.as_ref())?;
         let object = self.find(id)?;
         if occluder.is_none() && object.given_occluder().is_some() {

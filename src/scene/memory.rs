@@ -43,6 +43,7 @@ impl Scene {
             objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
                 + self.slots.bytes()
                 + self.members.bytes()
+                + self.rooms.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.changes.bytes()

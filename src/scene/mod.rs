@@ -42,12 +42,14 @@ mod frame;
 mod journal;
 mod membership;
 mod memory;
+mod moves;
 mod near;
 mod object;
 mod objects;
 mod opacity;
 mod opaque;
 mod outer;
+mod rooms;
 mod shift;
 mod solids;
 mod state;
@@ -71,6 +73,7 @@ use crate::scene::journal::Journal;
 use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
+use crate::scene::rooms::Rooms;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
@@ -146,6 +149,8 @@ pub struct Scene {
     volumes: Volumes,
     /// Lists of objects.
     members: Membership,
+    /// Where objects may go without a change of the matrices.
+    rooms: Rooms,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
     next_to_hide: Slot,
@@ -180,6 +185,7 @@ impl Scene {
             ids: IdMatrix::new(dims),
             volumes: Volumes::new(&grid),
             members: Membership::default(),
+            rooms: Rooms::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
             viewers: Vec::new(),

@@ -3,35 +3,39 @@
 use crate::geometry::Block;
 use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
 use crate::scene::opacity::OpacityPart;
+use crate::scene::rooms::BrickBox;
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
 use crate::view::View;
 
-/// One object.
+/// One object. What a report of a move asks for comes first, within two lines of the cache.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub(crate) struct Object {
     pub(super) bounds: Bounds,
-    /// The shape that hides others.
-    occluder: Option<Occluder>,
-    /// An occluder for whose surface there is no room. It hides nothing.
-    idle_occluder: Option<Box<Occluder>>,
-    pub(super) layers: u64,
-    /// Where the cells of its occluder are, if they are in O.
-    pub(super) opacity: Option<OpacityPart>,
+    /// The number of the move that last changed it.
+    pub(super) moved: u64,
     pub(super) motion: Motion,
-    pub(super) user_data: u64,
-    /// Its shapes in its own space, if it is placed by a transform.
-    pub(super) placed: Option<Box<Placed>>,
-    /// Of a dynamic object. Apart, so that static ones stay small.
-    mover: Option<Box<Mover>>,
     /// Whether its place is unknown, by the state of the mover: queries ask it of each object.
     is_unlocated: bool,
     /// Whether it is in a volume, by the same state.
     is_hidden: bool,
     /// Whether its cells are in I; objects with too many cells are not.
     pub(super) in_cells: bool,
-    /// The number of the move that last changed it.
-    pub(super) moved: u64,
+    /// Its shapes in its own space, if it is placed by a transform.
+    pub(super) placed: Option<Box<Placed>>,
+    /// Of a dynamic object. Apart, so that static ones stay small.
+    mover: Option<Box<Mover>>,
+    pub(super) layers: u64,
+    /// The bricks that it is listed in, if it is listed by bricks instead of cells.
+    pub(super) listed_in: Option<BrickBox>,
+    /// Where the cells of its occluder are, if they are in O.
+    pub(super) opacity: Option<OpacityPart>,
+    /// The shape that hides others.
+    occluder: Option<Occluder>,
+    /// An occluder for whose surface there is no room. It hides nothing.
+    idle_occluder: Option<Box<Occluder>>,
+    pub(super) user_data: u64,
 }
 
 /// The parts of an object that only dynamic ones have.
@@ -62,6 +66,7 @@ impl Object {
             is_unlocated: false,
             is_hidden: false,
             in_cells: false,
+            listed_in: None,
             moved,
         }
     }
@@ -70,7 +75,7 @@ impl Object {
     pub(super) fn unlisted(&self) -> Self {
         let mut copy = self.clone();
         copy.set_occluder(None);
-        (copy.opacity, copy.in_cells) = (None, false);
+        (copy.opacity, copy.in_cells, copy.listed_in) = (None, false, None);
         copy
     }
 

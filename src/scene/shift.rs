@@ -124,6 +124,7 @@ impl Scene {
         let dims = self.grid.dims();
         (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
         self.members = Membership::default();
+        self.rooms.clear();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
@@ -132,7 +133,7 @@ impl Scene {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
         object.placed = placed.map(Box::new);
-        object.bounds = bounds;
+        (object.bounds, object.listed_in) = (bounds, None);
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {
             State::Listed => self.list(slot),

@@ -94,7 +94,7 @@ impl Scene {
             return;
         }
         object.adapt(Validity::outlived);
-        self.volumes.remove(slot);
+        self.drop_volume(slot);
         self.changes.changed();
         let volume = self.make_volume(slot);
         self.enclose_or_list(slot, volume);
@@ -118,7 +118,7 @@ impl Scene {
             }
         }
         if volume.is_some() {
-            self.volumes.remove(slot);
+            self.drop_volume(slot);
         }
         self.enclose_or_list(slot, next);
     }
@@ -130,6 +130,7 @@ impl Scene {
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
             self.members.add_always(slot);
+            self.rooms.close(slot);
             self.changes.changed();
         }
     }
@@ -139,7 +140,10 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
-            if Span::of(&self.grid, &object.bounds.block()).suffices() {
+            if let Some(bricks) = object.listed_in {
+                self.members.remove_always(slot);
+                self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
+            } else if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.members.remove_always(slot);
             }
             self.changes.changed();
@@ -177,7 +181,7 @@ impl Scene {
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
     pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
         let outer = self.volumes.is_outer(slot);
-        self.volumes.remove(slot);
+        self.drop_volume(slot);
         let generation = self.slots.id(slot).generation();
         let object = &mut self.slots[slot];
         object.adapt(|validity| validity.revealed(outer));
@@ -216,11 +220,11 @@ impl Scene {
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
-            State::Hidden(_) => self.volumes.remove(slot),
+            State::Hidden(_) => self.drop_volume(slot),
             State::Unlocated { volume } => {
                 self.members.remove_always(slot);
                 if volume.is_some() {
-                    self.volumes.remove(slot);
+                    self.drop_volume(slot);
                 }
             }
         }
@@ -245,6 +249,12 @@ impl Scene {
         let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
         let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
         Some(Hidden { tbv, expires, queued: f64::INFINITY })
+    }
+
+    /// Takes the volume of an object out of the matrices.
+    pub(super) fn drop_volume(&mut self, slot: Slot) {
+        self.volumes.remove(slot);
+        self.rooms.close(slot);
     }
 
     /// Puts an object that is in no matrix into a volume, or into I and O.
@@ -279,7 +289,11 @@ impl Scene {
             hidden.queued = hidden.expires;
             self.expiries.push(Expiry { at: hidden.expires, slot, generation });
         }
-        object.apply(Event::Enclosed(hidden));
+        // Reports of other objects put off the expiry, too, and occluders go with the bounds.
+        if !object.on_expiry() && object.given_occluder().is_none() {
+            self.rooms.open(self.slots.id(slot), &hidden.tbv.block);
+        }
+        self.slots[slot].apply(Event::Enclosed(hidden));
     }
 
     /// Drops entries of the queue that were replaced since, once there are many of them.
