@@ -143,13 +143,14 @@ impl TbvMatrix {
         if self.places.len() <= slot.index() {
             self.places.resize_with(slot.index() + 1, Vec::new);
         }
-        let places = &mut self.places[slot.index()];
-        for (b, at) in volume.surface_bricks().zip(0..) {
-            let brick = self.bricks.get_mut(b);
+        let Self { bricks, places, .. } = self;
+        let places = &mut places[slot.index()];
+        volume.for_surface_bricks(|b| {
+            let brick = bricks.get_mut(b);
             brick.all = brick.all.union(volume.projections(b));
-            places.push(brick.held.len() as u32);
-            brick.held.push(Held { slot, brick: at });
-        }
+            brick.held.push(Held { slot, brick: places.len() as u32 });
+            places.push(brick.held.len() as u32 - 1);
+        });
     }
 
     /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in
@@ -157,8 +158,9 @@ impl TbvMatrix {
     pub(crate) fn remove(&mut self, volume: &CellBox, slot: Slot) {
         self.volumes -= 1;
         let mut places = std::mem::take(&mut self.places[slot.index()]);
-        for (b, &place) in volume.surface_bricks().zip(&places) {
-            let Some(brick) = self.bricks.get_existing_mut(b) else { continue };
+        let mut next = places.iter();
+        volume.for_surface_bricks(|b| {
+            let (Some(&place), Some(brick)) = (next.next(), self.bricks.get_existing_mut(b)) else { return };
             brick.held.swap_remove(place as usize);
             if let Some(moved) = brick.held.get(place as usize) {
                 self.places[moved.slot.index()][moved.brick as usize] = place;
@@ -166,7 +168,7 @@ impl TbvMatrix {
             if brick.held.is_empty() {
                 self.bricks.release(b);
             }
-        }
+        });
         places.clear();
         self.places[slot.index()] = places;
     }
@@ -280,7 +282,12 @@ mod tests {
             CellBox { lo, hi: lo + IVec3::new(9 + i % 5, 12, 3 + i % 30) }
         };
         let holds = |m: &TbvMatrix, slot: Slot| {
-            volume(slot).surface_bricks().filter(|&b| m.ids(b).any(|s| s == slot)).count()
+            let (mut held, mut all) = (0, 0);
+            volume(slot).for_surface_bricks(|b| {
+                held += usize::from(m.ids(b).any(|s| s == slot));
+                all += 1;
+            });
+            (held, all)
         };
         let mut inside: Vec<Slot> = Slot::below(60).collect();
         inside.iter().for_each(|&s| m.insert(&volume(s), s));
@@ -292,11 +299,12 @@ mod tests {
             } else if !inside.is_empty() {
                 let gone = inside.swap_remove(step * 31 % inside.len());
                 m.remove(&volume(gone), gone);
-                assert_eq!(holds(&m, gone), 0);
+                assert_eq!(holds(&m, gone).0, 0);
             }
             assert_eq!(m.volumes(), inside.len());
             for &s in &inside {
-                assert_eq!(holds(&m, s), volume(s).surface_bricks().count());
+                let (held, all) = holds(&m, s);
+                assert_eq!(held, all);
             }
         }
         inside.iter().for_each(|&s| m.remove(&volume(s), s));

@@ -28,12 +28,14 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
     }
 }
 
-/// The box of a sphere in single precision is moved outwards by this share of each coordinate.
+/// The box of a sphere in single precision is larger on all sides by this share of the greatest
+/// coordinate of the centre and the radius together, and by [`f32::MIN_POSITIVE`].
 ///
-/// Centre less radius is rounded by at most half a unit in the last place (ulp). This share of the
-/// rounded number is one ulp to two of them, so that the box ends at least one ulp farther out. Of
+/// Centre less radius is rounded by at most half a unit in the last place (ulp), which is at most
+/// 2^-24 of that, and the next sum by as much again; the box in double precision is larger than the
+/// sphere by 4e-15 of it ([`crate::numeric::shape::DISTANCE`]). Twice the sum of these is left. Of
 /// numbers that are so small that the share vanishes, sums are exact.
-pub(crate) const BOX_OF_SPHERE: f32 = 1.0 / (1 << 23) as f32;
+pub(crate) const BOX_OF_SPHERE: f32 = 1.0 / (1 << 22) as f32;
 
 /// Solids that fill a cell have boxes whose common parts with it make up this share of its volume
 /// at least: all of it, less the roundings of the parts and of their sum (300 units in the last

@@ -29,6 +29,15 @@ pub(crate) enum Verdict {
     Visible,
 }
 
+/// The number in [`Side::ALL`] of the side of a cube around the origin that the ray to a point
+/// passes.
+#[inline]
+fn side_through(point: DVec3) -> usize {
+    let size = point.abs();
+    let axis = if size.x >= size.y.max(size.z) { 0 } else { 1 + usize::from(size.z > size.y) };
+    2 * axis + usize::from(point[axis] < 0.0)
+}
+
 /// The buffers of one view: the sides of a cube around the eye, or one plane for parallel rays.
 ///
 /// [`OcclusionBuffers::begin`] clears them for a view. Occluders are then drawn and targets tested
@@ -236,7 +245,25 @@ impl OcclusionBuffers {
     /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it:
     /// then any examination finds it.
     pub(crate) fn shows_plainly(&self, point: DVec3, owner: Slot) -> bool {
-        self.faces().any(|b| b.shows_plainly(b.face().local(point), owner))
+        let shows = |b: &FaceBuffer| b.is_active() && b.shows_plainly(b.face().local(point), owner);
+        if self.direction.is_some() {
+            return self.faces.iter().any(shows);
+        }
+        self.faces.get(side_through(point)).is_some_and(shows)
+    }
+
+    /// Whether a point, which lies inside the view, is before all that was drawn, since nothing was
+    /// drawn around its direction. A quick test that finds few of such points along parallel rays.
+    #[inline]
+    pub(crate) fn is_clear(&self, point: DVec3) -> bool {
+        if self.direction.is_some() {
+            return false;
+        }
+        let index = side_through(point);
+        let axes = Side::ALL[index].axes;
+        let inverse = 1.0 / point[axes.normal].abs();
+        let clear = |b: &FaceBuffer| b.is_clear(point[axes.col] * inverse, point[axes.row] * inverse);
+        self.faces.get(index).is_some_and(clear)
     }
 
     /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions

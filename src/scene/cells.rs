@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::matrix::bits::NONE;
-use crate::object::{Bounds, Motion, Occluder};
+use crate::object::{ALL_LAYERS, Bounds, Motion, Occluder};
 use crate::scene::Scene;
 use crate::scene::rooms::BrickBox;
 use crate::scene::state::Event;
@@ -123,9 +123,25 @@ impl Scene {
         object.apply(Event::Listed);
         (object.in_cells, object.listed_in) = (true, Some(bricks));
         let on_expiry = object.on_expiry();
-        bricks.bricks().for_each(|brick| self.ids.enter(brick, slot));
+        bricks.for_each(|brick| self.ids.enter(brick, slot));
         self.members.add_mover(slot, on_expiry);
         self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
+        self.refresh_quick(slot);
+    }
+
+    /// Brings the entry of an object in the array of boxes up to date with it.
+    pub(super) fn refresh_quick(&mut self, slot: Slot) {
+        let object = self.object(slot);
+        let is_quick = object.listed_in.is_some()
+            && !object.is_unlocated()
+            && object.layers == ALL_LAYERS
+            && object.bounds.kind().is_centered();
+        if is_quick {
+            let aabb = object.bounds.aabb();
+            self.quick.set(self.slots.id(slot), aabb.min.into(), aabb.max.into());
+        } else {
+            self.quick.remove(slot);
+        }
     }
 
     /// Moves a listed object that is in some bricks to others: only lists that change are touched.
@@ -133,11 +149,16 @@ impl Scene {
     fn move_bricks(&mut self, slot: Slot, bounds: &Bounds) -> bool {
         let Some(old) = self.object(slot).listed_in else { return false };
         let Some(new) = self.bricks_to_list(slot, bounds) else { return false };
-        old.bricks().filter(|&b| !new.contains(b)).for_each(|b| self.ids.leave(b, slot));
-        new.bricks().filter(|&b| !old.contains(b)).for_each(|b| self.ids.enter(b, slot));
+        self.exchange_bricks(slot, old, new);
+        true
+    }
+
+    /// Moves an object from the bricks that it is listed in to others.
+    pub(super) fn exchange_bricks(&mut self, slot: Slot, old: BrickBox, new: BrickBox) {
+        old.for_each_but(&new, |brick| self.ids.leave(brick, slot));
+        new.for_each_but(&old, |brick| self.ids.enter(brick, slot));
         self.slots[slot].listed_in = Some(new);
         self.rooms.open(self.slots.id(slot), &new.block(&self.grid));
-        true
     }
 
     /// Takes an object out of the bricks that it is listed in, and of the cells of its bounds if a
@@ -148,8 +169,9 @@ impl Scene {
             let bounds = &slots[slot].bounds;
             touched(bounds, grid, &mut |p| p.bricks(|b, m| ids.change(b, m, &NONE, slot)));
         }
-        bricks.bricks().for_each(|brick| ids.leave(brick, slot));
+        bricks.for_each(|brick| ids.leave(brick, slot));
         self.rooms.close(slot);
+        self.quick.remove(slot);
     }
 
     /// Erases a listed object from I and O.
@@ -194,6 +216,9 @@ impl Scene {
         }
         self.slots[slot].bounds = bounds;
         self.exchange_occluder(slot, occluder);
+        if by_bricks {
+            self.refresh_quick(slot);
+        }
     }
 
     /// Moves the cells of a small dynamic object in the matrices; false, without a change, for

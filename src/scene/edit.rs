@@ -62,7 +62,7 @@ impl Scene {
         occluder: Option<Occluder>,
     ) -> Result<(), Error> {
         let bounds = bounds.into();
-        if occluder.is_none() && self.move_in_room(id, &bounds) {
+        if occluder.is_none() && (self.move_in_room(id, &bounds) || self.move_to_room(id, &bounds)) {
             return Ok(());
         }
         check_pair(&bounds, occluder.as_ref())?;

@@ -25,12 +25,39 @@ pub struct FrameReport {
 /// one costs a fraction of that in each frame, when it moves.
 pub const MOST_NEW_VOLUMES: usize = 2048;
 
-/// The slots of the objects in sight, a bit for each.
-struct Seen(Vec<u64>);
+/// The objects that a frame ended with in sight.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen {
+    /// By slot, a bit for each.
+    bits: Vec<u64>,
+    /// The number of the frame.
+    frame: u64,
+}
 
 impl Seen {
+    fn begin(&mut self, slots: usize, frame: u64) {
+        self.bits.clear();
+        self.bits.resize(slots.div_ceil(64), 0);
+        self.frame = frame;
+    }
+
+    fn insert(&mut self, slot: Slot) {
+        self.bits[slot.index() / 64] |= 1 << (slot.index() % 64);
+    }
+
+    /// An object is gone: another may get its slot before the next frame.
+    pub(super) fn remove(&mut self, slot: Slot) {
+        if let Some(word) = self.bits.get_mut(slot.index() / 64) {
+            *word &= !(1 << (slot.index() % 64));
+        }
+    }
+
     fn contains(&self, slot: Slot) -> bool {
-        self.0[slot.index() / 64] >> (slot.index() % 64) & 1 != 0
+        self.bits.get(slot.index() / 64).is_some_and(|word| word >> (slot.index() % 64) & 1 != 0)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.bits.capacity() * size_of::<u64>()
     }
 }
 
@@ -77,11 +104,11 @@ impl Scene {
             let slot = self.members.movers()[i];
             let object = &mut self.slots[slot];
             let on_expiry = object.on_expiry();
-            let Some(mover) = object.mover().filter(|m| on_expiry && m.reported != self.now) else {
+            if !on_expiry || object.mover().is_none_or(|mover| mover.reported == self.now) {
                 continue;
-            };
+            }
             // An object that the last frame showed is reported unasked.
-            let shown = mover.seen_in == frame;
+            let shown = self.seen.frame == frame && self.seen.contains(slot);
             object.adapt(Validity::passed);
             if !shown {
                 due.push(self.id(slot));
@@ -115,46 +142,35 @@ impl Scene {
         }
         self.viewers.clear();
         self.viewers.extend(views.iter().filter_map(|p| p.viewer));
-        let seen = self.seen_by(&views);
+        self.see(&views);
         for &id in views.iter().flat_map(|p| &p.revealed) {
             if self.find(id).is_ok_and(|object| object.is_hidden()) {
                 report.revealed += 1;
-                self.reveal(id.slot(), seen.contains(id.slot()));
+                self.reveal(id.slot(), self.seen.contains(id.slot()));
             }
         }
-        report.hidden = self.hide_unseen(&seen);
-        self.seen = seen.0;
+        report.hidden = self.hide_unseen();
         self.compact_expiries();
         Ok(report)
     }
 
-    /// The objects that are in one of the sets.
-    fn seen_by(&mut self, views: &[&Pvs]) -> Seen {
-        let mut seen = std::mem::take(&mut self.seen);
-        seen.clear();
-        seen.resize(self.slots.count().div_ceil(64), 0);
+    /// Notes the objects that are in one of the sets.
+    fn see(&mut self, views: &[&Pvs]) {
+        self.seen.begin(self.slots.count(), self.frame);
         for id in views.iter().flat_map(|p| &p.visible) {
-            if self.find(*id).is_ok() {
-                seen[id.index() / 64] |= 1 << (id.index() % 64);
+            if self.slots.find(id.0).is_some() {
+                self.seen.insert(id.slot());
             }
         }
-        Seen(seen)
     }
 
     /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for
     /// one frame, those that follow the last one in the order of slots are first: so each slot has
     /// its turn.
-    fn hide_unseen(&mut self, seen: &Seen) -> usize {
+    fn hide_unseen(&mut self) -> usize {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();
-        for &slot in self.members.movers() {
-            if seen.contains(slot) {
-                let mover = self.slots[slot].mover();
-                mover.into_iter().for_each(|mover| mover.seen_in = self.frame);
-            } else {
-                unseen.push(slot);
-            }
-        }
+        unseen.extend(self.members.movers().iter().copied().filter(|&slot| !self.seen.contains(slot)));
         if unseen.len() > MOST_NEW_VOLUMES {
             let first = self.next_to_hide.get();
             unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));

@@ -44,10 +44,11 @@ impl Scene {
                 + self.slots.bytes()
                 + self.members.bytes()
                 + self.rooms.bytes()
+                + self.quick.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.changes.bytes()
-                + self.seen.capacity() * size_of::<u64>()
+                + self.seen.bytes()
                 + self.unseen.capacity() * size_of::<casca_slots::Slot>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),

@@ -49,6 +49,7 @@ mod objects;
 mod opacity;
 mod opaque;
 mod outer;
+mod quick;
 mod rooms;
 mod shift;
 mod solids;
@@ -69,6 +70,7 @@ use crate::matrix::ids::{ByCell, IdMatrix};
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
 use crate::scene::changes::Changes;
+use crate::scene::frame::Seen;
 use crate::scene::journal::Journal;
 use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
@@ -83,6 +85,7 @@ pub use memory::MemoryUse;
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
 pub(crate) use opacity::{LayerOpacity, OpacityPart};
+pub(crate) use quick::QuickBoxes;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
@@ -151,6 +154,8 @@ pub struct Scene {
     members: Membership,
     /// Where objects may go without a change of the matrices.
     rooms: Rooms,
+    /// The boxes of small moving objects.
+    quick: QuickBoxes,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
     next_to_hide: Slot,
@@ -162,9 +167,9 @@ pub struct Scene {
     frame: u64,
     /// What tells whether results still hold.
     changes: Changes,
-    /// Memory used again: the objects in sight, a bit for each slot, those listed that are not, and
-    /// the cells of an object that moves.
-    seen: Vec<u64>,
+    /// The objects that the last frame ended with in sight.
+    seen: Seen,
+    /// Memory used again: listed objects out of sight, and the cells of an object that moves.
     unseen: Vec<Slot>,
     moved: Moved,
 }
@@ -186,13 +191,14 @@ impl Scene {
             volumes: Volumes::new(&grid),
             members: Membership::default(),
             rooms: Rooms::default(),
+            quick: QuickBoxes::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
             viewers: Vec::new(),
             now: 0.0,
             frame: 1,
             changes: Changes::default(),
-            seen: Vec::new(),
+            seen: Seen::default(),
             unseen: Vec::new(),
             moved: Moved::default(),
         })
@@ -270,6 +276,12 @@ impl Scene {
     #[inline]
     pub(crate) fn always(&self) -> &[Slot] {
         self.members.always()
+    }
+
+    /// The boxes of small moving objects.
+    #[inline]
+    pub(crate) fn quick(&self) -> &QuickBoxes {
+        &self.quick
     }
 
     /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about

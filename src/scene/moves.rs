@@ -2,22 +2,24 @@
 
 use glam::Vec3A;
 
-use crate::geometry::Sphere;
+use crate::geometry::{Block, Sphere};
 use crate::id::ObjectId;
 use crate::numeric::scene::BOX_OF_SPHERE;
 use crate::object::Bounds;
 use crate::scene::Scene;
+use crate::scene::rooms::BrickBox;
 
-/// A box around bounds, where their kind tells it in a few operations; corners that are not finite
-/// or in the wrong order for bounds that are refused.
+/// A box around bounds, where their kind tells it in a few operations. For bounds that are refused
+/// there is none, or its corners are not finite or in the wrong order.
 #[inline]
 fn quick_box(bounds: &Bounds) -> Option<(Vec3A, Vec3A)> {
     match *bounds {
         Bounds::Box(b) => Some((b.min.into(), b.max.into())),
-        Bounds::Sphere(Sphere { center, radius }) => {
-            let (center, radius) = (Vec3A::from(center), Vec3A::splat(radius));
-            let (min, max) = (center - radius, center + radius);
-            Some((min - min.abs() * BOX_OF_SPHERE, max + max.abs() * BOX_OF_SPHERE))
+        Bounds::Sphere(Sphere { center, radius }) if radius >= 0.0 => {
+            let center = Vec3A::from(center);
+            let grow = (center.abs().max_element() + radius) * BOX_OF_SPHERE + f32::MIN_POSITIVE;
+            let half = Vec3A::splat(radius + grow);
+            Some((center - half, center + half))
         }
         _ => None,
     }
@@ -49,16 +51,40 @@ impl Scene {
         if object.placed.is_some() {
             return false;
         }
-        if object.on_expiry() {
-            object.mover().into_iter().for_each(|mover| mover.reported = self.now);
-        }
+        object.reported(self.now);
         if replace(&mut object.bounds, bounds) {
             object.moved = self.changes.moved();
             // Where it is in its volume tells a result nothing.
             if !object.is_hidden() {
                 self.changes.changed();
+                self.quick.replace(id.slot(), min, max);
             }
         }
+        true
+    }
+
+    /// Moves an object that is listed by bricks to others; false, without a change, for other
+    /// objects, and for bounds that are to be checked or may not be listed by bricks.
+    #[inline(never)]
+    pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
+        let Some((lower, upper)) = quick_box(bounds) else { return false };
+        let Some(object) = self.slots.find(id.0) else { return false };
+        let Some(old) = object.listed_in else { return false };
+        // Numbers that are not finite are in no grid.
+        let (min, max) = (lower.as_dvec3(), upper.as_dvec3());
+        let new = BrickBox::around(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
+        let Some(new) = new.filter(|_| !self.ids.is_by_cell()) else { return false };
+        // The same bounds again are no change, also where a corner lies on the side of a room.
+        if object.placed.is_some() || object.is_unlocated() || object.bounds.same(bounds) {
+            return false;
+        }
+        self.exchange_bricks(id.slot(), old, new);
+        self.quick.replace(id.slot(), lower, upper);
+        let object = &mut self.slots[id.slot()];
+        object.reported(self.now);
+        object.moved = self.changes.moved();
+        self.changes.changed();
+        object.bounds = bounds.clone();
         true
     }
 }
@@ -79,7 +105,8 @@ mod tests {
             assert!(min.as_dvec3().cmple(block.min).all(), "{center} {radius}");
             assert!(max.as_dvec3().cmpge(block.max).all(), "{center} {radius}");
             let off = (block.min - min.as_dvec3()).max(max.as_dvec3() - block.max).max_element();
-            assert!(off <= 1e-6 * (block.min.abs().max(block.max.abs())).max_element());
+            let size = f64::from(center.abs().max_element() + radius);
+            assert!(off <= 5e-7 * size + 2.0 * f64::from(f32::MIN_POSITIVE), "{center} {radius} {off}");
         };
         for i in 0..2000 {
             let size = 10f64.powi(i % 20 - 10);

@@ -45,14 +45,12 @@ pub(super) struct Mover {
     validity: Validity,
     /// The time of the last report.
     pub(super) reported: f64,
-    /// The last frame that ended with the object in sight.
-    pub(super) seen_in: u64,
 }
 
 impl Object {
     /// A listed object as described, but without its occluder: the scene adds that.
     pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, now: f64, moved: u64) -> Self {
-        let mover = || Mover { state: State::Listed, validity: Validity::first(), reported: now, seen_in: 0 };
+        let mover = || Mover { state: State::Listed, validity: Validity::first(), reported: now };
         Self {
             bounds: desc.bounds,
             occluder: None,
@@ -116,6 +114,14 @@ impl Object {
     #[inline]
     pub(super) fn mover(&mut self) -> Option<&mut Mover> {
         self.mover.as_deref_mut()
+    }
+
+    /// Notes the time of a report, where that matters.
+    #[inline]
+    pub(super) fn reported(&mut self, now: f64) {
+        if self.on_expiry() {
+            self.mover().into_iter().for_each(|mover| mover.reported = now);
+        }
     }
 
     /// Where it is. Static objects are always listed.

@@ -34,11 +34,21 @@ impl BrickBox {
         if matches!(bounds, Bounds::Mesh(_)) {
             return None;
         }
-        let block = bounds.block();
-        let (lo, hi) = grid.cover(block.min, block.max);
-        let small = (hi - lo).max_element() < BRICK - 1;
-        let corner = |cell: IVec3| (cell >> 3i32).to_array().map(|at| at as u16);
-        (small && grid.contains(lo) && grid.contains(hi)).then(|| Self { lo: corner(lo), hi: corner(hi) })
+        Self::around(grid, &bounds.block())
+    }
+
+    /// As [`BrickBox::of`], for bounds that touch all bricks of a box or may be listed in all of
+    /// them.
+    pub(super) fn around(grid: &Grid, block: &Block) -> Option<Self> {
+        let Block { min, max } = *block;
+        let inside = min.cmpge(grid.min()).all() && max.cmplt(grid.max()).all();
+        let small = (max - min).max_element() < f64::from(BRICK - 1) * grid.cell_size();
+        if !(inside && small) {
+            return None;
+        }
+        let (lo, hi) = grid.bricks().cover(min, max);
+        let corner = |brick: IVec3| brick.to_array().map(|at| at as u16);
+        Some(Self { lo: corner(lo), hi: corner(hi) })
     }
 
     fn corners(&self) -> CellBox {
@@ -46,12 +56,28 @@ impl BrickBox {
         CellBox { lo: corner(self.lo), hi: corner(self.hi) }
     }
 
-    /// All of them.
-    pub(super) fn bricks(&self) -> impl Iterator<Item = IVec3> {
-        self.corners().cells()
+    /// Calls `found` with all of them.
+    #[inline]
+    pub(super) fn for_each(&self, mut found: impl FnMut(IVec3)) {
+        let CellBox { lo, hi } = self.corners();
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                (lo.x..=hi.x).for_each(|x| found(IVec3::new(x, y, z)));
+            }
+        }
     }
 
-    pub(super) fn contains(&self, brick: IVec3) -> bool {
+    /// Calls `found` with those that are not among others.
+    #[inline]
+    pub(super) fn for_each_but(&self, others: &Self, mut found: impl FnMut(IVec3)) {
+        self.for_each(|brick| {
+            if !others.contains(brick) {
+                found(brick);
+            }
+        });
+    }
+
+    fn contains(&self, brick: IVec3) -> bool {
         self.corners().contains(brick)
     }
 
@@ -159,9 +185,14 @@ mod tests {
         let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(30) }).unwrap();
         let of = |x: f32, r: f32| BrickBox::of(&grid, &Sphere::new(Vec3::new(x, 15.5, 15.5), r).into());
         let across = of(8.0, 1.0).unwrap();
-        assert_eq!(across.bricks().count(), 2 * 2 * 2);
-        assert!(across.bricks().all(|brick| across.contains(brick)));
-        assert!(of(1.0, 1.1).is_none() && of(29.5, 0.6).is_none() && of(15.5, 4.1).is_none());
+        let count = |of: BrickBox, others: BrickBox| {
+            let mut count = 0;
+            of.for_each_but(&others, |_| count += 1);
+            count
+        };
+        let (lower, aside) = (of(4.0, 1.0).unwrap(), of(28.0, 0.5).unwrap());
+        assert_eq!((count(across, aside), count(across, lower), count(across, across)), (8, 4, 0));
+        assert!(of(1.0, 1.1).is_none() && of(29.5, 0.6).is_none() && of(15.5, 3.6).is_none());
         // The last brick ends with the grid.
         assert_eq!(of(28.0, 0.5).unwrap().block(&grid).max.x, 30.0);
         assert!(across.block(&grid).min.x == 0.0 && across.block(&grid).max.x == 16.0);

@@ -125,6 +125,7 @@ impl Scene {
         (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
         self.members = Membership::default();
         self.rooms.clear();
+        self.quick.clear();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it

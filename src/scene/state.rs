@@ -26,7 +26,8 @@
 //! | `update`, `set_occluder`   | listed                                        | none: its cells move                          |
 //! | `update`, `set_occluder`   | hidden, still inside its volume               | `Enclosed` (the same volume, another expiry)  |
 //! | `update`, `set_occluder`   | hidden, outside its volume                    | `Enclosed` if a new volume fits, else `Listed`|
-//! | `update`, `set_occluder`   | unlocated                                     | `Enclosed` (old or new volume), else `Listed` |
+//! | `update`, `set_occluder`   | unlocated, its volume expired                 | `Enclosed` (old or new volume), else `Listed` |
+//! | `update`, `set_occluder`   | unlocated, its volume revealed                | `Listed`                                      |
 //! | `end_frame`                | listed, in no set                             | `Enclosed` if a volume fits, else none        |
 //! | `end_frame`                | hidden, volume revealed, reported on expiry   | `Revealed`                                    |
 //! | `end_frame`                | hidden, volume revealed, in a set             | `Listed`                                      |

@@ -22,7 +22,7 @@ impl Scene {
     pub(super) fn report(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         self.locate(slot);
         let object = &mut self.slots[slot];
-        object.mover().into_iter().for_each(|mover| mover.reported = self.now);
+        object.reported(self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() {
             return;
@@ -63,6 +63,7 @@ impl Scene {
         let listed = overdue || matches!(object.state(), State::Listed);
         if !listed || object.occluder().is_none() {
             self.slots[slot].layers = layers;
+            self.refresh_quick(slot);
             return;
         }
         if overdue {
@@ -108,6 +109,11 @@ impl Scene {
         let object = &mut self.slots[slot];
         object.adapt(Validity::outlived);
         let block = object.bounds.block();
+        if volume.is_none() {
+            // A view saw its last volume. The next one tells whether it sees the object; a new
+            // volume would only be seen again.
+            return self.list(slot);
+        }
         let next = self.make_volume(slot);
         if let (Some(old), Some(new)) = (volume, &next) {
             let room = old.room(&block);
@@ -131,6 +137,7 @@ impl Scene {
             self.opacity.miss(object.opacity);
             self.members.add_always(slot);
             self.rooms.close(slot);
+            self.quick.remove(slot);
             self.changes.changed();
         }
     }
@@ -143,6 +150,7 @@ impl Scene {
             if let Some(bricks) = object.listed_in {
                 self.members.remove_always(slot);
                 self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
+                self.refresh_quick(slot);
             } else if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.members.remove_always(slot);
             }
@@ -229,6 +237,7 @@ impl Scene {
             }
         }
         self.exchange_occluder(slot, None);
+        self.seen.remove(slot);
         self.slots.remove(slot);
     }
 

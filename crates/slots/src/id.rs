@@ -14,8 +14,9 @@ pub struct Id {
 }
 
 impl Id {
+    /// The id of these parts, of one that was taken apart.
     #[inline]
-    pub(crate) const fn new(store: u32, slot: Slot, generation: u32) -> Self {
+    pub const fn new(store: u32, slot: Slot, generation: u32) -> Self {
         Self { store, slot, generation }
     }
 

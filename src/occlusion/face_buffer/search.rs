@@ -83,6 +83,16 @@ impl FaceBuffer {
         })
     }
 
+    /// Whether nothing was drawn in the tile of a direction, and no occluder is listed there.
+    #[inline]
+    pub(crate) fn is_clear(&self, u: f64, v: f64) -> bool {
+        let Some((x, y)) = self.window.pixel_at(u, v).filter(|_| self.active) else { return false };
+        let bin = self.occluders.index(x, y);
+        self.coverage.is_untouched(self.window.tile_index(x / TILE, y / TILE))
+            && self.occluders.list(bin).is_empty()
+            && self.patches.list(bin).is_empty()
+    }
+
     /// Whether a point, in coordinates of the face, lies in a pixel that does not hide it.
     pub(crate) fn leaves_open(&self, p: DVec3) -> bool {
         self.open_pixel(p).is_some()

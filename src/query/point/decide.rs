@@ -21,10 +21,21 @@ impl Walk<'_> {
         self.begin_examinations();
         if self.coherent {
             self.decide_coherent(&mut candidates, &mut left);
+            candidates.drain(..).for_each(|candidate| self.pvs.push(candidate.id));
         } else {
-            candidates.retain(|candidate| !self.examine(candidate, &mut left));
+            let mut movers = std::mem::take(&mut self.scratch.movers);
+            let mut waiting = movers.drain(..).peekable();
+            for (at, candidate) in candidates.drain(..).enumerate() {
+                while let Some(mover) = waiting.next_if(|mover| mover.is_before(at)) {
+                    self.decide_mover(&mover, &mut left);
+                }
+                if !self.examine(&candidate, &mut left) {
+                    self.pvs.push(candidate.id);
+                }
+            }
+            waiting.for_each(|mover| self.decide_mover(&mover, &mut left));
+            self.scratch.movers = movers;
         }
-        candidates.drain(..).for_each(|candidate| self.pvs.push(candidate.id));
         self.stats.refine_squares = given.squares - left.squares;
         self.stats.refine_patches = given.patches - left.patches;
         self.scratch.candidates = candidates;

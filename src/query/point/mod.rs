@@ -16,6 +16,7 @@ mod objects;
 mod occluders;
 pub(crate) mod offered;
 pub(crate) mod overlay;
+mod quick;
 mod recall;
 pub(crate) mod scratch;
 mod surfaces;

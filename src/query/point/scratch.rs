@@ -13,6 +13,7 @@ use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
 use crate::query::point::offered::Offered;
+use crate::query::point::quick::Mover;
 use crate::query::point::recall::Coherence;
 use crate::view::View;
 
@@ -70,6 +71,8 @@ pub(crate) struct PointScratch {
     pub(super) found: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<Candidate>,
+    /// Small moving objects whose bricks are in sight.
+    pub(super) movers: Vec<Mover>,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
     pub(super) waiting: Vec<Waiting>,
     /// For each patch of the scene, how it was drawn last.
@@ -92,6 +95,7 @@ impl PointScratch {
     pub(super) fn begin(&mut self, slots: usize, patches: usize, epoch: u32) {
         self.useful.begin(slots);
         self.candidates.clear();
+        self.movers.clear();
         self.waiting.iter_mut().for_each(Waiting::clear);
         self.patches.clear();
         self.buffers.begin_patches();

@@ -178,7 +178,7 @@ fn every_call_changes_states_as_the_table_says() {
         ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
         ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
         ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
-        ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), InVolume),
+        ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), Listed),
         ("end: unseen", || World::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
         ("end: unseen, no volume fits", || World::new(OUTSIDE, false), Listed, |w| w.seen_from(2.5), Listed),
         ("end: seen", listed, Listed, |w| w.seen_from(2.5), Listed),
