@@ -240,6 +240,13 @@ impl Pvs {
         self.stats = Stats::default();
     }
 
+    /// Whether nothing that it depends on changed in its scene, of which these are the numbers of
+    /// [`Scene::revision`](crate::Scene) and [`Scene::moves`](crate::Scene). All of its ids name
+    /// objects then.
+    pub(crate) fn is_fresh(&self, revision: u64, moves: u64) -> bool {
+        self.revision == if matches!(self.method, Method::Frustum) { moves } else { revision }
+    }
+
     pub(crate) fn push(&mut self, id: ObjectId) {
         self.visible.push(id);
         self.places[id.index()] = self.visible.len() as u32;

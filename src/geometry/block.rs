@@ -116,13 +116,6 @@ impl Block {
         })
     }
 
-    /// Whether it lies in a half-space wholly, by more than the margin of that; in doubt, no.
-    pub(crate) fn is_inside(&self, plane: &HalfSpace) -> bool {
-        let largest = self.min.abs().max(self.max.abs()).max_element();
-        let nearest = DVec3::select(plane.normal.cmpge(DVec3::ZERO), self.min, self.max);
-        plane.distance(nearest) >= plane.margin(largest)
-    }
-
     /// How far its nearest point is from an eye; 0 inside.
     pub(crate) fn distance_from(&self, eye: DVec3) -> f64 {
         (self.min - eye).max(eye - self.max).max(DVec3::ZERO).length()

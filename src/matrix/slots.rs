@@ -1,8 +1,7 @@
 //! Lists of objects that stay quick when they grow long.
 
-use std::collections::HashMap;
-
 use casca_slots::Slot;
+use hashbrown::HashMap;
 use smallvec::SmallVec;
 
 use crate::heap::in_table;

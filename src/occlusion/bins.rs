@@ -4,7 +4,7 @@ use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::tiles::TILE;
 
 /// Tiles along each side of a bin.
-const BIN: i64 = 2;
+pub(crate) const BIN: i64 = 2;
 
 /// One list for each square of 2x2 tiles of a window.
 #[derive(Debug, Clone)]

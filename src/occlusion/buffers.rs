@@ -3,12 +3,13 @@
 use std::f64::consts::FRAC_PI_2;
 
 use casca_slots::Slot;
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::side::Side;
 use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
+use crate::occlusion::clear::Clear;
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
@@ -46,6 +47,8 @@ fn side_through(point: DVec3) -> usize {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
+    /// Where nothing was drawn.
+    clear: Clear,
     /// For each occluder drawn, where it hides.
     shadows: Vec<Shadow>,
     surfaces: SurfaceScratch,
@@ -64,6 +67,7 @@ impl OcclusionBuffers {
     /// Clears the windows that a view looks through.
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
+        self.clear.reset();
         self.reach = if view.eye().is_some() { view.reach() } else { 0.0 };
         self.limit = pitch.nearest * 0.5;
         self.nearest = pitch.nearest.max(NEAREST_IN_REACHES * self.reach);
@@ -252,18 +256,21 @@ impl OcclusionBuffers {
         self.faces.get(side_through(point)).is_some_and(shows)
     }
 
-    /// Whether a point, which lies inside the view, is before all that was drawn, since nothing was
-    /// drawn around its direction. A quick test that finds few of such points along parallel rays.
-    #[inline]
-    pub(crate) fn is_clear(&self, point: DVec3) -> bool {
-        if self.direction.is_some() {
-            return false;
+    /// Reads where nothing was drawn so far, for [`OcclusionBuffers::is_clear`]. Costs the tiles.
+    pub(crate) fn read_clear(&mut self) {
+        self.clear.reset();
+        if self.direction.is_none() {
+            let active = self.faces.iter().enumerate().filter(|(_, face)| face.is_active());
+            active.for_each(|(side, face)| self.clear.read(side, face));
         }
-        let index = side_through(point);
-        let axes = Side::ALL[index].axes;
-        let inverse = 1.0 / point[axes.normal].abs();
-        let clear = |b: &FaceBuffer| b.is_clear(point[axes.col] * inverse, point[axes.row] * inverse);
-        self.faces.get(index).is_some_and(clear)
+    }
+
+    /// Whether a point, relative to the eye and inside the view, is before all that was drawn when
+    /// [`OcclusionBuffers::read_clear`] was called, since nothing was drawn around its direction. A
+    /// quick test that finds most of such points, and none along parallel rays.
+    #[inline]
+    pub(crate) fn is_clear(&self, point: Vec3A) -> bool {
+        self.clear.holds(point)
     }
 
     /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions

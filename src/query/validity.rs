@@ -24,11 +24,11 @@ impl Pvs {
     /// near plane.
     pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
-        let revision = if matches!(self.method, Method::Frustum) { scene.moves() } else { scene.revision() };
         if own.layers() != view.layers() {
             return false;
         }
-        if self.aggressive || self.partial || scene.tag() != self.scene || revision != self.revision {
+        let fresh = self.is_fresh(scene.revision(), scene.moves());
+        if self.aggressive || self.partial || scene.tag() != self.scene || !fresh {
             return false;
         }
         // A volume that was hidden stands for all that moves in it; one that was seen does not.

@@ -1,9 +1,8 @@
 //! Finds the volumes that contain a cell.
 
-use std::collections::HashMap;
-
 use casca_slots::Slot;
 use glam::IVec3;
+use hashbrown::HashMap;
 
 use crate::grid::cell_box::CellBox;
 use crate::heap::in_table;

@@ -25,42 +25,6 @@ pub struct FrameReport {
 /// one costs a fraction of that in each frame, when it moves.
 pub const MOST_NEW_VOLUMES: usize = 2048;
 
-/// The objects that a frame ended with in sight.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Seen {
-    /// By slot, a bit for each.
-    bits: Vec<u64>,
-    /// The number of the frame.
-    frame: u64,
-}
-
-impl Seen {
-    fn begin(&mut self, slots: usize, frame: u64) {
-        self.bits.clear();
-        self.bits.resize(slots.div_ceil(64), 0);
-        self.frame = frame;
-    }
-
-    fn insert(&mut self, slot: Slot) {
-        self.bits[slot.index() / 64] |= 1 << (slot.index() % 64);
-    }
-
-    /// An object is gone: another may get its slot before the next frame.
-    pub(super) fn remove(&mut self, slot: Slot) {
-        if let Some(word) = self.bits.get_mut(slot.index() / 64) {
-            *word &= !(1 << (slot.index() % 64));
-        }
-    }
-
-    fn contains(&self, slot: Slot) -> bool {
-        self.bits.get(slot.index() / 64).is_some_and(|word| word >> (slot.index() % 64) & 1 != 0)
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.bits.capacity() * size_of::<u64>()
-    }
-}
-
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
     /// [reported on expiry](crate::Reports::OnExpiry), these are the ones whose volume may no
@@ -157,9 +121,13 @@ impl Scene {
     /// Notes the objects that are in one of the sets.
     fn see(&mut self, views: &[&Pvs]) {
         self.seen.begin(self.slots.count(), self.frame);
-        for id in views.iter().flat_map(|p| &p.visible) {
-            if self.slots.find(id.0).is_some() {
-                self.seen.insert(id.slot());
+        for pvs in views {
+            // Most results are fresh: then no object needs to be looked up.
+            let fresh = pvs.is_fresh(self.revision(), self.moves());
+            for id in &pvs.visible {
+                if fresh || self.slots.find(id.0).is_some() {
+                    self.seen.insert(id.slot());
+                }
             }
         }
     }

@@ -1,8 +1,11 @@
-//! Reports of moves that change no matrix: see [`crate::scene::rooms`].
+//! Reports of moves that change no matrix, or the lists of some bricks only: see
+//! [`crate::scene::rooms`]. Reports of many moves.
 
-use glam::Vec3A;
+use casca_slots::Slot;
+use glam::{Affine3A, Vec3A};
 
-use crate::geometry::{Block, Sphere};
+use crate::error::Error;
+use crate::geometry::{Aabb, Block, Sphere};
 use crate::id::ObjectId;
 use crate::numeric::scene::BOX_OF_SPHERE;
 use crate::object::Bounds;
@@ -87,6 +90,85 @@ impl Scene {
         object.bounds = bounds.clone();
         true
     }
+}
+
+impl Scene {
+    /// Takes over bounds of an object that hides nothing, if it stays in its room with them; false,
+    /// without a change, if not.
+    pub(super) fn stay_in_room(&mut self, slot: Slot, bounds: &Bounds) -> bool {
+        let Aabb { min, max } = bounds.aabb();
+        if !self.rooms.hold(self.slots.id(slot), min.into(), max.into()) || self.ids.is_by_cell() {
+            return false;
+        }
+        let object = &mut self.slots[slot];
+        object.bounds = bounds.clone();
+        object.moved = self.changes.moved();
+        if !object.is_hidden() {
+            self.changes.changed();
+            self.refresh_quick(slot);
+        }
+        true
+    }
+
+    /// Moves many objects that hide nothing, as [`Scene::update`] without an occluder does one by
+    /// one. All moves are made but those that are refused.
+    ///
+    /// Costs 10 to 20 ns for each object that stays in the bricks of 8x8x8 cells that it is listed
+    /// in, or in its volume, if its bounds are a sphere or a box; it is cheapest in the order of
+    /// [`ObjectId::index`].
+    ///
+    /// ```
+    /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let ball = |x: f32| Sphere::new(Vec3::new(x, 9.0, 9.0), 0.5);
+    /// let birds = (0..20).map(|i| scene.insert(ObjectDesc::dynamic(ball(i as f32 + 1.0))));
+    /// let birds = birds.collect::<Result<Vec<_>, _>>()?;
+    /// let moves = birds.iter().zip(0..).map(|(&id, i)| (id, ball(i as f32 + 1.1)));
+    /// scene.update_many(moves).map_err(|(_, why)| why)?;
+    /// assert!(scene.bounds(birds[19])?.aabb().contains(Vec3::new(20.1, 9.0, 9.0)));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The first move that was refused, with the reasons of [`Scene::update`].
+    pub fn update_many<B: Into<Bounds>>(
+        &mut self,
+        moves: impl IntoIterator<Item = (ObjectId, B)>,
+    ) -> Result<(), (ObjectId, Error)> {
+        first_refused(moves.into_iter().map(|(id, bounds)| (id, self.update(id, bounds, None))))
+    }
+
+    /// Moves many placed objects, as [`Scene::set_transform`] does one by one. All moves are made
+    /// but those that are refused.
+    ///
+    /// Costs the shapes under their new transforms, and a comparison for each object that hides
+    /// nothing and stays in the bricks that it is listed in, or in its volume.
+    ///
+    /// # Errors
+    /// The first move that was refused, with the reasons of [`Scene::set_transform`].
+    pub fn set_transforms(
+        &mut self,
+        moves: impl IntoIterator<Item = (ObjectId, Affine3A)>,
+    ) -> Result<(), (ObjectId, Error)> {
+        first_refused(moves.into_iter().map(|(id, at)| (id, self.set_transform(id, at))))
+    }
+}
+
+/// Runs through all results, and gives the first error.
+fn first_refused(
+    results: impl Iterator<Item = (ObjectId, Result<(), Error>)>,
+) -> Result<(), (ObjectId, Error)> {
+    let mut first = Ok(());
+    for (id, result) in results {
+        if let (Err(why), Ok(())) = (result, first) {
+            first = Err((id, why));
+        }
+    }
+    first
 }
 
 #[cfg(test)]

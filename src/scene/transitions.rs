@@ -24,9 +24,10 @@ impl Scene {
         let object = &mut self.slots[slot];
         object.reported(self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
-        if same && !object.is_unlocated() {
+        if same && !object.is_unlocated() || occluder.is_none() && self.stay_in_room(slot, &bounds) {
             return;
         }
+        let object = &mut self.slots[slot];
         object.moved = self.changes.moved();
         let state = object.state();
         self.note_static(slot);
@@ -248,9 +249,9 @@ impl Scene {
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
         let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
-        let overhangs = Span::of(&self.grid, &block).overhangs();
+        let overhangs = || Span::of(&self.grid, &block).overhangs();
         let border = match (object.on_expiry(), object.validity().is_confined()) {
-            (false, false) if overhangs => Border::Beyond,
+            (false, false) if overhangs() => Border::Beyond,
             (false, _) => Border::Cut,
             (true, false) => Border::Beyond,
             (true, true) => Border::Inside,

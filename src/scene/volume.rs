@@ -62,7 +62,7 @@ impl Tbv {
         if !inside && border != Border::Beyond {
             return None;
         }
-        let slack = slack_between_viewers(grid, bounds, distance, viewers)?;
+        let slack = slack_between_viewers(grid, bounds, &CellBox { lo, hi }, distance, viewers)?;
         let room = (bounds.min - grid.min()).min(grid.max() - bounds.max).min_element();
         let beyond = border == Border::Beyond && room < CRAMPED * slack;
         let slack = if border == Border::Cut || beyond { slack } else { slack.min(room) };
@@ -101,8 +101,14 @@ impl Tbv {
 }
 
 /// By how much a volume may be widened for all that the grid's size, its cost and the viewers say;
-/// none if a viewer is too close or the object too large.
-fn slack_between_viewers(grid: &Grid, bounds: &Block, distance: f64, viewers: &[IVec3]) -> Option<f64> {
+/// none if a viewer is too close or the object, in these cells, too large.
+fn slack_between_viewers(
+    grid: &Grid,
+    bounds: &Block,
+    cells: &CellBox,
+    distance: f64,
+    viewers: &[IVec3],
+) -> Option<f64> {
     let cell = grid.cell_size();
     let dims = grid.dims().as_dvec3();
     let limit = (dims.x / GRID_PARTS).hypot(dims.y / GRID_PARTS) * cell;
@@ -111,9 +117,8 @@ fn slack_between_viewers(grid: &Grid, bounds: &Block, distance: f64, viewers: &[
     if slack.is_nan() || slack < 0.0 {
         return None;
     }
-    let (lo, hi) = grid.cover(bounds.min, bounds.max);
     for &viewer in viewers {
-        let gap = (lo - viewer).max(viewer - hi).max_element();
+        let gap = (cells.lo - viewer).max(viewer - cells.hi).max_element();
         if gap <= 0 {
             return None;
         }

@@ -4,6 +4,7 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
+use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
@@ -83,14 +84,25 @@ impl FaceBuffer {
         })
     }
 
-    /// Whether nothing was drawn in the tile of a direction, and no occluder is listed there.
-    #[inline]
-    pub(crate) fn is_clear(&self, u: f64, v: f64) -> bool {
-        let Some((x, y)) = self.window.pixel_at(u, v).filter(|_| self.active) else { return false };
-        let bin = self.occluders.index(x, y);
-        self.coverage.is_untouched(self.window.tile_index(x / TILE, y / TILE))
-            && self.occluders.list(bin).is_empty()
-            && self.patches.list(bin).is_empty()
+    /// Tells row by row which squares of tiles, those of the lists of occluders, are such that
+    /// nothing was drawn in them. Returns the first tile of the first square, and how many squares
+    /// there are along each axis.
+    pub(crate) fn squares(&self, mut found: impl FnMut(bool)) -> ((i64, i64), (i64, i64)) {
+        let ((nx, ny), (tx, ty)) = (self.window.tile_count(), self.window.first_tile());
+        let count = ((nx - 1) / BIN + 1, (ny - 1) / BIN + 1);
+        for by in 0..count.1 {
+            for bx in 0..count.0 {
+                let (x, y) = (tx + bx * BIN, ty + by * BIN);
+                let bin = self.occluders.index(x * TILE, y * TILE);
+                let tiles = (y..(y + BIN).min(ty + ny))
+                    .flat_map(|ty| (x..(x + BIN).min(tx + nx)).map(move |tx| (tx, ty)));
+                found(
+                    self.occluders.list(bin).is_empty() && self.patches.list(bin).is_empty() && { tiles }
+                        .all(|(x, y)| self.coverage.is_untouched(self.window.tile_index(x, y))),
+                );
+            }
+        }
+        ((tx, ty), count)
     }
 
     /// Whether a point, in coordinates of the face, lies in a pixel that does not hide it.

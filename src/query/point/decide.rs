@@ -24,6 +24,9 @@ impl Walk<'_> {
             candidates.drain(..).for_each(|candidate| self.pvs.push(candidate.id));
         } else {
             let mut movers = std::mem::take(&mut self.scratch.movers);
+            if !movers.is_empty() {
+                self.scratch.buffers.read_clear();
+            }
             let mut waiting = movers.drain(..).peekable();
             for (at, candidate) in candidates.drain(..).enumerate() {
                 while let Some(mover) = waiting.next_if(|mover| mover.is_before(at)) {

@@ -103,6 +103,7 @@ impl<'a> Walk<'a> {
         let grid = scene.grid().bricks();
         let starts = Starts::of(scene, view);
         let around = Shells::around_eye(&grid, view, Start::Eye);
+        scratch.frustum.begin(view, &grid);
         Self {
             scene,
             view,

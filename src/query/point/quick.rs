@@ -7,13 +7,15 @@
 //! ([`QuickBoxes`](crate::scene::QuickBoxes)).
 
 use casca_slots::{Id, Slot};
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3A};
+use smallvec::SmallVec;
 
-use crate::geometry::Block;
+use crate::grid::Grid;
 use crate::id::ObjectId;
 use crate::occlusion::examine::Budget;
 use crate::query::point::Walk;
 use crate::query::point::scratch::Candidate;
+use crate::view::View;
 
 /// A small moving object whose brick is in sight.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +32,34 @@ impl Mover {
     /// Whether it was found before another candidate of such a place.
     pub(super) fn is_before(&self, place: usize) -> bool {
         self.after as usize <= place
+    }
+}
+
+/// The frustum as it is compared with the bricks around a brick, all 3x3x3 of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Frustum {
+    /// Half the edge length of the bricks together.
+    half: f64,
+    /// How far from its place the eye may be.
+    near: f64,
+    /// The bricks lie inside of a plane if the coordinate of their middle along its normal is not
+    /// less than this.
+    planes: SmallVec<[(DVec3, f64); 6]>,
+}
+
+impl Frustum {
+    /// For a view of a grid of bricks.
+    pub(super) fn begin(&mut self, view: &View, bricks: &Grid) {
+        let half = 1.5 * bricks.cell_size();
+        let corners = bricks.min().abs().max(bricks.max().abs());
+        let largest = corners.max_element() + half;
+        self.half = half;
+        self.near = view.eye_room();
+        self.planes.clear();
+        self.planes.extend(view.planes.iter().map(|plane| {
+            let across = half * plane.normal.abs().element_sum();
+            (plane.normal, across + 2.0 * plane.margin(largest) - plane.offset)
+        }));
     }
 }
 
@@ -68,11 +98,13 @@ impl Walk<'_> {
 
     /// Where the objects listed in a brick are: in it or in those beside it, since they may have
     /// moved by a brick since they were listed. `None` near the eye.
+    #[inline]
     fn border(&self, brick: IVec3) -> Option<Border> {
-        let around = Block::new(self.grid.range_bounds(brick - 1, brick + 1));
-        let is_near =
-            self.view.eye().is_some_and(|eye| around.grown(self.view.eye_room()).contains_point(eye));
-        let inside = self.view.planes.iter().all(|plane| around.is_inside(plane));
+        let Frustum { half, planes, near } = &self.scratch.frustum;
+        let (min, max) = self.grid.cell_bounds(brick);
+        let middle = (min + max) * 0.5;
+        let is_near = self.view.eye().is_some_and(|eye| (middle - eye).abs().max_element() <= half + near);
+        let inside = planes.iter().all(|(normal, least)| normal.dot(middle) >= *least);
         (!is_near).then_some(if inside { Border::Inside } else { Border::Crosses })
     }
 
@@ -81,7 +113,7 @@ impl Walk<'_> {
     pub(super) fn decide_mover(&mut self, mover: &Mover, left: &mut Budget) {
         let id = ObjectId(mover.id);
         let buffers = &self.scratch.buffers;
-        if buffers.is_clear(DVec3::from_array(mover.middle.map(f64::from)) - buffers.origin()) {
+        if buffers.is_clear(Vec3A::from_array(mover.middle) - buffers.origin().as_vec3a()) {
             self.stats.occlusion_tests += 1;
             self.pvs.push(id);
             return;

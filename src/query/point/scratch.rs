@@ -13,7 +13,7 @@ use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
 use crate::query::point::offered::Offered;
-use crate::query::point::quick::Mover;
+use crate::query::point::quick::{Frustum, Mover};
 use crate::query::point::recall::Coherence;
 use crate::view::View;
 
@@ -73,6 +73,7 @@ pub(crate) struct PointScratch {
     pub(super) candidates: Vec<Candidate>,
     /// Small moving objects whose bricks are in sight.
     pub(super) movers: Vec<Mover>,
+    pub(super) frustum: Frustum,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
     pub(super) waiting: Vec<Waiting>,
     /// For each patch of the scene, how it was drawn last.

@@ -72,7 +72,7 @@ pub enum Form {
 }
 
 /// How many meshes are known.
-pub const BASES: u8 = 7;
+pub const BASES: u8 = 8;
 
 /// The first so many of them are closed.
 pub const CLOSED_BASES: u8 = 4;
@@ -119,7 +119,13 @@ pub fn base(which: u8) -> (Vec<Vec3>, Vec<[u32; 3]>) {
             (flat, quads(&[[0, 1, 3, 2]]))
         }
         5 => (cube, quads(&sides[..5])),
-        _ => (vec![Vec3::NEG_X, Vec3::X, Vec3::Y], vec![[0, 1, 2]]),
+        6 => (vec![Vec3::NEG_X, Vec3::X, Vec3::Y], vec![[0, 1, 2]]),
+        _ => {
+            // Two triangles as far apart as they can be: bricks between them are empty.
+            let corner =
+                |at: f32| [Vec3::splat(at), Vec3::new(at, at, 0.9 * at), Vec3::new(at, 0.9 * at, at)];
+            (corner(-1.0).into_iter().chain(corner(1.0)).collect(), vec![[0, 1, 2], [3, 4, 5]])
+        }
     }
 }
 
