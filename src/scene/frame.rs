@@ -1,6 +1,5 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
-use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;

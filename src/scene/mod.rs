@@ -12,6 +12,8 @@
 //! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
 //!   report came. It is visible to every query and hides nothing.
 //!
+//! Most moves change nothing of that: [`rooms`] tells how far an object may go.
+//!
 //! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the
 //! grid, too large, or of unknown place - are in the set `always`, which every query tests. Those
 //! that reach out of the grid are in cells and in `overhang` ([`outer`]).
@@ -120,7 +122,8 @@ pub(crate) use quick::QuickBoxes;
 /// # Cost
 ///
 /// An object costs its record and the cells that it touches, a move the cells that it enters and
-/// leaves. A moving object that no view saw is put into a temporal bounding volume at the end of
+/// leaves; one of a small object that hides nothing costs a comparison while it stays in the same
+/// bricks of 8x8x8 cells, and some bricks else. A moving object that no view saw is put into a temporal bounding volume at the end of
 /// the frame: until it leaves that, its moves cost a comparison each, and queries do not look at
 /// it. [`Scene::memory`] tells the memory of all parts.
 ///

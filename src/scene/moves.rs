@@ -66,24 +66,31 @@ impl Scene {
         true
     }
 
-    /// Moves an object that is listed by bricks to others; false, without a change, for other
-    /// objects, and for bounds that are to be checked or may not be listed by bricks.
+    /// Moves an object that is listed by bricks to others, or tells where it is if its report is
+    /// overdue; false, without a change, for other objects, and for bounds that are to be checked
+    /// or may not be listed by bricks.
     #[inline(never)]
     pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((lower, upper)) = quick_box(bounds) else { return false };
-        let Some(object) = self.slots.find(id.0) else { return false };
+        let (slot, Some(object)) = (id.slot(), self.slots.find(id.0)) else { return false };
         let Some(old) = object.listed_in else { return false };
         // Numbers that are not finite are in no grid.
         let (min, max) = (lower.as_dvec3(), upper.as_dvec3());
         let new = BrickBox::around(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
         let Some(new) = new.filter(|_| !self.ids.is_by_cell()) else { return false };
+        let overdue = object.is_overdue();
         // The same bounds again are no change, also where a corner lies on the side of a room.
-        if object.placed.is_some() || object.is_unlocated() || object.bounds.same(bounds) {
+        if object.placed.is_some() || !overdue && (object.is_unlocated() || object.bounds.same(bounds)) {
             return false;
         }
-        self.exchange_bricks(id.slot(), old, new);
-        self.quick.replace(id.slot(), lower, upper);
-        let object = &mut self.slots[id.slot()];
+        if overdue {
+            self.locate(slot);
+        }
+        if !old.contains_all(&new) {
+            self.exchange_bricks(slot, old, new);
+        }
+        self.quick.replace(slot, lower, upper);
+        let object = &mut self.slots[slot];
         object.reported(self.now);
         object.moved = self.changes.moved();
         self.changes.changed();

@@ -81,6 +81,12 @@ impl BrickBox {
         self.corners().contains(brick)
     }
 
+    /// Whether others are among them.
+    pub(super) fn contains_all(&self, others: &Self) -> bool {
+        let CellBox { lo, hi } = others.corners();
+        self.contains(lo) && self.contains(hi)
+    }
+
     /// Their part of the grid as a box in world units.
     pub(super) fn block(&self, grid: &Grid) -> Block {
         let CellBox { lo, hi } = self.corners();

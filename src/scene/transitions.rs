@@ -144,7 +144,7 @@ impl Scene {
     }
 
     /// The place of an object is known again, or does not matter any more.
-    fn locate(&mut self, slot: Slot) {
+    pub(super) fn locate(&mut self, slot: Slot) {
         let object = &mut self.slots[slot];
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);

@@ -1,0 +1,262 @@
+//! Small moving objects, which are listed by bricks of cells and mostly reported by a comparison:
+//! whatever way they took, a query finds what it finds in a scene that they were inserted into
+//! where they are.
+
+use std::sync::Arc;
+
+use casca::internals::SceneInternals;
+use casca::{
+    Aabb, Bounds, Error, GridSpec, Instance, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, TriMesh,
+    View,
+};
+use glam::camera::rh::{proj::directx, view::look_to_mat4};
+use glam::{Affine3A, UVec3, Vec3};
+
+const SIZE: Vec3 = Vec3::new(40.0, 38.0, 44.0);
+const COUNT: usize = 300;
+const FRAMES: usize = 60;
+
+fn new_scene() -> Scene {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: SIZE.as_uvec3() }).unwrap();
+    for (min, max) in [((18.0, 0.0, 4.0), (20.0, 30.0, 40.0)), ((6.0, 8.0, 20.0), (18.0, 12.0, 21.5))] {
+        let wall = Aabb::new(min.into(), max.into());
+        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    }
+    // Boxes of opaque cells are found.
+    scene.begin_frame(0.0).unwrap();
+    scene
+}
+
+struct Dice(u32);
+
+impl Dice {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn point(&mut self, size: Vec3) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit()) * size
+    }
+}
+
+/// How an object is described and moved.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Ball,
+    Block,
+    /// A box that is placed by a transform.
+    Placed,
+    /// A triangle under a transform.
+    Leaf,
+}
+
+struct Mover {
+    id: Option<ObjectId>,
+    kind: Kind,
+    center: Vec3,
+    half: f32,
+}
+
+impl Mover {
+    fn transform(&self) -> Affine3A {
+        Affine3A::from_translation(self.center)
+    }
+
+    fn bounds(&self) -> Bounds {
+        match self.kind {
+            Kind::Ball => Sphere::new(self.center, self.half).into(),
+            _ => Aabb::from_center(self.center, Vec3::splat(self.half)).into(),
+        }
+    }
+
+    fn desc(&self, leaf: &Arc<TriMesh>) -> ObjectDesc {
+        match self.kind {
+            Kind::Ball | Kind::Block => ObjectDesc::dynamic(self.bounds()),
+            Kind::Placed => ObjectDesc::dynamic(Aabb::from_center(Vec3::ZERO, Vec3::splat(self.half)))
+                .placed(self.transform()),
+            Kind::Leaf => ObjectDesc::dynamic(Instance::new(leaf.clone(), self.transform()).unwrap()),
+        }
+    }
+
+    fn is_placed(&self) -> bool {
+        matches!(self.kind, Kind::Placed | Kind::Leaf)
+    }
+}
+
+fn movers(dice: &mut Dice) -> Vec<Mover> {
+    let kinds = [Kind::Ball, Kind::Block, Kind::Placed, Kind::Leaf];
+    (0..COUNT)
+        .map(|i| Mover {
+            id: None,
+            kind: kinds[i % 4],
+            center: dice.point(SIZE),
+            half: if i % 16 == 0 { 4.5 } else { 0.05 + dice.unit() },
+        })
+        .collect()
+}
+
+fn view(dice: &mut Dice) -> View {
+    let (eye, at) = (dice.point(SIZE), dice.point(SIZE));
+    let matrix = directx::perspective(1.1, 1.4, 0.05, 90.0)
+        * look_to_mat4(eye, (at - eye).normalize_or(Vec3::X), Vec3::new(0.1, 1.0, 0.05).normalize());
+    View::perspective(eye, matrix).unwrap()
+}
+
+/// Moves all objects: most by a step, some to anywhere, some beyond the grid.
+fn step(movers: &mut [Mover], dice: &mut Dice) {
+    for mover in movers {
+        let way = dice.point(Vec3::ONE) - 0.5;
+        mover.center = match dice.unit() {
+            d if d < 0.02 => dice.point(SIZE * 1.2) - SIZE * 0.1,
+            d if d < 0.3 => mover.center + way * 6.0,
+            d if d < 0.35 => mover.center.round(),
+            _ => mover.center + way * 0.3,
+        };
+    }
+}
+
+/// Plays `FRAMES` frames; `act` may change the scene after the reports of a frame.
+fn play(seed: u32, method: Method, mut act: impl FnMut(usize, &mut Scene, &mut Query)) -> (usize, usize) {
+    let mut dice = Dice(seed);
+    let leaf = Arc::new(TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).unwrap());
+    let mut movers = movers(&mut dice);
+    let mut scene = new_scene();
+    for mover in &mut movers {
+        mover.id = Some(scene.insert(mover.desc(&leaf)).unwrap());
+    }
+    let (mut query, mut found, mut extra) = (Query::with_method(method).unwrap(), 0, 0);
+    for frame in 0..FRAMES {
+        scene.begin_frame(frame as f64 / 60.0).unwrap();
+        step(&mut movers, &mut dice);
+        let id = |mover: &Mover| mover.id.unwrap();
+        let plain = movers.iter().filter(|m| !m.is_placed()).map(|m| (id(m), m.bounds()));
+        let placed = movers.iter().filter(|m| m.is_placed()).map(|m| (id(m), m.transform()));
+        scene.update_many(plain).unwrap();
+        scene.set_transforms(placed).unwrap();
+        act(frame, &mut scene, &mut query);
+        let mut afresh = new_scene();
+        let ids: Vec<_> = movers.iter().map(|m| afresh.insert(m.desc(&leaf)).unwrap()).collect();
+        let view = view(&mut dice);
+        let pvs = query.run(&scene, &view);
+        let mut other = Query::with_method(method).unwrap();
+        let expected = other.run(&afresh, &view);
+        for (mover, new) in movers.iter().zip(ids) {
+            let (here, there) = (pvs.contains(id(mover)), expected.contains(new));
+            assert!(here || !there, "frame {frame}: an object at {} is lost", mover.center);
+            found += usize::from(there);
+            extra += usize::from(here && !there);
+        }
+    }
+    (found, extra)
+}
+
+#[test]
+fn after_any_way_a_query_finds_what_it_finds_afresh() {
+    for seed in [1, 2, 3] {
+        let (found, extra) = play(seed, Method::point(), |_, _, _| ());
+        assert!(found > 20 * FRAMES && extra * 200 <= found, "{found} {extra}");
+    }
+}
+
+#[test]
+fn objects_listed_by_bricks_are_found_by_cell_from_whenever_they_are_asked_for() {
+    let (found, extra) = play(4, Method::cell(), |_, _, _| ());
+    assert!(found > 20 * FRAMES && extra == 0, "{extra}");
+    // Listed by bricks for half of the frames.
+    let listed = |frame: usize, scene: &mut Scene, _: &mut Query| {
+        if frame == FRAMES / 2 {
+            Query::with_method(Method::cell())
+                .unwrap()
+                .run(scene, &View::omnidirectional(SIZE * 0.3).unwrap());
+        }
+    };
+    let (found, extra) = play(5, Method::point(), listed);
+    assert!(found > 20 * FRAMES && extra * 200 <= found, "{found} {extra}");
+}
+
+#[test]
+fn clones_and_other_origins_keep_their_own_lists() {
+    let act = |frame: usize, scene: &mut Scene, _: &mut Query| {
+        if frame % 7 == 3 {
+            // The clone goes on, and what happens to the original does not matter.
+            let clone = scene.clone();
+            scene.clear();
+            *scene = clone;
+        }
+        if frame % 9 == 4 {
+            let by = Vec3::new(8.0, -16.0, 3.5);
+            scene.shift_origin(by).unwrap();
+            scene.shift_origin(-by).unwrap();
+        }
+    };
+    let (found, extra) = play(6, Method::point(), act);
+    assert!(found > 20 * FRAMES && extra * 100 <= found, "{found} {extra}");
+}
+
+#[test]
+fn an_object_that_grows_inside_its_bricks_is_found_in_all_of_its_cells() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+    let ball = Sphere::new(Vec3::splat(12.0), 0.3);
+    let id = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
+    // It touches each cell of a brick now.
+    scene.update(id, Aabb::new(Vec3::splat(8.0), Vec3::splat(15.9)), None).unwrap();
+    let mut query = Query::with_method(Method::cell()).unwrap();
+    assert!(query.run(&scene, &View::omnidirectional(Vec3::splat(20.5)).unwrap()).contains(id));
+    scene.update(id, Sphere::new(Vec3::new(4.0, 20.0, 12.0), 0.3), None).unwrap();
+    assert!(query.run(&scene, &View::omnidirectional(Vec3::splat(20.5)).unwrap()).contains(id));
+    scene.remove(id).unwrap();
+    assert_eq!(scene.id_matrix().entries(), 0);
+}
+
+#[test]
+fn the_same_report_again_keeps_results() {
+    let mut scene = new_scene();
+    // Corners in the middle of a brick, on a lower side and on an upper side of one.
+    let boxes = [9.5, 8.0, 14.5].map(|x| Aabb::new(Vec3::new(x, 3.0, 3.0), Vec3::new(x + 1.5, 4.0, 4.0)));
+    let ids = boxes.map(|b| scene.insert(ObjectDesc::dynamic(b)).unwrap());
+    let view = View::omnidirectional(Vec3::splat(2.5)).unwrap();
+    let mut query = Query::new();
+    query.run(&scene, &view);
+    for _ in 0..2 {
+        scene.update_many(ids.into_iter().zip(boxes)).unwrap();
+        assert!(query.pvs().is_valid_for(&scene, &view));
+    }
+    scene.update(ids[0], Aabb { max: boxes[0].max + 0.01, ..boxes[0] }, None).unwrap();
+    assert!(!query.pvs().is_valid_for(&scene, &view));
+}
+
+#[test]
+fn moves_that_are_refused_change_nothing_and_stop_no_others() {
+    let mut scene = new_scene();
+    let ball = |x: f32, r: f32| Sphere::new(Vec3::new(x, 5.0, 5.0), r);
+    let ids: Vec<_> =
+        (0..6).map(|i| scene.insert(ObjectDesc::dynamic(ball(i as f32 + 2.0, 0.2))).unwrap()).collect();
+    let foreign = new_scene().insert(ObjectDesc::dynamic(ball(3.0, 0.2))).unwrap();
+    scene.remove(ids[4]).unwrap();
+    let refused = [
+        (ids[0], ball(f32::NAN, 0.2).into()),
+        (ids[1], ball(3.1, -1e-9).into()),
+        (ids[2], Bounds::from(Aabb::new(Vec3::splat(5.0), Vec3::splat(4.9)))),
+        (foreign, ball(3.1, 0.2).into()),
+        (ids[4], ball(6.1, 0.2).into()),
+    ];
+    for (id, bounds) in refused {
+        let moves = [(id, bounds), (ids[5], ball(7.5, 0.2).into())];
+        scene.update(ids[5], ball(7.0, 0.2), None).unwrap();
+        let (who, why) = scene.update_many(moves).unwrap_err();
+        assert_eq!(who, id);
+        assert!(matches!(
+            why,
+            Error::NotFinite { .. }
+                | Error::Negative { .. }
+                | Error::InvertedBox { .. }
+                | Error::UnknownObject(_)
+        ));
+        assert_eq!(scene.bounds(ids[5]).unwrap().aabb(), Bounds::from(ball(7.5, 0.2)).aabb());
+    }
+    assert_eq!(scene.set_transforms([(ids[0], Affine3A::IDENTITY)]), Err((ids[0], Error::NotPlaced(ids[0]))));
+    for (i, &id) in ids.iter().enumerate().take(3) {
+        assert_eq!(scene.bounds(id).unwrap().aabb(), Bounds::from(ball(i as f32 + 2.0, 0.2)).aabb());
+    }
+}
