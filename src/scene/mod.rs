@@ -123,9 +123,10 @@ pub(crate) use quick::QuickBoxes;
 ///
 /// An object costs its record and the cells that it touches, a move the cells that it enters and
 /// leaves; one of a small object that hides nothing costs a comparison while it stays in the same
-/// bricks of 8x8x8 cells, and some bricks else. A moving object that no view saw is put into a temporal bounding volume at the end of
-/// the frame: until it leaves that, its moves cost a comparison each, and queries do not look at
-/// it. [`Scene::memory`] tells the memory of all parts.
+/// bricks of 8x8x8 cells, and those bricks that it enters and leaves else. A moving object that no
+/// view saw is put into a temporal bounding volume at the end of the frame: until it leaves that,
+/// its moves cost a comparison each, and queries do not look at it. [`Scene::memory`] tells the
+/// memory of all parts.
 ///
 /// # Guarantees
 ///

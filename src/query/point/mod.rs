@@ -12,6 +12,7 @@ mod coherence;
 mod decide;
 mod drawables;
 pub(crate) mod follow;
+mod mover;
 mod objects;
 mod occluders;
 pub(crate) mod offered;

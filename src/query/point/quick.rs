@@ -6,62 +6,14 @@
 //! them. None of that looks at the object itself, only at its entry in the array of boxes
 //! ([`QuickBoxes`](crate::scene::QuickBoxes)).
 
-use casca_slots::{Id, Slot};
-use glam::{DVec3, IVec3, Vec3A};
-use smallvec::SmallVec;
+use casca_slots::Slot;
+use glam::{IVec3, Vec3A};
 
-use crate::grid::Grid;
 use crate::id::ObjectId;
 use crate::occlusion::examine::Budget;
 use crate::query::point::Walk;
+use crate::query::point::mover::{Frustum, Mover};
 use crate::query::point::scratch::Candidate;
-use crate::view::View;
-
-/// A small moving object whose brick is in sight.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Mover {
-    id: Id,
-    /// How many other candidates were found before.
-    after: u32,
-    /// The middle of its box. Rounding may take it out of the object by as much as single precision
-    /// tells: a point that is seen only leaves an object in the set.
-    middle: [f32; 3],
-}
-
-impl Mover {
-    /// Whether it was found before another candidate of such a place.
-    pub(super) fn is_before(&self, place: usize) -> bool {
-        self.after as usize <= place
-    }
-}
-
-/// The frustum as it is compared with the bricks around a brick, all 3x3x3 of them.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Frustum {
-    /// Half the edge length of the bricks together.
-    half: f64,
-    /// How far from its place the eye may be.
-    near: f64,
-    /// The bricks lie inside of a plane if the coordinate of their middle along its normal is not
-    /// less than this.
-    planes: SmallVec<[(DVec3, f64); 6]>,
-}
-
-impl Frustum {
-    /// For a view of a grid of bricks.
-    pub(super) fn begin(&mut self, view: &View, bricks: &Grid) {
-        let half = 1.5 * bricks.cell_size();
-        let corners = bricks.min().abs().max(bricks.max().abs());
-        let largest = corners.max_element() + half;
-        self.half = half;
-        self.near = view.eye_room();
-        self.planes.clear();
-        self.planes.extend(view.planes.iter().map(|plane| {
-            let across = half * plane.normal.abs().element_sum();
-            (plane.normal, across + 2.0 * plane.margin(largest) - plane.offset)
-        }));
-    }
-}
 
 /// What a brick tells of the frustum about the objects that are listed in it.
 #[derive(Clone, Copy, PartialEq, Eq)]

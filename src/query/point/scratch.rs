@@ -12,8 +12,8 @@ use crate::occlusion::magnify::Magnifier;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
+use crate::query::point::mover::{Frustum, Mover};
 use crate::query::point::offered::Offered;
-use crate::query::point::quick::{Frustum, Mover};
 use crate::query::point::recall::Coherence;
 use crate::view::View;
 
