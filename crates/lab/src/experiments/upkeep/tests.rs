@@ -1,7 +1,8 @@
 use super::*;
 use glam::Vec3;
 
-const SMALL: Sampling = Sampling { settle: 5, frames: 4, judged: 4, width: 640, patience: f64::INFINITY };
+const SMALL: Sampling =
+    Sampling { settle: 5, steady: 2, frames: 4, judged: 4, width: 640, patience: f64::INFINITY };
 
 #[test]
 fn all_structures_find_what_the_array_finds_and_the_library_all_that_is_visible() {
