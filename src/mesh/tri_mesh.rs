@@ -15,7 +15,7 @@ use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{MeshOptions, Progress};
-use crate::mesh::shell::{Shells, open_shells};
+use crate::mesh::shell::{Shells, may_have_shells, open_shells};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
@@ -201,16 +201,18 @@ impl TriMesh {
             },
         );
         let surface = surface?;
-        drop(welded);
+        let Welded { first, .. } = welded;
         progress.tell(1.0)?;
-        Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
+        let flags = (topology, how.occludes);
+        Ok(Self::from_prepared(positions, triangles, &first, bounds, flags, surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says
-    /// whether it hides others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. `first` names
+    /// the first position that is equal to each; the flag says whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
+        first: &[u32],
         bounds: Aabb,
         (topology, occludes): (Topology, bool),
         mut surface: Surface,
@@ -229,8 +231,8 @@ impl TriMesh {
             }
             _ => None,
         };
-        let shells = match occludes && !closed && !surface.front {
-            true => open_shells(&positions, &triangles),
+        let shells = match occludes && !closed && !surface.front && may_have_shells(&triangles) {
+            true => open_shells(&positions, &triangles, first),
             false => Shells::default(),
         };
         let middle = middle_of(&parts);

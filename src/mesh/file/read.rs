@@ -11,7 +11,7 @@ use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
     CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
-use crate::mesh::surface::{Patch, PatchIndex, Side, Surface, Topology, slack};
+use crate::mesh::surface::{Patch, PatchIndex, Side, Surface, Topology, first_of_equals, slack};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
 use crate::shape::convex::Convex;
@@ -91,13 +91,14 @@ impl Contents<'_> {
         let Some(bounds) = Aabb::from_points(corners) else {
             return Err(self.broken(0, "is missing: a mesh has at least one"));
         };
+        let first = first_of_equals(&positions);
         let flags = self.section(FLAGS, 3, |c, i| {
             c.check(i, i == 0, "is one too many")?;
             let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.flag(i)?);
             c.check(i, occludes || !front, "hides from its front, though the mesh occludes nothing")?;
             // Only a mesh that is closed can have opaque cells.
             let topology = match closed {
-                true => Topology::of(&positions, &triangles),
+                true => Topology::of(&positions, &triangles, &first),
                 false => Topology { closed: false, alike: false },
             };
             c.check(i, topology.closed == closed, "says that the mesh is closed, which it is not")?;
@@ -111,7 +112,8 @@ impl Contents<'_> {
         self.section = SIDES;
         self.check(0, empty, "is one too many: the mesh occludes nothing")?;
         let parts = self.parts(bounds)?;
-        Ok(TriMesh::from_prepared(positions, triangles, bounds, (topology, occludes), surface, parts))
+        let flags = (topology, occludes);
+        Ok(TriMesh::from_prepared(positions, triangles, &first, bounds, flags, surface, parts))
     }
 
     fn surface(&mut self, bounds: Aabb, front: bool) -> Result<Surface, FileError> {

@@ -17,6 +17,7 @@
 
 mod build;
 mod chain;
+mod equal;
 mod facets;
 mod gap;
 mod gather;
@@ -30,6 +31,7 @@ mod split;
 mod tree;
 mod weld;
 
+pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
 pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use position::key;
