@@ -45,7 +45,8 @@ pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u
     let mut start = 0;
     for end in ends {
         let piece = &order[std::mem::replace(&mut start, end)..end];
-        if piece.len() > 2 * MAX_CONVEX {
+        // One or two triangles hold nothing, with a lid that is flat.
+        if !(3..=2 * MAX_CONVEX).contains(&piece.len()) {
             continue;
         }
         let Some(lid) = lid(piece, positions) else { continue };

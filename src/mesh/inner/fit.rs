@@ -2,6 +2,7 @@
 //! much room is left.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
@@ -51,8 +52,11 @@ impl Fit {
     }
 }
 
-/// A number for each direction.
+/// A number for each direction; those beyond the last one are of no use.
 type Row = [f32; MOST];
+
+/// As many numbers are compared at once.
+const LANES: usize = 8;
 
 /// How far triangles lie from the origin, along each direction.
 struct Extents {
@@ -90,14 +94,15 @@ impl Extents {
     /// The direction in which a triangle takes the least share of the offset, and the share that is
     /// left.
     fn best(&self, row: &Row, offsets: &Row) -> (usize, f32) {
-        let mut best = (0, f32::NEG_INFINITY);
-        for i in 0..self.count {
-            let share = row[i] / offsets[i];
-            if share > best.1 {
-                best = (i, share);
-            }
+        let shares: Row = std::array::from_fn(|i| row[i] / offsets[i]);
+        let mut most = [f32::NEG_INFINITY; LANES];
+        let (whole, rest) = shares[..self.count].as_chunks::<LANES>();
+        for chunk in whole {
+            most = std::array::from_fn(|i| greater(chunk[i], most[i]));
         }
-        best
+        let best = most.iter().chain(rest).fold(f32::NEG_INFINITY, |most, &share| greater(share, most));
+        let at = shares[..self.count].iter().position(|&share| share == best && share > f32::NEG_INFINITY);
+        (at.unwrap_or(0), best)
     }
 
     /// Offsets of planes such that each triangle lies beyond one; `None` if that leaves no room
@@ -122,32 +127,67 @@ impl Extents {
 
     /// Moves each plane outwards as far as the others allow.
     fn widen(&self, offsets: &mut Row) {
-        let beyond = |row: &Row, offsets: &Row| {
-            (0..self.count).fold(0u32, |bits, i| bits | u32::from(row[i] >= offsets[i]) << i)
-        };
-        let mut sides: Vec<u32> = self.least.iter().map(|row| beyond(row, offsets)).collect();
+        // The extents along each direction, one after another.
+        let triangles = self.least.len();
+        let columns: Vec<f32> = (0..self.count).flat_map(|i| self.least.iter().map(move |row| row[i])).collect();
+        let column = |i: usize| &columns[i * triangles..][..triangles];
+        // The planes that each triangle lies beyond, as bits.
+        let mut sides = vec![0u32; triangles];
+        for (i, offset) in offsets[..self.count].iter().enumerate() {
+            for (extent, sides) in column(i).iter().zip(&mut sides) {
+                *sides |= u32::from(extent >= offset) << i;
+            }
+        }
         for i in (0..SWEEPS).flat_map(|_| 0..self.count) {
-            let needed = self.least.iter().zip(&sides).filter(|(_, sides)| **sides & !(1 << i) == 0);
-            offsets[i] = needed.fold(self.greatest[i], |least, (row, _)| lesser(least, row[i]));
-            for (row, sides) in self.least.iter().zip(&mut sides) {
-                *sides = *sides & !(1 << i) | u32::from(row[i] >= offsets[i]) << i;
+            let others = !(1u32 << i);
+            let mut least = [self.greatest[i]; LANES];
+            let mut find = |extents: &[f32], sides: &[u32]| {
+                for ((least, extent), sides) in least.iter_mut().zip(extents).zip(sides) {
+                    let extent = if sides & others == 0 { *extent } else { f32::INFINITY };
+                    *least = lesser(extent, *least);
+                }
+            };
+            let (extents, rest) = column(i).as_chunks::<LANES>();
+            let (own, other) = sides.as_chunks::<LANES>();
+            extents.iter().zip(own).for_each(|(extents, sides)| find(extents, sides));
+            find(rest, other);
+            let offset = least.into_iter().fold(self.greatest[i], lesser);
+            offsets[i] = offset;
+            for (extent, sides) in column(i).iter().zip(&mut sides) {
+                *sides = *sides & others | u32::from(*extent >= offset) << i;
             }
         }
     }
 }
 
+/// Directions in which the volume is measured: a spiral with equal steps of height (Vogel 1979).
+static SPIRAL: LazyLock<[DVec3; RAYS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let z = 1.0 - (2 * i + 1) as f64 / RAYS as f64;
+        let (sin, cos) = (i as f64 * (3.0 - 5f64.sqrt()) * PI).sin_cos();
+        DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z
+    })
+});
+
 /// About the volume and the middle of the solid between planes around the origin.
 fn measure(directions: &[DVec3], offsets: &[f32]) -> (f64, DVec3) {
     let (mut volume, mut moment) = (0.0, DVec3::ZERO);
     let share = 4.0 * PI / RAYS as f64;
-    for i in 0..RAYS {
-        // A spiral with equal steps of height (Vogel 1979).
-        let z = 1.0 - (2 * i + 1) as f64 / RAYS as f64;
-        let (sin, cos) = (i as f64 * (3.0 - 5f64.sqrt()) * PI).sin_cos();
-        let ray = DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z;
+    // Planes that are not there are far away.
+    let mut planes = [[0.0; MOST], [0.0; MOST], [0.0; MOST], [f64::INFINITY; MOST]];
+    for (i, (d, offset)) in directions.iter().zip(offsets).enumerate() {
+        (planes[0][i], planes[1][i], planes[2][i], planes[3][i]) = (d.x, d.y, d.z, f64::from(*offset));
+    }
+    let [x, y, z, far] = &planes;
+    for ray in SPIRAL.iter() {
         // The nearest plane that it passes, as one over the distance.
-        let nearness = directions.iter().zip(offsets).map(|(d, offset)| d.dot(ray) / f64::from(*offset));
-        let length = 1.0 / nearness.fold(0.0, f64::max);
+        let nearness: [f64; MOST] =
+            std::array::from_fn(|i| (x[i] * ray.x + y[i] * ray.y + z[i] * ray.z) / far[i]);
+        let mut most = [0.0; LANES];
+        for chunk in nearness.as_chunks::<LANES>().0 {
+            most = std::array::from_fn(|i| greater(chunk[i], most[i]));
+        }
+        let length = 1.0 / most.into_iter().fold(0.0, f64::max);
         volume += share * length.powi(3) / 3.0;
         moment += ray * (share * length.powi(4) / 4.0);
     }

@@ -11,7 +11,7 @@
 
 use std::collections::BinaryHeap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 use smallvec::{SmallVec, smallvec};
 
 use crate::error::Error;
@@ -23,6 +23,7 @@ use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::halves::{Item, halve, rank};
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
+use crate::numeric::lesser;
 use crate::numeric::mesh::{SINE, SLAB};
 
 /// A group grows until it is this many times as large as its first part.
@@ -90,13 +91,13 @@ struct Extent {
     cosine: f64,
     area: f64,
     slab: (f64, f64),
-    min: Vec3,
-    max: Vec3,
+    min: Vec3A,
+    max: Vec3A,
 }
 
 impl Extent {
     fn new(normal: DVec3) -> Self {
-        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         Self { normal, cosine: 1.0, area: 0.0, slab, min, max }
     }
 
@@ -105,20 +106,22 @@ impl Extent {
         for &(cross, length) in crosses {
             self.area += length;
             if length > 0.0 {
-                self.cosine = self.cosine.min(cross.dot(self.normal) / length);
+                self.cosine = lesser(cross.dot(self.normal) / length, self.cosine);
             }
         }
         let (mut lo, mut hi) = self.slab;
         for p in points {
             let along = self.normal.dot(p.as_dvec3());
             (lo, hi) = (if along < lo { along } else { lo }, if along > hi { along } else { hi });
-            (self.min, self.max) = (self.min.min(*p), self.max.max(*p));
+            let p = Vec3A::from(*p);
+            (self.min, self.max) = (self.min.min(p), self.max.max(p));
         }
         self.slab = (lo, hi);
     }
 
     fn node(self) -> Node {
         let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
+        let (min, max) = (Vec3::from(min), Vec3::from(max));
         let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
         let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
         let sine = (sine.min(1.0) as f32).next_up().min(1.0);
