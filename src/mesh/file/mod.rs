@@ -34,6 +34,15 @@ mod read;
 mod tests;
 mod write;
 
+use crate::mesh::tri_mesh::TriMesh;
+
+impl TriMesh {
+    /// A number that changes whenever [`TriMesh::prepare`] makes another mesh of the same triangles
+    /// and options, or [`TriMesh::write`] other bytes of it: a part of the names by which prepared
+    /// meshes are stored.
+    pub const PREPARATION: u32 = 1;
+}
+
 const MAGIC: [u8; 8] = *b"cascamsh";
 const VERSION: u32 = 3;
 
