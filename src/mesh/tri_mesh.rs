@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use crate::error::{Error, finite3};
 use crate::geometry::Aabb;
 use crate::grid::Grid;
+use crate::heap::in_arc;
 use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
@@ -89,7 +90,7 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// - One mesh for a whole level is one object, visible as soon as any part of it is. Cut it up.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
-    pub(crate) positions: Vec<Vec3>,
+    pub(crate) positions: Arc<[Vec3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) bounds: Aabb,
     pub(crate) closed: bool,
@@ -211,7 +212,7 @@ impl TriMesh {
     /// the first position that is equal to each; the flag says whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
-        triangles: Vec<[u32; 3]>,
+        mut triangles: Vec<[u32; 3]>,
         first: &[u32],
         bounds: Aabb,
         (topology, occludes): (Topology, bool),
@@ -236,6 +237,9 @@ impl TriMesh {
             false => Shells::default(),
         };
         let middle = middle_of(&parts);
+        let positions: Arc<[Vec3]> = positions.into();
+        surface.positions = positions.clone();
+        triangles.shrink_to_fit();
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self {
             positions,
@@ -284,7 +288,8 @@ impl TriMesh {
     /// Bytes on the heap. Some of them are taken only once they are
     /// needed: an index of the triangles, when it is first asked whether something lies inside.
     pub fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * size_of::<Vec3>()
+        in_arc::<[Vec3; 0]>()
+            + size_of_val(&*self.positions)
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.surface.bytes()
             + self.parts.capacity() * size_of::<Convex>()

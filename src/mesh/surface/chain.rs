@@ -5,6 +5,7 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
+use crate::mesh::surface::patch::EDGE;
 use crate::mesh::surface::position::key;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::mesh::SLACK;
@@ -15,9 +16,6 @@ const DEPTH: u32 = 4;
 
 /// Chains of up to this many points are cut at their farthest points only.
 const SHORT: u32 = 16;
-
-/// The number of a chain without points between its ends.
-pub(crate) const EDGE: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// How often each patch runs along an edge, in the edge's direction less against it.
 pub(crate) type Runs = SmallVec<[(u32, i32); 2]>;

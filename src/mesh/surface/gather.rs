@@ -6,11 +6,11 @@ use smallvec::SmallVec;
 use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
-use crate::mesh::surface::chain::{EDGE, Straight, lone_outline, lone_ring};
+use crate::mesh::surface::chain::{Straight, lone_outline, lone_ring};
 use crate::mesh::surface::groups::Border;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::index::PatchIndex;
-use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
+use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, Rules, Side, Surface, slack};
 use crate::mesh::surface::tree::{Node, Tree};
 use crate::mesh::surface::weld::Welded;
 
@@ -140,7 +140,6 @@ pub(crate) fn gather(
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
     surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
-    surface.open.reserve(3 * grown.lone as usize);
     let mut rings = Rings::default();
     let (mut outline, mut lone) = (Vec::new(), Vec::new());
     for (at, &node) in order.iter().enumerate() {
@@ -195,6 +194,7 @@ pub(crate) fn gather(
     }
     close_ranges(&mut surface.patches, &tree, &order);
     surface.find_group_outlines();
+    surface.shrink();
     Ok(surface)
 }
 
@@ -239,27 +239,24 @@ fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
 impl Surface {
     /// Appends the sides of a lone triangle.
     fn push_ring(&mut self, mesh: &Welded, ring: [u32; 3]) {
-        let [a, b, c] = ring.map(|v| mesh.positions[v as usize]);
-        let first = self.sides.len() as u32;
-        self.open.extend((first..).take(3).map(|side| (side, EDGE)));
-        let side = |(from, to)| Side { from, to, slack: 0.0, twin: PatchIndex::NONE, opposite: false };
-        self.sides.extend([(a, b), (b, c), (c, a)].map(side));
+        let [a, b, c] = ring.map(|v| mesh.names[v as usize]);
+        self.sides.extend([[a, b], [b, c], [c, a]].map(|ends| Side::new(ends, 0.0, Beyond::Open)));
     }
 
     /// Appends a side of a patch: an edge, passed in its direction or against it.
     fn push_side(&mut self, mesh: &Welded, edge: &Straight, against: bool, beside: &Beside, patch: u32) {
-        let [from, to] = edge.ends.map(|v| mesh.positions[v as usize]);
-        let (from, to) = if against { (to, from) } else { (from, to) };
-        let (twin, opposite) = match *beside {
-            Beside::Two([p, q], opposite) => (if p == patch { q } else { p }, opposite),
-            Beside::One => {
-                self.open.push((self.sides.len() as u32, edge.chain));
-                (NONE, false)
+        let [a, b] = edge.ends.map(|v| mesh.names[v as usize]);
+        let beyond = match *beside {
+            Beside::Two([p, q], opposite) => {
+                Beyond::Patch(PatchIndex::new(if p == patch { q } else { p }), opposite)
             }
-            Beside::More => (NONE, false),
+            Beside::One => Beyond::Open,
+            Beside::More => Beyond::More,
         };
-        let twin = PatchIndex::new(twin);
+        if beyond == Beyond::Open && edge.chain != EDGE {
+            self.chains.push((self.sides.len() as u32, edge.chain));
+        }
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
-        self.sides.push(Side { from, to, slack, twin, opposite });
+        self.sides.push(Side::new(if against { [b, a] } else { [a, b] }, slack, beyond));
     }
 }

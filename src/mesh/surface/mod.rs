@@ -35,6 +35,6 @@ mod weld;
 
 pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
-pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
+pub(crate) use patch::{Beyond, EDGE, Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

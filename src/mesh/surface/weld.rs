@@ -54,6 +54,8 @@ pub(crate) struct Welded {
     pub(crate) topology: Topology,
     /// For each position given, the place of the first that is equal to it.
     pub(crate) first: Vec<u32>,
+    /// For each position here, the place of one that is equal to it among those given.
+    pub(crate) names: Vec<u32>,
 }
 
 /// How the triangles of a mesh share edges. Edges are told apart by position, and triangles with
@@ -76,12 +78,15 @@ impl Welded {
     /// `front` says whether they hide from their front only.
     pub(crate) fn closing(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Self {
         let first = first_of_equals(positions);
-        let (mut positions, mut triangles) = number(positions, triangles, &first);
+        let (mut names, mut triangles) = number(positions, triangles, &first);
+        let mut positions = at(positions, &names);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
         if gap > 0.0 {
             let joined = join(&positions, &triangles, gap, front);
-            (positions, triangles) = number(&positions, &joined, &first_of_equals(&positions));
+            let (kept, numbered) = number(&positions, &joined, &first_of_equals(&positions));
+            (positions, triangles) = (at(&positions, &kept), numbered);
+            names = at(&names, &kept);
             edges = edges_of(positions.len(), &triangles);
         }
         let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
@@ -101,7 +106,7 @@ impl Welded {
         if cut && drop_repeated(&mut triangles, &edges) {
             edges = edges_of(positions.len(), &triangles);
         }
-        Self { positions, triangles, edges, topology, first }
+        Self { positions, triangles, edges, topology, first, names }
     }
 
     pub(crate) fn corners(&self, triangle: usize) -> [DVec3; 3] {
@@ -159,8 +164,8 @@ impl Welded {
 impl Topology {
     /// `first` names the first position that is equal to each.
     pub(crate) fn of(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Self {
-        let (positions, triangles) = number(positions, triangles, first);
-        Self::new(&edges_of(positions.len(), &triangles))
+        let (names, triangles) = number(positions, triangles, first);
+        Self::new(&edges_of(names.len(), &triangles))
     }
 
     fn new(edges: &[Edge]) -> Self {
@@ -171,15 +176,16 @@ impl Topology {
 }
 
 /// Numbers positions in the order in which triangles name them, and leaves out triangles with two
-/// equal corners. `first` names the first position that is equal to each.
-fn number(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let mut welded: Vec<Vec3> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
+/// equal corners. `first` names the first position that is equal to each. Returns the place of each
+/// position, and the triangles.
+fn number(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut welded: Vec<u32> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
     let mut numbers = vec![NONE; positions.len()];
     let mut number = |v: u32| {
         let number = &mut numbers[first[v as usize] as usize];
         if *number == NONE {
             *number = welded.len() as u32;
-            welded.push(positions[v as usize]);
+            welded.push(v);
         }
         *number
     };
@@ -191,6 +197,11 @@ fn number(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> (Vec<Vec
         }
     }
     (welded, kept)
+}
+
+/// The entries at some places.
+fn at<T: Copy>(entries: &[T], places: &[u32]) -> Vec<T> {
+    places.iter().map(|&place| entries[place as usize]).collect()
 }
 
 /// The edges of triangles in order: sorted by the lesser vertex by counting, then those of each
