@@ -121,6 +121,12 @@ fn box_along(points: &[DVec3], axes: &DMat3) -> (DVec3, DVec3) {
 /// The corners of a face in a ring.
 type Ring = SmallVec<[u16; 12]>;
 
+/// The corners of a ring, each with the next one.
+fn pairs(ring: &[u16]) -> impl Iterator<Item = (u16, u16)> {
+    let next = ring.get(1..).unwrap_or(&[]).iter().chain(ring.first());
+    ring.iter().copied().zip(next.copied())
+}
+
 /// A convex solid as it is cut.
 struct Solid {
     /// The corners, and those that were cut off.
@@ -160,6 +166,7 @@ impl Solid {
     fn cut(&mut self, plane: HalfSpace, eps: f64) {
         let Self { vertices, faces } = self;
         let above: SmallVec<[f64; 64]> = vertices.iter().map(|v| plane.beyond(*v)).collect();
+        let above = above.as_slice();
         let out = |v: u16| above[usize::from(v)] > eps;
         let mut crossings: SmallVec<[([u16; 2], u16); 16]> = SmallVec::new();
         // The new face's edges, from corner to corner.
@@ -170,8 +177,7 @@ impl Solid {
             }
             let mut kept = Ring::new();
             let (mut leaves, mut enters) = (None, None);
-            for (i, &a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
+            for (a, b) in pairs(ring) {
                 if !out(a) {
                     kept.push(a);
                 }
@@ -223,20 +229,20 @@ impl Solid {
             }
         }
         vertices.shrink_to_fit();
-        let corners = |ring: &Ring, i: usize| {
-            let ends = [ring[i], ring[(i + 1) % ring.len()]];
-            ends.map(|v| usize::from(number[usize::from(v)]))
+        let edges_of = |ring| {
+            let number = |v: u16| usize::from(number[usize::from(v)]);
+            pairs(ring).map(move |(a, b)| (number(a), number(b)))
         };
         // The first face that runs along an edge, by its ends.
         let mut first = vec![NONE; vertices.len() * vertices.len()];
         for (f, (_, ring)) in self.faces.iter().enumerate().rev() {
-            for [a, b] in (0..ring.len()).map(|i| corners(ring, i)) {
+            for (a, b) in edges_of(ring) {
                 first[a * vertices.len() + b] = f as u16;
             }
         }
         let mut edges: Vec<[u16; 4]> = Vec::with_capacity(sides / 2);
         for ((_, ring), f) in self.faces.iter().zip(0u16..) {
-            for [a, b] in (0..ring.len()).map(|i| corners(ring, i)) {
+            for (a, b) in edges_of(ring) {
                 let g = first[b * vertices.len() + a];
                 if g != NONE && f < g {
                     edges.push([a as u16, b as u16, f, g]);

@@ -32,8 +32,8 @@ pub(crate) struct Shells {
     pub(crate) gap: f64,
 }
 
-/// The shells of a mesh. `first` names the first position that is equal to each. Costs the triangles
-/// times the corners of a shell.
+/// The shells of a mesh. `first` names the first position that is equal to each. Costs the
+/// triangles times the corners of a shell.
 pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Shells {
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize].as_dvec3());
     let area = |triangles: &[[u32; 3]]| -> f64 {

@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p casca-scenes --example preparation -- KIND [TRIANGLES] [RUNS]`
 //!
-//! A kind is `soup`, `ground`, `tiles`, `balls`, `rocks`, `boxes`, `boards`, `cones`, `houses`,
+//! A kind is `soup`, `ground`, `tiles`, `balls`, `boulders`, `boxes`, `boards`, `cones`, `houses`,
 //! `pieces`, or the name of a generated scene, whose meshes are prepared in world space. With
 //! `digest` as fourth word it prints a number that tells what was prepared from anything else.
 
@@ -38,7 +38,8 @@ fn ground(triangles: usize) -> Mesh {
     let n = ((triangles / 2) as f32).sqrt().round() as u32;
     let pitch = 320.0 / n as f32;
     let height = |x: f32, z: f32| {
-        let wave = |length: f32, turn: f32| 0.05 * length * ((x * turn.cos() + z * turn.sin()) / length * 6.3).sin();
+        let wave =
+            |length: f32, turn: f32| 0.05 * length * ((x * turn.cos() + z * turn.sin()) / length * 6.3).sin();
         (0..12).map(|i| wave(90.0 * 0.75f32.powi(i), i as f32 * 2.1)).sum::<f32>()
     };
     let vertex = |i: u32| {
@@ -155,9 +156,12 @@ fn meshes(kind: &str, n: usize) -> Vec<Mesh> {
             let ball = Mesh::ball(2);
             copies(n, dice, |_| ball.clone())
         }
-        "rocks" => copies(n, dice, rock),
+        "boulders" => copies(n, dice, rock),
         "boxes" => copies(n, dice, |_| Mesh::cuboid(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0))),
-        "boards" => copies(n, dice, |_| Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::ONE - Vec3::X], triangles: vec![[0, 1, 2], [0, 2, 3]] }),
+        "boards" => copies(n, dice, |_| Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::ONE - Vec3::X],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }),
         "cones" => copies(n, dice, |_| cone(12, 0.0, 3.0)),
         "houses" => copies(n, dice, |_| house()),
         "pieces" => copies(n, dice, |_| tree()),

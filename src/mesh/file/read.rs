@@ -166,12 +166,7 @@ impl Contents<'_> {
         Ok(surface)
     }
 
-    fn patches(
-        &mut self,
-        positions: &[Vec3],
-        bounds: Aabb,
-        sides: &[Side],
-    ) -> Result<Vec<Patch>, FileError> {
+    fn patches(&mut self, positions: &[Vec3], bounds: Aabb, sides: &[Side]) -> Result<Vec<Patch>, FileError> {
         let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
         let room = FILE_ROUNDING * largest;
         let mut first = 0u32;

@@ -124,8 +124,8 @@ pub(crate) fn simplify(mesh: &Welded, borders: &[BorderEdge], tolerance: f64) ->
     straight
 }
 
-/// The corners of a patch that is a lone triangle in the order of its outline, if that keeps all its
-/// edges: as [`lone_outline`], for most.
+/// The corners of a patch that is a lone triangle in the order of its outline, if that keeps all
+/// its edges: as [`lone_outline`], for most.
 pub(crate) fn lone_ring(mesh: &Welded, patches: &Patches, patch: u32, tolerance: f64) -> Option<[u32; 3]> {
     let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
     let mut ring = triangle;
@@ -199,9 +199,9 @@ fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
     let at = |i: usize| key(mesh.positions[chain[i] as usize]);
     let last = chain.len() - 1;
     let upwards = at(0) <= at(last);
-    (1..last).flat_map(|i| at(if upwards { i } else { last - i })).fold(EDGE, |h, word| {
-        (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29)
-    })
+    (1..last)
+        .flat_map(|i| at(if upwards { i } else { last - i }))
+        .fold(EDGE, |h, word| (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29))
 }
 
 #[cfg(test)]

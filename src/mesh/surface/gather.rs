@@ -48,8 +48,7 @@ impl Rings {
             });
             return;
         }
-        let (mut by_start, mut taken) =
-            (std::mem::take(&mut self.by_start), std::mem::take(&mut self.taken));
+        let (mut by_start, mut taken) = (std::mem::take(&mut self.by_start), std::mem::take(&mut self.taken));
         by_start.clear();
         by_start.extend(self.given.iter().zip(0..).map(|(edge, place)| (edge.1[0], place)));
         by_start.sort_unstable();

@@ -157,14 +157,14 @@ impl Surface {
     /// The sides with one patch only, and numbers that tell their chains apart.
     pub(crate) fn open(&self) -> impl Iterator<Item = (u32, u64)> {
         let mut chains = self.chains.as_slice();
-        self.sides.iter().zip(0u32..).filter(|(side, _)| side.is_open()).map(move |(_, number)| {
-            match chains.split_first() {
-                Some((&(side, chain), rest)) if side == number => {
-                    chains = rest;
-                    (number, chain)
-                }
-                _ => (number, EDGE),
+        self.sides.iter().zip(0u32..).filter(|(side, _)| side.is_open()).map(move |(_, number)| match chains
+            .split_first()
+        {
+            Some((&(side, chain), rest)) if side == number => {
+                chains = rest;
+                (number, chain)
             }
+            _ => (number, EDGE),
         })
     }
 

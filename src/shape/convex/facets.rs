@@ -33,8 +33,7 @@ struct Facets {
 impl Facets {
     /// Adds the facet of the triangles and corners from these places on.
     fn close(&mut self, triangles: usize, ring: usize) {
-        self.all
-            .push(Facet { triangles: triangles..self.triangles.len(), ring: ring..self.rings.len() });
+        self.all.push(Facet { triangles: triangles..self.triangles.len(), ring: ring..self.rings.len() });
     }
 
     /// Each triangle by itself.
@@ -51,7 +50,8 @@ impl Facets {
     /// The corners of a facet, each with the next one.
     fn ring(&self, facet: &Facet) -> impl Iterator<Item = (usize, usize)> {
         let ring = &self.rings[facet.ring.clone()];
-        ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
+        let next = ring.get(1..).unwrap_or(&[]).iter().chain(ring.first());
+        ring.iter().copied().zip(next.copied())
     }
 }
 
@@ -191,7 +191,8 @@ fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &Facets) -> Opt
     let middle = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
     let mut faces = Vec::with_capacity(facets.all.len());
     for facet in &facets.all {
-        let own = || facets.triangles[facet.triangles.clone()].iter().map(|&t| triangles[t].map(|i| points[i]));
+        let own =
+            || facets.triangles[facet.triangles.clone()].iter().map(|&t| triangles[t].map(|i| points[i]));
         let n = own().map(|[a, b, c]| (b - a).cross(c - a)).sum::<DVec3>().normalize_or_zero();
         let least = own().flatten().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
         let h = lowered(least, largest);

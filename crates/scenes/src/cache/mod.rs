@@ -190,7 +190,8 @@ impl MeshCache {
             && mesh.positions().iter().map(bits).eq(positions.iter().map(bits));
         if same && self.limit < u64::MAX {
             // Where that fails, it goes earlier than it needed to.
-            let _ = OpenOptions::new().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
+            let _ =
+                OpenOptions::new().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
         }
         same.then_some(mesh)
     }

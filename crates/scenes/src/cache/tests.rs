@@ -41,7 +41,10 @@ fn meshes() -> Vec<Mesh> {
     cones.append(cone(5.0));
     let mut rock = Mesh::ball(3);
     rock.positions.iter_mut().for_each(|p| *p *= 1.0 + 0.2 * (p.x * 5.0).sin());
-    let board = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::NEG_Y * 0.0 + Vec3::Z], triangles: vec![[0, 1, 2]] };
+    let board = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::NEG_Y * 0.0 + Vec3::Z],
+        triangles: vec![[0, 1, 2]],
+    };
     vec![Mesh::ball(2), rock, Mesh::cuboid(Vec3::ZERO, Vec3::ONE), cones, board]
 }
 
