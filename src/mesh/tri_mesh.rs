@@ -71,8 +71,8 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 ///
 /// Preparation sorts the triangles a few times: one to two seconds for a million, once; half to
 /// four microseconds for each triangle of small meshes. A mesh takes 50 to 200 bytes a triangle,
-/// and those of a few triangles 0.5 to 3 kB ([`TriMesh::memory_bytes`]). A query draws it as patches
-/// of triangles that face nearly one way, by their outlines: large flat parts cost little, foliage
+/// and one of a few triangles 1 to 7 kB ([`TriMesh::memory_bytes`]). A query draws it as patches of
+/// triangles that face nearly one way, by their outlines: large flat parts cost little, foliage
 /// much.
 ///
 /// # Guarantees
