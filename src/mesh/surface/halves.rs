@@ -100,10 +100,9 @@ fn narrowed<const AXIS: usize>(mut all: &mut [Item], mut nth: usize) -> (&mut [I
         let pivot = sample[guess.min(SAMPLE - 1)];
         let mut low = 0;
         for at in 0..all.len() {
-            let own = all[at];
-            all[at] = all[low];
-            all[low] = own;
-            low += usize::from(own.middle[AXIS] < pivot);
+            let is_less = all[at].middle[AXIS] < pivot;
+            all.swap(at, low);
+            low += usize::from(is_less);
         }
         if low <= nth {
             all = &mut all[low..];

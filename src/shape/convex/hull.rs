@@ -218,5 +218,5 @@ fn first(points: &[DVec3], keep: f64) -> Option<[[usize; 3]; 4]> {
     let (b, c) = if sees(points, [a, b, c], points[d]) { (c, b) } else { (b, c) };
     // Exactly in one plane, whatever rounding said.
     let solid = thick && sees(points, [a, c, b], points[d]);
-    solid.then(|| [[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
+    solid.then_some([[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
 }
