@@ -7,6 +7,7 @@
 //! sides, lies behind all planes, inside the mesh.
 
 use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
 
 use crate::mesh::surface::key;
 use crate::numeric::mesh::{DENT, HULL_ROOM};
@@ -26,7 +27,10 @@ pub(super) fn convex_solid(
     if outward == 0.0 || triangles.len() > 4 * MAX_CONVEX {
         return None;
     }
-    let mut points: Vec<Vec3> = triangles.iter().flatten().map(|&v| positions[v as usize]).collect();
+    let mut vertices: SmallVec<[u32; 96]> = triangles.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut points: Vec<Vec3> = vertices.into_iter().map(|v| positions[v as usize]).collect();
     points.sort_unstable_by_key(|&p| key(p));
     points.dedup_by_key(|p| key(*p));
     if points.len() > MAX_CONVEX {

@@ -1,5 +1,6 @@
 //! Triangle meshes, prepared to be tested and to hide others.
 
+mod around;
 pub(crate) mod cells;
 mod convex;
 mod file;

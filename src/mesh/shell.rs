@@ -8,12 +8,10 @@
 //! meets it, somewhere within the hull of its corners. The part of a line that lies before the hull
 //! or beyond it meets the shell, too, if it passes the solid in between.
 
-use std::collections::BTreeMap;
-
 use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
 
 use crate::mesh::convex::convex_solid;
-use crate::mesh::surface::key;
 use crate::shape::{Convex, MAX_CONVEX};
 
 /// Shells of a mesh that are drawn, at most: the largest ones.
@@ -21,6 +19,9 @@ const MOST: usize = 8;
 
 /// Meshes of more triangles are not searched: leaves and hair.
 const MOST_TRIANGLES: usize = 1 << 14;
+
+/// No vertex.
+const NONE: u32 = u32::MAX;
 
 /// The shells of a mesh.
 #[derive(Debug, Clone, Default)]
@@ -31,27 +32,32 @@ pub(crate) struct Shells {
     pub(crate) gap: f64,
 }
 
-/// The shells of a mesh. Costs the triangles times the corners of a shell.
-pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]]) -> Shells {
-    if triangles.len() > MOST_TRIANGLES {
-        return Shells::default();
-    }
+/// The shells of a mesh. `first` names the first position that is equal to each. Costs the
+/// triangles times the corners of a shell.
+pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Shells {
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize].as_dvec3());
     let area = |triangles: &[[u32; 3]]| -> f64 {
         triangles.iter().map(corners).map(|[a, b, c]| (b - a).cross(c - a).length()).sum()
     };
     // Volume, area and solid.
     let mut shells: Vec<(f64, f64, Convex)> = Vec::new();
-    for piece in pieces(positions, triangles) {
-        if piece.len() > 2 * MAX_CONVEX {
+    let (order, ends) = pieces(triangles, first);
+    let mut start = 0;
+    for end in ends {
+        let piece = &order[std::mem::replace(&mut start, end)..end];
+        // One or two triangles hold nothing, with a lid that is flat.
+        if !(3..=2 * MAX_CONVEX).contains(&piece.len()) {
             continue;
         }
-        let Some(lid) = lid(&piece, positions) else { continue };
+        let Some(lid) = lid(piece, positions) else { continue };
         let closed: Vec<[u32; 3]> = piece.iter().chain(&lid.triangles).copied().collect();
         let volume: f64 = closed.iter().map(corners).map(|[a, b, c]| a.dot(b.cross(c))).sum();
         if let Some(solid) = convex_solid(positions, &closed, volume.signum(), lid.room) {
-            shells.push((solid.volume(), area(&piece), solid));
+            shells.push((solid.volume(), area(piece), solid));
         }
+    }
+    if shells.is_empty() {
+        return Shells { gap: 1.0, ..Shells::default() };
     }
     shells.sort_by(|a, b| b.0.total_cmp(&a.0));
     shells.truncate(MOST);
@@ -59,27 +65,51 @@ pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]]) -> Shells 
     Shells { solids: shells.into_iter().map(|shell| shell.2).collect(), gap: (1.0 - share).max(0.0) }
 }
 
-/// The connected pieces of a mesh, whose corners are numbered by position.
-fn pieces(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
-    let mut numbers: BTreeMap<[u32; 3], u32> = BTreeMap::new();
-    let mut number = |v: u32| *numbers.entry(key(positions[v as usize])).or_insert(v);
+/// Whether a mesh is searched for shells.
+pub(super) fn may_have_shells(triangles: &[[u32; 3]]) -> bool {
+    triangles.len() <= MOST_TRIANGLES
+}
+
+/// The triangles in connected pieces, whose corners are numbered by position, and where each piece
+/// ends.
+fn pieces(triangles: &[[u32; 3]], first: &[u32]) -> (Vec<[u32; 3]>, Vec<usize>) {
+    // The vertex that stands for those at its place: the first one that a triangle names.
+    let mut numbers = vec![NONE; first.len()];
+    let mut number = |v: u32| {
+        let number = &mut numbers[first[v as usize] as usize];
+        if *number == NONE {
+            *number = v;
+        }
+        *number
+    };
     let triangles: Vec<[u32; 3]> = triangles
         .iter()
         .map(|t| t.map(&mut number))
         .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
         .collect();
-    let mut parents: Vec<u32> = (0..positions.len() as u32).collect();
+    let mut parents: Vec<u32> = (0..first.len() as u32).collect();
     for &[a, b, c] in &triangles {
         for other in [b, c] {
             let (p, q) = (root(&mut parents, a), root(&mut parents, other));
             parents[p.max(q) as usize] = p.min(q);
         }
     }
-    let mut pieces: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
-    for t in triangles {
-        pieces.entry(root(&mut parents, t[0])).or_default().push(t);
+    let of: Vec<u32> = triangles.iter().map(|t| root(&mut parents, t[0])).collect();
+    let mut counts = vec![0usize; first.len()];
+    of.iter().for_each(|&piece| counts[piece as usize] += 1);
+    let (mut ends, mut reached) = (Vec::new(), 0);
+    for count in counts.iter_mut().filter(|count| **count > 0) {
+        let start = reached;
+        reached += std::mem::replace(count, start);
+        ends.push(reached);
     }
-    pieces.into_values().collect()
+    let mut order = vec![[0; 3]; triangles.len()];
+    for (t, &piece) in triangles.iter().zip(&of) {
+        let place = &mut counts[piece as usize];
+        order[*place] = *t;
+        *place += 1;
+    }
+    (order, ends)
 }
 
 fn root(parents: &mut [u32], mut v: u32) -> u32 {
@@ -101,28 +131,27 @@ struct Lid {
 /// The lid of a piece with one opening; `None` if it has none or several, or if its triangles are
 /// not wound alike.
 fn lid(piece: &[[u32; 3]], positions: &[Vec3]) -> Option<Lid> {
-    let mut edges: BTreeMap<(u32, u32), u32> = BTreeMap::new();
-    for &[a, b, c] in piece {
-        for edge in [(a, b), (b, c), (c, a)] {
-            if edges.insert(edge, 0).is_some() {
-                return None;
-            }
-        }
+    let mut edges: SmallVec<[(u32, u32); 96]> = SmallVec::new();
+    edges.extend(piece.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]));
+    edges.sort_unstable();
+    if edges.windows(2).any(|w| w[0] == w[1]) {
+        return None;
     }
     // The lid runs along the open edges in the other direction.
-    let mut after: BTreeMap<u32, u32> = BTreeMap::new();
-    for &(a, b) in edges.keys().filter(|&&(a, b)| !edges.contains_key(&(b, a))) {
-        if after.insert(b, a).is_some() {
-            return None;
-        }
+    let open = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err());
+    let mut after: SmallVec<[(u32, u32); 32]> = open.map(|&(a, b)| (b, a)).collect();
+    after.sort_unstable();
+    if after.windows(2).any(|w| w[0].0 == w[1].0) {
+        return None;
     }
-    let (&first, _) = after.first_key_value()?;
+    let &(first, mut next) = after.first()?;
     let mut ring = vec![first];
-    while let Some(&next) = after.get(&ring[ring.len() - 1]).filter(|&&next| next != first) {
+    while next != first {
         if ring.len() == after.len() {
             return None;
         }
         ring.push(next);
+        next = after[after.binary_search_by_key(&next, |edge| edge.0).ok()?].1;
     }
     if ring.len() != after.len() || ring.len() < 3 {
         return None;
@@ -144,7 +173,12 @@ fn lid(piece: &[[u32; 3]], positions: &[Vec3]) -> Option<Lid> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::surface::first_of_equals;
     use crate::random::Random;
+
+    fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]]) -> Shells {
+        super::open_shells(positions, triangles, &first_of_equals(positions))
+    }
 
     /// A cone of so many sides without its base.
     fn cone(sides: u32, radius: f32, low: f32, high: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {

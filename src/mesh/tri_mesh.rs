@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use crate::error::{Error, finite3};
 use crate::geometry::Aabb;
 use crate::grid::Grid;
+use crate::heap::in_arc;
 use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
@@ -15,7 +16,7 @@ use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{MeshOptions, Progress};
-use crate::mesh::shell::{Shells, open_shells};
+use crate::mesh::shell::{Shells, may_have_shells, open_shells};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
@@ -68,10 +69,11 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 ///
 /// # Cost
 ///
-/// Preparation sorts the triangles a few times: a second or two for a million, once. A mesh takes
-/// some dozens to hundreds of bytes a triangle ([`TriMesh::memory_bytes`]). A query draws it as
-/// patches of triangles that face nearly one way, by their outlines: large flat parts cost little,
-/// foliage much.
+/// Preparation sorts the triangles a few times: one to two seconds for a million, once; half to
+/// four microseconds for each triangle of small meshes. A mesh takes 50 to 200 bytes a triangle,
+/// and one of a few triangles 1 to 7 kB ([`TriMesh::memory_bytes`]). A query draws it as patches of
+/// triangles that face nearly one way, by their outlines: large flat parts cost little, foliage
+/// much.
 ///
 /// # Guarantees
 ///
@@ -89,7 +91,7 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// - One mesh for a whole level is one object, visible as soon as any part of it is. Cut it up.
 #[derive(Debug, Clone)]
 pub struct TriMesh {
-    pub(crate) positions: Vec<Vec3>,
+    pub(crate) positions: Arc<[Vec3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) bounds: Aabb,
     pub(crate) closed: bool,
@@ -115,7 +117,7 @@ impl TriMesh {
     /// Takes positions in world units and triangles as indices of three positions, and prepares
     /// them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
-    /// Costs a few sorts of the triangles: a second or two for a million.
+    /// Costs a few sorts of the triangles: one to two seconds for a million.
     ///
     /// # Errors
     /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and
@@ -201,16 +203,18 @@ impl TriMesh {
             },
         );
         let surface = surface?;
-        drop(welded);
+        let Welded { first, .. } = welded;
         progress.tell(1.0)?;
-        Ok(Self::from_prepared(positions, triangles, bounds, (topology, how.occludes), surface, parts))
+        let flags = (topology, how.occludes);
+        Ok(Self::from_prepared(positions, triangles, &first, bounds, flags, surface, parts))
     }
 
-    /// The mesh from its prepared parts; the rest of its fields follow from those. The flag says
-    /// whether it hides others.
+    /// The mesh from its prepared parts; the rest of its fields follow from those. `first` names
+    /// the first position that is equal to each; the flag says whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
-        triangles: Vec<[u32; 3]>,
+        mut triangles: Vec<[u32; 3]>,
+        first: &[u32],
         bounds: Aabb,
         (topology, occludes): (Topology, bool),
         mut surface: Surface,
@@ -229,11 +233,14 @@ impl TriMesh {
             }
             _ => None,
         };
-        let shells = match occludes && !closed && !surface.front {
-            true => open_shells(&positions, &triangles),
+        let shells = match occludes && !closed && !surface.front && may_have_shells(&triangles) {
+            true => open_shells(&positions, &triangles, first),
             false => Shells::default(),
         };
         let middle = middle_of(&parts);
+        let positions: Arc<[Vec3]> = positions.into();
+        surface.positions = positions.clone();
+        triangles.shrink_to_fit();
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self {
             positions,
@@ -282,7 +289,8 @@ impl TriMesh {
     /// Bytes on the heap. Some of them are taken only once they are
     /// needed: an index of the triangles, when it is first asked whether something lies inside.
     pub fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * size_of::<Vec3>()
+        in_arc::<[Vec3; 0]>()
+            + size_of_val(&*self.positions)
             + self.triangles.capacity() * size_of::<[u32; 3]>()
             + self.surface.bytes()
             + self.parts.capacity() * size_of::<Convex>()

@@ -36,6 +36,17 @@ pub(crate) const KEPT: f64 = 1e-6;
 /// is so thin that little of it is left between roundings.
 pub(crate) const MAX_PULL: f64 = 1e-3;
 
+/// The side of a plane through three points that a fourth one lies on, as a share of the sum of the
+/// magnitudes of all products.
+///
+/// The determinant of three differences errs by (7 + 56 2^-53) 2^-53 of it (Shewchuk 1997); twice
+/// as much leaves room for the rounding of that sum. Closer points are decided exactly.
+pub(crate) const ORIENTATION: f64 = 8.0 * f64::EPSILON;
+
+/// The same where products leave the range of normal numbers: 2^-1074 for each, times coordinates
+/// up to 2^129.
+pub(crate) const ORIENTATION_LEAST: f64 = 1e-270;
+
 /// Sums of four products by error-free transformations err by less than this share of the sum of
 /// their magnitudes, beyond one rounding (Ogita, Rump and Oishi 2005: (4 * 2^-53)^2 = 2^-102).
 pub(crate) const TWICE: f64 = 1.0 / (1u128 << 100) as f64;

@@ -10,6 +10,7 @@ use casca::{
 };
 use glam::{Affine3A, UVec3, Vec3};
 
+use crate::cache::MeshCache;
 use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// A scene of the library that follows a [`World`].
@@ -56,6 +57,7 @@ struct Shaper {
     users: HashMap<*const Mesh, Users>,
     sharing: Sharing,
     how: MeshOptions,
+    cache: Option<Arc<MeshCache>>,
 }
 
 /// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a
@@ -80,7 +82,7 @@ impl Shaper {
             }
         }
         let how = MeshOptions::default().tolerance(grid.cell * TOLERANCE);
-        Self { prepared: HashMap::new(), users, sharing, how }
+        Self { prepared: HashMap::new(), users, sharing, how, cache: None }
     }
 
     /// Whether an object is an instance of its mesh.
@@ -101,7 +103,7 @@ impl Shaper {
         // The tolerance is meant in world space.
         let scale = self.users.get(&key.0).map_or(0.0, |users| users.scale);
         how.tolerance = how.tolerance.map(|t| t / scale).filter(|t| t.is_finite());
-        let new = prepare(mesh.positions.clone(), mesh, how.occludes(occludes))?;
+        let new = self.prepare(mesh.positions.clone(), mesh, how.occludes(occludes))?;
         self.prepared.insert(key, (mesh.clone(), new.clone()));
         Ok(new)
     }
@@ -124,11 +126,20 @@ impl Shaper {
             Shape::Mesh { mesh, transform } => {
                 let positions: Vec<Vec3> =
                     mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-                let mesh = prepare(positions, mesh, self.how.occludes(object.occludes))?;
+                let mesh = self.prepare(positions, mesh, self.how.occludes(object.occludes))?;
                 (mesh.clone().into(), mesh.into())
             }
         };
         Ok((bounds, Some(occluder).filter(|_| object.occludes)))
+    }
+
+    fn prepare(&self, positions: Vec<Vec3>, mesh: &Mesh, how: MeshOptions) -> Result<Arc<TriMesh>, Error> {
+        let (triangles, go_on) = (mesh.triangles.clone(), &mut |_| ControlFlow::Continue(()));
+        let prepared = match &self.cache {
+            Some(cache) => cache.prepare(positions, triangles, &how, go_on),
+            None => TriMesh::prepare(positions, triangles, &how, go_on),
+        };
+        prepared.map(Arc::new)
     }
 
     fn describe(&mut self, object: &Object) -> Result<ObjectDesc, Error> {
@@ -166,11 +177,6 @@ pub fn view_of(camera: &Camera) -> Result<View, Error> {
     View::perspective(camera.eye, camera.view_projection())
 }
 
-fn prepare(positions: Vec<Vec3>, mesh: &Mesh, how: MeshOptions) -> Result<Arc<TriMesh>, Error> {
-    let go_on = &mut |_| ControlFlow::Continue(());
-    TriMesh::prepare(positions, mesh.triangles.clone(), &how, go_on).map(Arc::new)
-}
-
 impl Driver {
     /// Inserts every object of the world as it is now; `progress` is told
     /// the number inserted.
@@ -179,6 +185,20 @@ impl Driver {
     /// As [`Scene::new`] and [`Scene::insert`].
     pub fn new(world: &World, grid: &GridSpec, progress: impl FnMut(usize)) -> Result<Self, Error> {
         Self::with(&world.objects, grid, |_, desc| desc, progress)
+    }
+
+    /// As [`Driver::new`]; meshes are read from a cache if they are in it, and else written to it.
+    ///
+    /// # Errors
+    /// As [`Driver::new`].
+    pub fn cached(
+        world: &World,
+        grid: &GridSpec,
+        cache: Option<Arc<MeshCache>>,
+        progress: impl FnMut(usize),
+    ) -> Result<Self, Error> {
+        let shaper = Shaper { cache, ..Shaper::new(grid, &world.objects, Sharing::default()) };
+        Self::insert(&world.objects, shaper, grid, |_, desc| desc, progress)
     }
 
     /// As [`Driver::new`], with a choice about shared meshes.

@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `cascamsh` |
-//! | 4 | version, 3 |
+//! | 4 | version, 4 |
 //! | 8 | length of the contents |
 //! | | contents: the sections below, in this order |
 //! | 8 | checksum of all bytes before: FNV-1a of 64 bits |
@@ -17,7 +17,7 @@
 //! | positions | 12 | x, y, z (f32) |
 //! | triangles | 12 | three positions (u32) |
 //! | flags | 3 | one entry: closed, occludes, hides from the front of triangles only (u8 each, 0 or 1) |
-//! | sides | 33 | from, to (f32 x 3), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
+//! | sides | 17 | from, to: two positions (u32), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
 //! | patches | 76 | number of its sides (u32), number of patches inside (u32), sine of the greatest angle (f32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
 //! | open sides | 12 | side (u32), chain (u64) |
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces as outward normal and offset (f64 x 4), edges (u16 x 4) |
@@ -34,8 +34,17 @@ mod read;
 mod tests;
 mod write;
 
+use crate::mesh::tri_mesh::TriMesh;
+
+impl TriMesh {
+    /// A number that changes whenever [`TriMesh::prepare`] makes another mesh of the same triangles
+    /// and options, or [`TriMesh::write`] other bytes of it: a part of the names by which prepared
+    /// meshes are stored.
+    pub const PREPARATION: u32 = 1;
+}
+
 const MAGIC: [u8; 8] = *b"cascamsh";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Bytes before the contents.
 const HEADER: usize = 20;

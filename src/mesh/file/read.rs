@@ -11,7 +11,9 @@ use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
     CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
-use crate::mesh::surface::{Patch, PatchIndex, Side, Surface, Topology, slack};
+use crate::mesh::surface::{
+    Beyond, EDGE, Patch, PatchIndex, Side, Surface, Topology, first_of_equals, slack,
+};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
 use crate::shape::convex::Convex;
@@ -91,13 +93,14 @@ impl Contents<'_> {
         let Some(bounds) = Aabb::from_points(corners) else {
             return Err(self.broken(0, "is missing: a mesh has at least one"));
         };
+        let first = first_of_equals(&positions);
         let flags = self.section(FLAGS, 3, |c, i| {
             c.check(i, i == 0, "is one too many")?;
             let (closed, occludes, front) = (c.flag(i)?, c.flag(i)?, c.flag(i)?);
             c.check(i, occludes || !front, "hides from its front, though the mesh occludes nothing")?;
             // Only a mesh that is closed can have opaque cells.
             let topology = match closed {
-                true => Topology::of(&positions, &triangles),
+                true => Topology::of(&positions, &triangles, &first),
                 false => Topology { closed: false, alike: false },
             };
             c.check(i, topology.closed == closed, "says that the mesh is closed, which it is not")?;
@@ -106,58 +109,64 @@ impl Contents<'_> {
         let &[(topology, occludes, front)] = flags.as_slice() else {
             return Err(self.broken(0, "is missing"));
         };
-        let surface = self.surface(bounds, front)?;
+        let surface = self.surface(&positions, bounds, front)?;
         let empty = occludes || surface.sides.is_empty();
         self.section = SIDES;
         self.check(0, empty, "is one too many: the mesh occludes nothing")?;
         let parts = self.parts(bounds)?;
-        Ok(TriMesh::from_prepared(positions, triangles, bounds, (topology, occludes), surface, parts))
+        let flags = (topology, occludes);
+        Ok(TriMesh::from_prepared(positions, triangles, &first, bounds, flags, surface, parts))
     }
 
-    fn surface(&mut self, bounds: Aabb, front: bool) -> Result<Surface, FileError> {
-        let sides = self.section(SIDES, 33, |c, i| {
-            let side = Side {
-                from: c.vec3()?,
-                to: c.vec3()?,
-                slack: c.f32()?,
-                twin: PatchIndex::new(c.u32()?),
-                opposite: c.flag(i)?,
-            };
-            c.check(i, side.slack >= 0.0, "has a slack that is negative or no number")?;
-            let alone = side.twin == PatchIndex::NONE && side.opposite;
-            c.check(i, !alone, "is opposite to no patch")?;
-            Ok(side)
+    fn surface(&mut self, positions: &[Vec3], bounds: Aabb, front: bool) -> Result<Surface, FileError> {
+        let mut sides = self.section(SIDES, 17, |c, i| {
+            let ends = [c.u32()?, c.u32()?];
+            let there = ends.iter().all(|&v| (v as usize) < positions.len());
+            c.check(i, there, "names a position that is not there")?;
+            let slack = c.f32()?;
+            c.check(i, slack >= 0.0, "has a slack that is negative or no number")?;
+            let (twin, opposite) = (PatchIndex::new(c.u32()?), c.flag(i)?);
+            let alone = twin == PatchIndex::NONE;
+            c.check(i, !(alone && opposite), "is opposite to no patch")?;
+            c.check(i, alone || twin < Side::MOST, "names a patch that is not there")?;
+            Ok(Side::new(ends, slack, if alone { Beyond::More } else { Beyond::Patch(twin, opposite) }))
         })?;
-        let patches = self.patches(bounds, &sides)?;
+        let patches = self.patches(positions, bounds, &sides)?;
         let beyond = |s: &Side| {
-            let patch = patches.get(s.twin.index());
-            s.twin != PatchIndex::NONE && patch.is_none_or(|p: &Patch| p.next != s.twin.after())
+            let patch = patches.get(s.twin().index());
+            s.twin() != PatchIndex::NONE && patch.is_none_or(|p: &Patch| p.next != s.twin().after())
         };
         if let Some(entry) = sides.iter().position(beyond) {
             return Err(FileError::Entry { section: SIDES, entry, why: "names a patch that is not there" });
         }
         let mut next = 0;
-        let open = self.section(OPEN, 12, |c, i| {
+        let mut chains = self.section(OPEN, 12, |c, i| {
             let (side, chain) = (c.u32()?, c.u64()?);
-            let alone = sides.get(side as usize).is_some_and(|s| s.twin == PatchIndex::NONE);
-            c.check(i, alone, "names a side that is not there, or has a patch beyond")?;
+            let alone = sides.get_mut(side as usize).filter(|s| s.twin() == PatchIndex::NONE);
+            let Some(alone) = alone else {
+                return Err(c.broken(i, "names a side that is not there, or has a patch beyond"));
+            };
+            *alone = alone.opened();
             c.check(i, side as usize >= next, "names a side that comes before that of the last entry")?;
             next = side as usize + 1;
             Ok((side, chain))
         })?;
-        let mut surface = Surface { sides, patches, front, open, ..Surface::default() };
+        chains.retain(|chain| chain.1 != EDGE);
+        let positions = positions.into();
+        let mut surface = Surface { positions, sides, patches, front, chains, ..Surface::default() };
         surface.find_group_outlines();
         self.section = PATCHES;
         for (i, patch) in surface.indexed().filter(|(i, p)| p.next > i.after()) {
             let along = |p: Vec3| patch.normal.dot(p.as_dvec3());
             let inside = |p: Vec3| patch.lo <= along(p) && along(p) <= patch.hi;
-            let all = surface.outline(i).all(|(_, side)| inside(side.from) && inside(side.to));
+            let all = surface.outline(i).all(|(_, side)| surface.ends(side).into_iter().all(inside));
             self.check(i.index(), all, "has parts that leave its slab")?;
         }
+        surface.shrink();
         Ok(surface)
     }
 
-    fn patches(&mut self, bounds: Aabb, sides: &[Side]) -> Result<Vec<Patch>, FileError> {
+    fn patches(&mut self, positions: &[Vec3], bounds: Aabb, sides: &[Side]) -> Result<Vec<Patch>, FileError> {
         let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
         let room = FILE_ROUNDING * largest;
         let mut first = 0u32;
@@ -198,12 +207,12 @@ impl Contents<'_> {
             let slab = least <= lo && lo <= hi && hi <= most;
             c.check(i, slab || bundle, "has a slab that is inverted or leaves its box")?;
             for side in own {
-                for p in [side.from, side.to] {
+                for p in side.ends.map(|v| positions[v as usize]) {
                     let along = normal.dot(p.as_dvec3());
                     let held = min.cmple(p).all() && max.cmpge(p).all() && lo <= along && along <= hi;
                     c.check(i, held, "has a side that leaves its box or slab")?;
                 }
-                c.check(i, side.twin != PatchIndex::new(number), "has a side with itself beyond")?;
+                c.check(i, side.twin() != PatchIndex::new(number), "has a side with itself beyond")?;
             }
             if group {
                 c.check(i, groups.len() < DEEPEST, "is inside of too many groups")?;

@@ -60,14 +60,13 @@ impl TriMesh {
         out.push(u8::from(self.closed));
         out.push(u8::from(self.occludes));
         out.push(u8::from(self.surface.front));
-        let Surface { sides, patches, open, .. } = &self.surface;
+        let Surface { sides, patches, .. } = &self.surface;
         count(out, sides.len());
         for side in sides {
-            put3(out, side.from);
-            put3(out, side.to);
+            out.extend(side.ends.iter().flat_map(|v| v.to_le_bytes()));
             out.extend(side.slack.to_le_bytes());
-            out.extend(side.twin.get().to_le_bytes());
-            out.push(u8::from(side.opposite));
+            out.extend(side.twin().get().to_le_bytes());
+            out.push(u8::from(side.opposite()));
         }
         count(out, patches.len());
         for (at, patch) in self.surface.indexed() {
@@ -81,8 +80,8 @@ impl TriMesh {
             put3(out, patch.min);
             put3(out, patch.max);
         }
-        count(out, open.len());
-        for (side, chain) in open {
+        count(out, self.surface.open().count());
+        for (side, chain) in self.surface.open() {
             out.extend(side.to_le_bytes());
             out.extend(chain.to_le_bytes());
         }

@@ -51,15 +51,15 @@ pub(super) struct Frame {
 /// Turns of the directions that are tried.
 const TURNS: [(f64, f64, f64); 2] = [(0.0, 0.0, 0.0), (0.3, 0.2, 0.1)];
 
-/// The frames that are tried for a mesh.
-pub(super) fn frames(moments: &Moments, sample: &[[DVec3; 3]]) -> impl Iterator<Item = Frame> {
+/// The frames that are tried for a mesh with these corners.
+pub(super) fn frames(moments: &Moments, corners: &[DVec3]) -> impl Iterator<Item = Frame> {
     let round = root(&moments.spread).into_iter().flat_map(|axes| {
         TURNS.into_iter().map(move |(x, y, z)| {
             let turn = DQuat::from_euler(glam::EulerRot::XYZ, x, y, z);
             Frame { axes, directions: round().into_iter().map(|d| turn * d).collect() }
         })
     });
-    let half = sample.iter().flatten().map(|&p| (p - moments.center).abs()).fold(DVec3::ZERO, DVec3::max);
+    let half = corners.iter().map(|&p| (p - moments.center).abs()).fold(DVec3::ZERO, DVec3::max);
     let boxed =
         (half.min_element() > 0.0).then(|| Frame { axes: DMat3::from_diagonal(half), directions: boxed() });
     round.chain(boxed)

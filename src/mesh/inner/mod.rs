@@ -25,7 +25,7 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::Aabb;
 use crate::geometry::plane::HalfSpace;
-use crate::mesh::inner::fit::Fit;
+use crate::mesh::inner::fit::{Fit, Sample};
 use crate::mesh::inner::frames::{Frame, Moments, frames};
 use crate::numeric::mesh::{INNER_DEPTH, INNER_ROOM, WINDING};
 use crate::shape::Convex;
@@ -68,7 +68,7 @@ pub(super) fn inner_solid(
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize].as_dvec3());
     let moments = Moments::of(triangles.iter().map(corners))?;
     let step = triangles.len().div_ceil(SAMPLE);
-    let mut sample: Vec<[DVec3; 3]> = triangles.iter().step_by(step).map(corners).collect();
+    let mut sample = Sample::new(positions, triangles.iter().step_by(step));
     let (frame, mut fit) = best_fit(&moments, &sample)?;
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let mut planes = Vec::new();
@@ -95,8 +95,8 @@ pub(super) fn inner_solid(
 }
 
 /// The largest solid that the frames of a mesh give for a sample of its triangles, and the frame.
-fn best_fit(moments: &Moments, sample: &[[DVec3; 3]]) -> Option<(Frame, Fit)> {
-    let fits = frames(moments, sample)
+fn best_fit(moments: &Moments, sample: &Sample) -> Option<(Frame, Fit)> {
+    let fits = frames(moments, sample.corners())
         .filter_map(|frame| Fit::of(&frame, moments.center, sample).map(|fit| (frame, fit)));
     let (frame, fit) = fits.max_by(|a, b| a.1.volume.total_cmp(&b.1.volume))?;
     // Around its own middle the solid may be larger.
@@ -111,7 +111,7 @@ fn exact_planes(
     fit: &Fit,
     positions: &[Vec3],
     triangles: &[[u32; 3]],
-    sample: &mut Vec<[DVec3; 3]>,
+    sample: &mut Sample,
 ) -> Option<Vec<HalfSpace>> {
     let mut planes = fit.planes.clone();
     let beyond: Vec<u32> = positions.iter().map(|p| sides(&planes, p.as_dvec3() - fit.center)).collect();

@@ -20,7 +20,9 @@ impl Surface {
     #[cfg(test)]
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]], rules: &Rules) -> Self {
         let mut tell = |_| ControlFlow::Continue(());
-        Self::of(&Welded::new(positions, triangles), rules, &mut Progress::new(&mut tell)).unwrap()
+        let welded = Welded::new(positions, triangles);
+        let surface = Self::of(&welded, rules, &mut Progress::new(&mut tell)).unwrap();
+        Self { positions: positions.into(), ..surface }
     }
 
     /// Finds the patches of welded triangles.
@@ -80,7 +82,7 @@ mod tests {
         let leaves: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, i + 2]).collect();
         let surface = Surface::new(&p, &leaves, &rules(0.01));
         assert_eq!((surface.leaves(), surface.sides.len()), (n as usize, 3 * n as usize));
-        assert!(surface.sides.iter().all(|s| s.twin == PatchIndex::NONE && !s.opposite));
+        assert!(surface.sides.iter().all(|s| s.is_open() || s.twin() == PatchIndex::NONE && !s.opposite()));
         // A cone around the vertex is one ring of patches.
         let cone: Vec<[u32; 3]> = (0..n).map(|i| [0, i + 2, (i + 1) % n + 2]).collect();
         let surface = Surface::new(&p, &cone, &rules(0.01));
@@ -117,12 +119,13 @@ mod tests {
             }
             let mut balance = std::collections::BTreeMap::new();
             for (_, side) in surface.outline(i) {
-                for p in [side.from, side.to] {
+                let [from, to] = surface.ends(side);
+                for p in [from, to] {
                     let along = patch.normal.dot(p.as_dvec3());
                     assert!(patch.lo <= along && along <= patch.hi, "{i:?}");
                 }
-                *balance.entry(side.from.to_array().map(f32::to_bits)).or_insert(0) += 1;
-                *balance.entry(side.to.to_array().map(f32::to_bits)).or_insert(0) -= 1;
+                *balance.entry(from.to_array().map(f32::to_bits)).or_insert(0) += 1;
+                *balance.entry(to.to_array().map(f32::to_bits)).or_insert(0) -= 1;
                 assert!(side.slack <= patch.slack);
             }
             assert!(balance.values().all(|&b| b == 0), "the outline of {i:?} is closed");
@@ -132,7 +135,7 @@ mod tests {
                 assert!(surface.outline(i).len() < inside, "sides inside cancel");
                 // Each part that is cancelled is one of the group.
                 let own = i..patch.next;
-                assert!(surface.outline(i).all(|(_, s)| !(s.opposite && own.contains(&s.twin))));
+                assert!(surface.outline(i).all(|(_, s)| !(s.opposite() && own.contains(&s.twin()))));
             }
         }
         assert!(groups > 50, "{groups} of {}", patches.len());

@@ -5,6 +5,7 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
+use crate::mesh::surface::patch::EDGE;
 use crate::mesh::surface::position::key;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::mesh::SLACK;
@@ -123,6 +124,22 @@ pub(crate) fn simplify(mesh: &Welded, borders: &[BorderEdge], tolerance: f64) ->
     straight
 }
 
+/// The corners of a patch that is a lone triangle in the order of its outline, if that keeps all
+/// its edges: as [`lone_outline`], for most.
+pub(crate) fn lone_ring(mesh: &Welded, patches: &Patches, patch: u32, tolerance: f64) -> Option<[u32; 3]> {
+    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
+    let mut ring = triangle;
+    ring.sort_unstable();
+    let [p, q, r] = ring.map(|v| mesh.positions[v as usize].as_dvec3());
+    // The ring is cut at the corner that is farthest from the first, and then at the other one.
+    let (to_q, to_r) = (q.distance(p), r.distance(p));
+    let left = if to_r > to_q { distance_to_segment(q, p, r) } else { distance_to_segment(r, q, p) };
+    let [a, b, c] = ring;
+    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
+    // Both run along the side between the first two first.
+    (left > tolerance && left > 0.0).then_some(if along { [a, b, c] } else { [b, a, c] })
+}
+
 /// The outline of a patch that is a lone triangle, simplified as [`simplify`] would.
 pub(crate) fn lone_outline(
     mesh: &Welded,
@@ -182,9 +199,9 @@ fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
     let at = |i: usize| key(mesh.positions[chain[i] as usize]);
     let last = chain.len() - 1;
     let upwards = at(0) <= at(last);
-    (1..last).flat_map(|i| at(if upwards { i } else { last - i })).fold(0xcbf2_9ce4_8422_2325, |h, word| {
-        (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29)
-    })
+    (1..last)
+        .flat_map(|i| at(if upwards { i } else { last - i }))
+        .fold(EDGE, |h, word| (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29))
 }
 
 #[cfg(test)]

@@ -7,13 +7,13 @@ use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::weld::Welded;
 
-/// The triangles of all patches that are more than a lone triangle.
+/// The triangles of all patches that are more than a lone triangle. Patches stand in the order of
+/// their first triangles: those of a group mostly lie together.
 pub(super) struct Facets {
     /// The number of the first such patch.
     first: u32,
-    /// Where the triangles and the points of each patch start; at last where those of the last one
-    /// end.
-    starts: Vec<[u32; 2]>,
+    /// Where the triangles of each patch start and end, and then its points.
+    ranges: Vec<[u32; 4]>,
     /// The cross product of two sides of each triangle, as it is wound in its patch, and its
     /// length.
     crosses: Vec<(DVec3, f64)>,
@@ -26,46 +26,46 @@ impl Facets {
         let first = grown.lone;
         let count = grown.seeds.len() - first as usize;
         let all = grown.of.iter().zip(0u32..).filter(|(of, _)| of.0 >= first);
-        let own = Lists::new(count, all.map(|(of, t)| (of.0 - first, t)));
+        let own = Lists::new(count, all.clone().map(|(of, t)| (of.0 - first, t)));
         let mut facets = Self {
             first,
-            starts: Vec::with_capacity(count + 1),
+            ranges: vec![[0; 4]; count],
             crosses: Vec::with_capacity(own.len()),
             points: Vec::new(),
         };
-        facets.starts.push([0, 0]);
         // For each vertex, the last patch that it was taken for, and one.
         let mut taken = vec![0u32; mesh.positions.len()];
-        for patch in 0..count as u32 {
+        for patch in all.map(|(of, _)| of.0 - first) {
+            if facets.ranges[patch as usize][1] > 0 {
+                continue;
+            }
             let triangles = own.of(patch);
+            let (start, from) = (facets.crosses.len(), facets.points.len());
             let crosses = triangles.iter().map(|&t| grown.cross(t));
             facets.crosses.extend(crosses.map(|cross| (cross, cross.length())));
             // The last of equal corners counts: which zero bounds a box depends on the order.
-            let start = facets.points.len();
             for &v in triangles.iter().flat_map(|&t| &mesh.triangles[t as usize]).rev() {
                 if std::mem::replace(&mut taken[v as usize], patch + 1) != patch + 1 {
                     facets.points.push(mesh.positions[v as usize]);
                 }
             }
-            facets.points[start..].reverse();
-            facets.starts.push([facets.crosses.len() as u32, facets.points.len() as u32]);
+            facets.points[from..].reverse();
+            let ends = [start, facets.crosses.len(), from, facets.points.len()];
+            facets.ranges[patch as usize] = ends.map(|end| end as u32);
         }
         facets
     }
 
-    fn range(&self, patch: u32, of: usize) -> std::ops::Range<usize> {
-        let at = (patch - self.first) as usize;
-        self.starts[at][of] as usize..self.starts[at + 1][of] as usize
-    }
-
     /// The cross products of a patch's triangles, with their lengths.
     pub(super) fn crosses(&self, patch: u32) -> &[(DVec3, f64)] {
-        &self.crosses[self.range(patch, 0)]
+        let [first, last, ..] = self.ranges[(patch - self.first) as usize];
+        &self.crosses[first as usize..last as usize]
     }
 
     /// The corners of a patch's triangles.
     pub(super) fn points(&self, patch: u32) -> &[Vec3] {
-        &self.points[self.range(patch, 1)]
+        let [.., first, last] = self.ranges[(patch - self.first) as usize];
+        &self.points[first as usize..last as usize]
     }
 
     /// Whether all triangles of a patch are of the group that grows from a seed.

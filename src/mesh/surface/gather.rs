@@ -1,23 +1,30 @@
 //! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their
 //! sides.
 
+use smallvec::SmallVec;
+
 use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
-use crate::mesh::surface::chain::{Straight, lone_outline};
+use crate::mesh::surface::chain::{Straight, lone_outline, lone_ring};
+use crate::mesh::surface::groups::Border;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::index::PatchIndex;
-use crate::mesh::surface::patch::{NONE, Patch, Rules, Side, Surface, slack};
-use crate::mesh::surface::tree::{Border, Node, Tree};
+use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, Rules, Side, Surface, slack};
+use crate::mesh::surface::tree::{Node, Tree};
 use crate::mesh::surface::weld::Welded;
 
 /// So many nodes are read ahead.
 const AHEAD: usize = 64;
 
+/// Outlines of up to so many edges are searched from end to end.
+const SHORT: usize = 16;
+
 /// Puts outlines in order. Its memory is used again.
 #[derive(Default)]
 struct Rings {
-    given: Vec<u32>,
+    /// The directed edges, each with its start and end; those that were taken have no number.
+    given: Vec<(u32, [u32; 2])>,
     /// The start of each directed edge and its place, in order.
     by_start: Vec<(u32, u32)>,
     /// How many edges were taken of those with the start of a place in `by_start`, if it is the
@@ -28,32 +35,46 @@ struct Rings {
 impl Rings {
     /// Puts each directed edge after one that ends where it starts, as far as that goes.
     fn sort(&mut self, outline: &mut [u32], straight: &[Straight]) {
-        let ends = |d: u32| {
+        self.given.clear();
+        self.given.extend(outline.iter().map(|&d| {
             let [a, b] = straight[(d >> 1) as usize].ends;
-            if d & 1 == 0 { (a, b) } else { (b, a) }
-        };
-        let Self { given, by_start, taken } = self;
-        given.clear();
-        given.extend_from_slice(outline);
+            (d, if d & 1 == 0 { [a, b] } else { [b, a] })
+        }));
+        if outline.len() <= SHORT {
+            let mut given: SmallVec<[(u32, [u32; 2]); SHORT]> = SmallVec::from_slice(&self.given);
+            self.follow(outline, |start| {
+                let next = given.iter_mut().find(|edge| edge.0 != NONE && edge.1[0] == start)?;
+                Some((std::mem::replace(&mut next.0, NONE), next.1[1]))
+            });
+            return;
+        }
+        let (mut by_start, mut taken) = (std::mem::take(&mut self.by_start), std::mem::take(&mut self.taken));
         by_start.clear();
-        by_start.extend(given.iter().zip(0..).map(|(&d, place)| (ends(d).0, place)));
+        by_start.extend(self.given.iter().zip(0..).map(|(edge, place)| (edge.1[0], place)));
         by_start.sort_unstable();
         taken.clear();
-        taken.resize(given.len(), 0);
-        let mut take = |start: u32| {
+        taken.resize(by_start.len(), 0);
+        self.follow(outline, |start| {
             let first = by_start.partition_point(|e| e.0 < start);
             let next = first + *taken.get(first)? as usize;
             let &(_, place) = by_start.get(next).filter(|e| e.0 == start)?;
             taken[first] += 1;
-            Some(given[place as usize])
-        };
+            let (edge, [_, end]) = self.given[place as usize];
+            Some((edge, end))
+        });
+        (self.by_start, self.taken) = (by_start, taken);
+    }
+
+    /// Follows edges from the start of each. `take` takes the first one left that starts at a
+    /// vertex: the edge and its end.
+    fn follow(&self, outline: &mut [u32], mut take: impl FnMut(u32) -> Option<(u32, u32)>) {
         let mut out = outline.iter_mut();
-        for &first in given.iter() {
-            let mut at = ends(first).0;
-            while let Some(next) = take(at) {
+        for &(_, [start, _]) in &self.given {
+            let mut at = start;
+            while let Some((next, end)) = take(at) {
                 // There are as many places as edges.
                 out.by_ref().take(1).for_each(|to| *to = next);
-                at = ends(next).1;
+                at = end;
             }
         }
     }
@@ -107,7 +128,7 @@ pub(crate) fn gather(
     let all = |patch: u32| patch;
     let borders: Vec<Border> =
         straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, all))).collect();
-    let tree = Tree::new(mesh, grown, &borders, rules, &mut progress.part(0.0, 0.6))?;
+    let tree = Tree::new(mesh, grown, borders, rules, &mut progress.part(0.0, 0.6))?;
     let order = tree.in_order();
     let mut number = vec![NONE; count];
     for (&node, new) in order.iter().zip(0..) {
@@ -118,7 +139,6 @@ pub(crate) fn gather(
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
     surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
-    surface.open.reserve(3 * grown.lone as usize);
     let mut rings = Rings::default();
     let (mut outline, mut lone) = (Vec::new(), Vec::new());
     for (at, &node) in order.iter().enumerate() {
@@ -132,7 +152,11 @@ pub(crate) fn gather(
             let patch = number[node as usize];
             outline.clear();
             lone.clear();
-            let edges = if node < grown.lone {
+            let ring = if node < grown.lone { lone_ring(mesh, grown, node, rules.tolerance) } else { None };
+            let edges = if let Some(ring) = ring {
+                surface.push_ring(mesh, ring);
+                lone.as_slice()
+            } else if node < grown.lone {
                 lone_outline(mesh, grown, node, rules.tolerance, &mut lone);
                 outline.extend(directed(&lone).map(|d| d.1));
                 // A ring that is passed backwards starts with the same side.
@@ -169,6 +193,7 @@ pub(crate) fn gather(
     }
     close_ranges(&mut surface.patches, &tree, &order);
     surface.find_group_outlines();
+    surface.shrink();
     Ok(surface)
 }
 
@@ -211,20 +236,26 @@ fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
 }
 
 impl Surface {
+    /// Appends the sides of a lone triangle.
+    fn push_ring(&mut self, mesh: &Welded, ring: [u32; 3]) {
+        let [a, b, c] = ring.map(|v| mesh.names[v as usize]);
+        self.sides.extend([[a, b], [b, c], [c, a]].map(|ends| Side::new(ends, 0.0, Beyond::Open)));
+    }
+
     /// Appends a side of a patch: an edge, passed in its direction or against it.
     fn push_side(&mut self, mesh: &Welded, edge: &Straight, against: bool, beside: &Beside, patch: u32) {
-        let [from, to] = edge.ends.map(|v| mesh.positions[v as usize]);
-        let (from, to) = if against { (to, from) } else { (from, to) };
-        let (twin, opposite) = match *beside {
-            Beside::Two([p, q], opposite) => (if p == patch { q } else { p }, opposite),
-            Beside::One => {
-                self.open.push((self.sides.len() as u32, edge.chain));
-                (NONE, false)
+        let [a, b] = edge.ends.map(|v| mesh.names[v as usize]);
+        let beyond = match *beside {
+            Beside::Two([p, q], opposite) => {
+                Beyond::Patch(PatchIndex::new(if p == patch { q } else { p }), opposite)
             }
-            Beside::More => (NONE, false),
+            Beside::One => Beyond::Open,
+            Beside::More => Beyond::More,
         };
-        let twin = PatchIndex::new(twin);
+        if beyond == Beyond::Open && edge.chain != EDGE {
+            self.chains.push((self.sides.len() as u32, edge.chain));
+        }
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
-        self.sides.push(Side { from, to, slack, twin, opposite });
+        self.sides.push(Side::new(if against { [b, a] } else { [a, b] }, slack, beyond));
     }
 }

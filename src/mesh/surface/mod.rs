@@ -17,10 +17,13 @@
 
 mod build;
 mod chain;
+mod equal;
 mod facets;
 mod gap;
 mod gather;
+mod groups;
 mod grow;
+mod halves;
 mod index;
 mod interior;
 mod patch;
@@ -30,7 +33,8 @@ mod split;
 mod tree;
 mod weld;
 
+pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
-pub(crate) use patch::{Outline, Patch, Rules, Side, Surface, slack};
+pub(crate) use patch::{Beyond, EDGE, Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

@@ -1,9 +1,14 @@
 //! Patches, their sides and groups: the prepared surface of a mesh.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
 use crate::mesh::surface::index::PatchIndex;
+
+/// The number of a chain without points between its ends.
+pub(crate) const EDGE: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// No patch, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -11,14 +16,68 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// A side of a patch's outline: straight, in place of a chain of edges of triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
-    pub(crate) from: Vec3,
-    pub(crate) to: Vec3,
+    /// Its start and its end: positions of the mesh.
+    pub(crate) ends: [u32; 2],
     /// No point of the chain is farther from it.
     pub(crate) slack: f32,
+    /// The patch on the other side with [`Side::OPPOSITE`], or one of the numbers above.
+    beyond: u32,
+}
+
+/// What is on the other side of a patch's side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Beyond {
+    /// No patch.
+    Open,
+    /// Several patches, or one several times.
+    More,
+    /// One patch, and whether it runs along the side in the opposite direction, so that the two
+    /// cancel.
+    Patch(PatchIndex, bool),
+}
+
+impl Side {
+    /// There are fewer patches than this: triangles have 29 bits.
+    const OPPOSITE: u32 = 1 << 30;
+    const MORE: u32 = u32::MAX - 1;
+
+    /// All patches are less.
+    pub(crate) const MOST: PatchIndex = PatchIndex::new(Self::OPPOSITE);
+    const OPEN: u32 = u32::MAX;
+
+    pub(crate) fn new(ends: [u32; 2], slack: f32, beyond: Beyond) -> Self {
+        let beyond = match beyond {
+            Beyond::Open => Self::OPEN,
+            Beyond::More => Self::MORE,
+            Beyond::Patch(patch, opposite) => patch.get() | if opposite { Self::OPPOSITE } else { 0 },
+        };
+        Self { ends, slack, beyond }
+    }
+
     /// The patch on the other side, if there is just one.
-    pub(crate) twin: PatchIndex,
+    #[inline]
+    pub(crate) fn twin(&self) -> PatchIndex {
+        match self.beyond {
+            Self::MORE.. => PatchIndex::NONE,
+            patch => PatchIndex::new(patch & !Self::OPPOSITE),
+        }
+    }
+
     /// Whether that runs along it in the opposite direction, so that the two cancel.
-    pub(crate) opposite: bool,
+    #[inline]
+    pub(crate) fn opposite(&self) -> bool {
+        self.beyond >> 30 == 1
+    }
+
+    /// Whether there is no patch on the other side.
+    pub(crate) fn is_open(&self) -> bool {
+        self.beyond == Self::OPEN
+    }
+
+    /// The same with no patch on the other side.
+    pub(crate) fn opened(self) -> Self {
+        Self { beyond: Self::OPEN, ..self }
+    }
 }
 
 /// Neighbouring triangles of similar directions, or a group of patches that can be drawn as one.
@@ -49,6 +108,8 @@ pub(crate) struct Patch {
 /// The outlines of triangles, to hide other objects with.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Surface {
+    /// The positions of the mesh.
+    pub(crate) positions: Arc<[Vec3]>,
     /// The sides of patches without parts, in their order.
     pub(crate) sides: Vec<Side>,
     /// The outlines of groups, as numbers of sides.
@@ -60,8 +121,9 @@ pub(crate) struct Surface {
     /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts
     /// if it is positive.
     pub(crate) outward: f64,
-    /// Sides with one patch only, and a number that tells their chains apart.
-    pub(crate) open: Vec<(u32, u64)>,
+    /// Open sides in place of a chain with points between its ends, and a number that tells the
+    /// chain from others; in the order of sides.
+    pub(crate) chains: Vec<(u32, u64)>,
 }
 
 /// How triangles become patches.
@@ -78,12 +140,40 @@ pub(crate) struct Rules {
 }
 
 impl Surface {
-    /// Bytes on the heap.
+    /// Bytes on the heap, without the positions.
     pub(crate) fn bytes(&self) -> usize {
         self.sides.capacity() * size_of::<Side>()
             + self.patches.capacity() * size_of::<Patch>()
             + self.group_outlines.capacity() * size_of::<u32>()
-            + self.open.capacity() * size_of::<(u32, u64)>()
+            + self.chains.capacity() * size_of::<(u32, u64)>()
+    }
+
+    /// The start and the end of a side.
+    #[inline]
+    pub(crate) fn ends(&self, side: &Side) -> [Vec3; 2] {
+        side.ends.map(|v| self.positions[v as usize])
+    }
+
+    /// The sides with one patch only, and numbers that tell their chains apart.
+    pub(crate) fn open(&self) -> impl Iterator<Item = (u32, u64)> {
+        let mut chains = self.chains.as_slice();
+        self.sides.iter().zip(0u32..).filter(|(side, _)| side.is_open()).map(move |(_, number)| match chains
+            .split_first()
+        {
+            Some((&(side, chain), rest)) if side == number => {
+                chains = rest;
+                (number, chain)
+            }
+            _ => (number, EDGE),
+        })
+    }
+
+    /// Gives back memory that is not used.
+    pub(crate) fn shrink(&mut self) {
+        self.sides.shrink_to_fit();
+        self.group_outlines.shrink_to_fit();
+        self.patches.shrink_to_fit();
+        self.chains.shrink_to_fit();
     }
 
     /// A patch.
@@ -151,7 +241,7 @@ impl Surface {
                 let sides = &self.sides;
                 self.group_outlines.extend(own.filter(|&s| {
                     let side = &sides[s as usize];
-                    !(side.opposite && inside.contains(&side.twin))
+                    !(side.opposite() && inside.contains(&side.twin()))
                 }));
             }
             let slack = self.group_outlines[first as usize..].iter().map(|&s| self.sides[s as usize].slack);

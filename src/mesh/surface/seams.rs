@@ -204,7 +204,7 @@ fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
 /// The open sides of a surface.
 fn opens(slot: Slot, surface: &Surface, base: PatchNumber) -> impl Iterator<Item = (Chain, Open)> {
     let mut patch = PatchIndex::FIRST;
-    surface.open.iter().map(move |&(index, chain)| {
+    surface.open().map(move |(index, chain)| {
         // Sides are in the order of their patches. Groups of those have no sides of their own.
         let before = |i: PatchIndex| {
             let p = surface.patch(i);
@@ -214,7 +214,7 @@ fn opens(slot: Slot, surface: &Surface, base: PatchNumber) -> impl Iterator<Item
             patch = patch.after();
         }
         let side = &surface.sides[index as usize];
-        let ends = [key(side.from), key(side.to)];
+        let ends = surface.ends(side).map(key);
         let upwards = ends[0] <= ends[1];
         let ends = if upwards { ends } else { [ends[1], ends[0]] };
         ((ends, chain), Open { slot, side: index, number: base.of(patch), upwards })

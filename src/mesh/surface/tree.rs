@@ -11,16 +11,19 @@
 
 use std::collections::BinaryHeap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 use smallvec::{SmallVec, smallvec};
 
 use crate::error::Error;
 use crate::mesh::parallel;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::facets::Facets;
+use crate::mesh::surface::groups::{Border, Groups};
 use crate::mesh::surface::grow::{Patches, Seed};
+use crate::mesh::surface::halves::{Item, halve, rank};
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
+use crate::numeric::lesser;
 use crate::numeric::mesh::{SINE, SLAB};
 
 /// A group grows until it is this many times as large as its first part.
@@ -88,13 +91,13 @@ struct Extent {
     cosine: f64,
     area: f64,
     slab: (f64, f64),
-    min: Vec3,
-    max: Vec3,
+    min: Vec3A,
+    max: Vec3A,
 }
 
 impl Extent {
     fn new(normal: DVec3) -> Self {
-        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         Self { normal, cosine: 1.0, area: 0.0, slab, min, max }
     }
 
@@ -103,20 +106,22 @@ impl Extent {
         for &(cross, length) in crosses {
             self.area += length;
             if length > 0.0 {
-                self.cosine = self.cosine.min(cross.dot(self.normal) / length);
+                self.cosine = lesser(cross.dot(self.normal) / length, self.cosine);
             }
         }
         let (mut lo, mut hi) = self.slab;
         for p in points {
             let along = self.normal.dot(p.as_dvec3());
             (lo, hi) = (if along < lo { along } else { lo }, if along > hi { along } else { hi });
-            (self.min, self.max) = (self.min.min(*p), self.max.max(*p));
+            let p = Vec3A::from(*p);
+            (self.min, self.max) = (self.min.min(p), self.max.max(p));
         }
         self.slab = (lo, hi);
     }
 
     fn node(self) -> Node {
         let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
+        let (min, max) = (Vec3::from(min), Vec3::from(max));
         let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
         let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
         let sine = (sine.min(1.0) as f32).next_up().min(1.0);
@@ -124,9 +129,6 @@ impl Extent {
         Node { parts: none, patches: none, normal, slab, sine, min, max, area }
     }
 }
-
-/// A border between two patches: both of them, and how long it is.
-pub(super) type Border = (u32, u32, f64);
 
 /// Patches of triangles, groups of them, groups of groups and bundles of those.
 pub(super) struct Tree {
@@ -146,7 +148,7 @@ impl Tree {
     pub(super) fn new(
         mesh: &Welded,
         grown: &Patches,
-        borders: &[Border],
+        borders: Vec<Border>,
         rules: &Rules,
         progress: &mut Progress,
     ) -> Result<Self, Error> {
@@ -158,18 +160,16 @@ impl Tree {
             patch => Node::of(&facets, grown.normal(patch), &[patch]),
         });
         let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
-        let mut group: Vec<u32> = (0..count as u32).collect();
+        let mut groups = Groups::new(borders, count, |n| tree.node(n).area);
         for level in 0..LEVELS {
             // Each level has about half as many groups as the one before.
             progress.tell(1.0 - 0.5f32.powi(level as i32))?;
-            if !tree.join(&facets, borders, rules, &mut group) {
+            if !tree.join(&facets, rules, &mut groups) {
                 break;
             }
         }
         drop(facets);
-        let mut roots = group;
-        roots.sort_unstable();
-        roots.dedup();
+        let mut roots: Vec<u32> = (0..tree.nodes.len() as u32).filter(|&n| !groups.is_part(n)).collect();
         roots.retain(|&r| tree.node(r).radius() >= rules.least);
         if roots.len() <= BUNDLE {
             roots.sort_by_key(|&r| rank(grown, r));
@@ -180,7 +180,7 @@ impl Tree {
     }
 
     fn item(&self, node: u32) -> Item {
-        Item { middle: self.node(node).middle().to_array().map(ordered), node }
+        Item::new(node, self.node(node).middle())
     }
 
     fn node(&self, node: u32) -> &Node {
@@ -223,20 +223,16 @@ impl Tree {
         self.nodes.push(node);
     }
 
-    /// Joins the groups that patches are in to larger ones. Returns whether there were any to join.
-    fn join(&mut self, facets: &Facets, borders: &[Border], rules: &Rules, group: &mut [u32]) -> bool {
-        let links = links(borders, group);
-        let mut seeds: Vec<u32> = links.iter().map(|l| l.0).collect();
-        seeds.dedup();
-        let area = |n: u32| self.nodes[n as usize].area;
-        seeds.sort_unstable_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
-        let mut into: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        let mut taken = vec![false; self.nodes.len()];
+    /// Joins groups to larger ones. Returns whether there were any to join.
+    fn join(&mut self, facets: &Facets, rules: &Rules, groups: &mut Groups) -> bool {
+        let links = groups.links();
         let mut waiting: BinaryHeap<(u64, u32)> = BinaryHeap::new();
-        let mut joined = false;
-        for seed in seeds {
-            if taken[seed as usize] {
-                continue;
+        let first_new = self.nodes.len() as u32;
+        let (mut parts, mut patches) = (Vec::new(), Vec::new());
+        let mut seeds = std::mem::take(&mut groups.seeds);
+        seeds.retain(|&(_, seed)| {
+            if groups.is_part(seed) {
+                return false;
             }
             let first = self.node(seed);
             let plane = Seed {
@@ -245,41 +241,45 @@ impl Tree {
                 cosine: rules.cosine,
                 tolerance: rules.tolerance,
             };
-            let (mut parts, mut size, enough) = (vec![seed], first.area, first.area * GROWTH);
+            parts.clear();
+            parts.push(seed);
+            let (mut size, enough) = (first.area, first.area * GROWTH);
             waiting.clear();
-            taken[seed as usize] = true;
-            let mut newest = seed;
+            let (mut newest, mut passed) = (seed, false);
             while parts.len() < PARTS && size < enough {
-                let from = links.partition_point(|l| l.0 < newest);
-                let beside = links[from..].iter().take_while(|l| l.0 == newest);
-                // Lengths are not negative, so their bits are in order. Longest first.
-                waiting.extend(beside.map(|&(_, other, length)| (length.to_bits(), other)));
-                let fits = |(_, other): &(u64, u32)| {
+                waiting.extend(links.of(newest).iter().map(|&(other, length)| (length, other)));
+                let fits = |&(_, other): &(u64, u32)| {
+                    if other == seed || groups.is_part(other) {
+                        passed = true;
+                        return false;
+                    }
                     // Larger ones were seeds themselves.
-                    self.node(*other).area <= first.area
-                        && self.patches(other).iter().all(|&p| facets.fit(p, &plane))
+                    self.node(other).area <= first.area
+                        && self.patches(&other).iter().all(|&p| facets.fit(p, &plane))
                 };
-                let mut free = std::iter::from_fn(|| waiting.pop()).filter(|w| !taken[w.1 as usize]);
-                let Some((_, next)) = free.find(fits) else { break };
-                taken[next as usize] = true;
+                let found = std::iter::from_fn(|| waiting.pop()).find(fits);
+                let Some((_, next)) = found else { break };
+                groups.put(next, self.nodes.len() as u32);
                 size += self.node(next).area;
                 parts.push(next);
                 newest = next;
             }
             if parts.len() < 2 {
-                taken[seed as usize] = false;
-                continue;
+                // Neighbours that do not fit never will, nor will groups that contain them.
+                return passed;
             }
-            joined = true;
-            let patches: Vec<u32> = parts.iter().flat_map(|p| self.patches(p)).copied().collect();
+            groups.put(seed, self.nodes.len() as u32);
+            patches.clear();
+            patches.extend(parts.iter().flat_map(|p| self.patches(p)).copied());
             let sum: DVec3 = patches.iter().flat_map(|&p| facets.crosses(p)).map(|c| c.0).sum();
             let normal = sum.try_normalize().unwrap_or(first.normal);
-            parts.iter().for_each(|&p| into[p as usize] = self.nodes.len() as u32);
             let node = Node::of(facets, normal, &patches);
             self.push(node, &patches, &parts);
-        }
-        group.iter_mut().for_each(|g| *g = into[*g as usize]);
-        joined
+            false
+        });
+        groups.seeds = seeds;
+        groups.extend(first_new, self.nodes.len(), |n| self.node(n).area);
+        self.nodes.len() as u32 > first_new
     }
 
     /// Bundles nodes that lie together. Returns the one above all.
@@ -294,7 +294,7 @@ impl Tree {
             // Halves of halves of halves.
             let mut pieces: SmallVec<[&mut [Item]; BUNDLE]> = smallvec![all];
             for _ in 0..BUNDLE.ilog2() {
-                pieces = pieces.into_iter().flat_map(|piece| halve(piece, grown)).collect();
+                pieces = pieces.into_iter().flat_map(|piece| halve(piece, SORTED, grown)).collect();
             }
             parts.extend(pieces.into_iter().filter_map(|piece| self.bundle(grown, piece)));
         }
@@ -302,35 +302,6 @@ impl Tree {
         self.push(bundle, &[], &parts);
         Some(self.nodes.len() as u32 - 1)
     }
-}
-
-/// The borders between groups, from both sides of each, in order, with their lengths together.
-fn links(borders: &[Border], group: &[u32]) -> Vec<Border> {
-    let beside = |&(a, b, length): &Border| {
-        let (a, b) = (group[a as usize], group[b as usize]);
-        [(a, b, length), (b, a, length)]
-    };
-    let mut links: Vec<Border> = borders.iter().flat_map(beside).filter(|l| l.0 != l.1).collect();
-    links.sort_unstable_by(|x, y| (x.0, x.1).cmp(&(y.0, y.1)).then(x.2.total_cmp(&y.2)));
-    let total = |same: &[Border]| (same[0].0, same[0].1, same.iter().map(|l| l.2).sum());
-    links.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).map(total).collect()
-}
-
-/// A node to be bundled.
-struct Item {
-    /// Its middle, as [`ordered`] numbers.
-    middle: [i64; 3],
-    node: u32,
-}
-
-/// A number whose order is that of [`f64::total_cmp`], and back.
-fn ordered(x: f64) -> i64 {
-    let bits = x.to_bits() as i64;
-    bits ^ ((bits >> 63) as u64 >> 1) as i64
-}
-
-fn unordered(bits: i64) -> f64 {
-    f64::from_bits((bits ^ ((bits >> 63) as u64 >> 1) as i64) as u64)
 }
 
 /// A patch that is a lone triangle.
@@ -341,36 +312,4 @@ fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> Node {
     let mut extent = Extent::new(grown.normal(patch));
     extent.add(&[(cross, cross.length())], &corners);
     extent.node()
-}
-
-/// Orders nodes where their places do not: patches of triangles first.
-fn rank(grown: &Patches, node: u32) -> (bool, u64, u32) {
-    if (node as usize) < grown.seeds.len() {
-        let (area, seed) = grown.rank(node);
-        (false, area, seed)
-    } else {
-        (true, 0, node)
-    }
-}
-
-/// Two halves of a list, along the longest axis of their middles. Small ones are in order.
-fn halve<'a>(all: &'a mut [Item], grown: &Patches) -> [&'a mut [Item]; 2] {
-    let (mut min, mut max) = ([i64::MAX; 3], [i64::MIN; 3]);
-    for item in all.iter() {
-        for i in 0..3 {
-            (min[i], max[i]) = (min[i].min(item.middle[i]), max[i].max(item.middle[i]));
-        }
-    }
-    let axis = (DVec3::from(max.map(unordered)) - DVec3::from(min.map(unordered))).max_position();
-    let order = |a: &Item, b: &Item| {
-        let places = a.middle[axis].cmp(&b.middle[axis]);
-        places.then_with(|| rank(grown, a.node).cmp(&rank(grown, b.node)))
-    };
-    let half = all.len() / 2;
-    if all.len() <= SORTED {
-        all.sort_unstable_by(order);
-    } else {
-        all.select_nth_unstable_by(half, order);
-    }
-    all.split_at_mut(half).into()
 }

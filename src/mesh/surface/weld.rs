@@ -1,21 +1,13 @@
 //! Welding: triangles as positions, not as vertices, and the edges that they share.
 
-use std::hash::BuildHasher;
-
 use glam::{DVec3, Vec3};
-use hashbrown::{DefaultHashBuilder, HashTable};
 use smallvec::SmallVec;
 
+use crate::mesh::surface::equal::first_of_equals;
 use crate::mesh::surface::gap::{join, split_near};
 use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
-use crate::mesh::surface::position::key;
 use crate::mesh::surface::split::split;
-
-/// Buckets get about so many positions, until there are as many buckets as a processor writes to at
-/// a time.
-const BUCKET: usize = 8192;
-const MOST_BUCKETS: usize = 256;
 
 /// Where more triangles than this share an edge, none are neighbours there.
 const MOST_AROUND: usize = 8;
@@ -60,6 +52,10 @@ pub(crate) struct Welded {
     /// The edges of all triangles, in order.
     pub(crate) edges: Vec<Edge>,
     pub(crate) topology: Topology,
+    /// For each position given, the place of the first that is equal to it.
+    pub(crate) first: Vec<u32>,
+    /// For each position here, the place of one that is equal to it among those given.
+    pub(crate) names: Vec<u32>,
 }
 
 /// How the triangles of a mesh share edges. Edges are told apart by position, and triangles with
@@ -81,11 +77,16 @@ impl Welded {
     /// Closes gaps up to this length, if it is not 0. The topology is that of the triangles given.
     /// `front` says whether they hide from their front only.
     pub(crate) fn closing(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Self {
-        let (mut positions, mut triangles) = number(positions, triangles);
+        let first = first_of_equals(positions);
+        let (mut names, mut triangles) = number(positions, triangles, &first);
+        let mut positions = at(positions, &names);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
         if gap > 0.0 {
-            (positions, triangles) = number(&positions, &join(&positions, &triangles, gap, front));
+            let joined = join(&positions, &triangles, gap, front);
+            let (kept, numbered) = number(&positions, &joined, &first_of_equals(&positions));
+            (positions, triangles) = (at(&positions, &kept), numbered);
+            names = at(&names, &kept);
             edges = edges_of(positions.len(), &triangles);
         }
         let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
@@ -105,7 +106,7 @@ impl Welded {
         if cut && drop_repeated(&mut triangles, &edges) {
             edges = edges_of(positions.len(), &triangles);
         }
-        Self { positions, triangles, edges, topology }
+        Self { positions, triangles, edges, topology, first, names }
     }
 
     pub(crate) fn corners(&self, triangle: usize) -> [DVec3; 3] {
@@ -161,9 +162,10 @@ impl Welded {
 }
 
 impl Topology {
-    pub(crate) fn of(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let (positions, triangles) = number(positions, triangles);
-        Self::new(&edges_of(positions.len(), &triangles))
+    /// `first` names the first position that is equal to each.
+    pub(crate) fn of(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Self {
+        let (names, triangles) = number(positions, triangles, first);
+        Self::new(&edges_of(names.len(), &triangles))
     }
 
     fn new(edges: &[Edge]) -> Self {
@@ -174,16 +176,16 @@ impl Topology {
 }
 
 /// Numbers positions in the order in which triangles name them, and leaves out triangles with two
-/// equal corners.
-fn number(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let first = first_of_equals(positions);
-    let mut welded: Vec<Vec3> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
+/// equal corners. `first` names the first position that is equal to each. Returns the place of each
+/// position, and the triangles.
+fn number(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut welded: Vec<u32> = Vec::with_capacity(positions.len().min(triangles.len().saturating_mul(3)));
     let mut numbers = vec![NONE; positions.len()];
     let mut number = |v: u32| {
         let number = &mut numbers[first[v as usize] as usize];
         if *number == NONE {
             *number = welded.len() as u32;
-            welded.push(positions[v as usize]);
+            welded.push(v);
         }
         *number
     };
@@ -197,38 +199,9 @@ fn number(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3
     (welded, kept)
 }
 
-/// For each position, the place of the first that is equal to it.
-///
-/// Positions are dealt to buckets by a hash first, so that the table of each bucket stays in the
-/// processor's cache.
-fn first_of_equals(positions: &[Vec3]) -> Vec<u32> {
-    let buckets = (positions.len() / BUCKET).next_power_of_two().min(MOST_BUCKETS);
-    let hasher = DefaultHashBuilder::default();
-    let hash = |[x, y, z]: [u32; 3]| hasher.hash_one((u64::from(x) << 32 | u64::from(y), z));
-    let bucket = |p: &Vec3| hash(key(*p)) as usize & (buckets - 1);
-    let mut ends = vec![0usize; buckets + 1];
-    positions.iter().for_each(|p| ends[bucket(p) + 1] += 1);
-    for i in 1..ends.len() {
-        ends[i] += ends[i - 1];
-    }
-    let mut dealt = vec![([0; 3], 0u32); positions.len()];
-    for (p, place) in positions.iter().zip(0..) {
-        let end = &mut ends[bucket(p)];
-        dealt[*end] = (key(*p), place);
-        *end += 1;
-    }
-    let mut first = vec![0; positions.len()];
-    let mut table: HashTable<([u32; 3], u32)> = HashTable::new();
-    let mut start = 0;
-    for &end in &ends[..buckets] {
-        table.clear();
-        for &(key, place) in &dealt[start..end] {
-            let entry = table.entry(hash(key), |e| e.0 == key, |e| hash(e.0));
-            first[place as usize] = entry.or_insert((key, place)).get().1;
-        }
-        start = end;
-    }
-    first
+/// The entries at some places.
+fn at<T: Copy>(entries: &[T], places: &[u32]) -> Vec<T> {
+    places.iter().map(|&place| entries[place as usize]).collect()
 }
 
 /// The edges of triangles in order: sorted by the lesser vertex by counting, then those of each
@@ -252,7 +225,14 @@ fn edges_of(vertices: usize, triangles: &[[u32; 3]]) -> Vec<Edge> {
     }
     let mut start = 0;
     for &end in &ends[..vertices] {
-        edges[start..end as usize].sort_unstable();
+        // Their lesser ends are equal.
+        let rank = |edge: &Edge| u64::from(edge.ends[1]) << 32 | u64::from(edge.run);
+        match &mut edges[start..end as usize] {
+            [] | [_] => {}
+            [a, b] if rank(a) <= rank(b) => {}
+            [a, b] => std::mem::swap(a, b),
+            all => all.sort_unstable_by_key(rank),
+        }
         start = end as usize;
     }
     edges
@@ -264,23 +244,33 @@ fn drop_repeated(triangles: &mut Vec<[u32; 3]>, edges: &[Edge]) -> bool {
     let mut third: Vec<(u32, u32)> = Vec::new();
     for beside in edges.chunk_by(|a, b| a.ends == b.ends).filter(|beside| beside.len() > 1) {
         let [a, b] = beside[0].ends;
+        // The corner beside the edge: no two of a triangle are equal.
+        let tip = |edge: &Edge| {
+            let [x, y, z] = triangles[edge.run().0 as usize];
+            x ^ y ^ z ^ a ^ b
+        };
+        if let [one, two] = beside
+            && tip(one) != tip(two)
+        {
+            continue;
+        }
         third.clear();
-        third.extend(beside.iter().filter_map(|edge| {
-            let triangle = edge.run().0;
-            let other = triangles[triangle as usize].into_iter().find(|&v| v != a && v != b)?;
-            // Each triangle is asked at the edge of its two least corners.
-            (other > b).then_some((other, triangle))
-        }));
+        // Each triangle is asked at the edge of its two least corners.
+        let own = beside.iter().map(|edge| (tip(edge), edge.run().0));
+        third.extend(own.filter(|&(tip, _)| tip > b));
         third.sort_unstable();
         repeated.extend(third.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1));
     }
+    if repeated.is_empty() {
+        return false;
+    }
     repeated.sort_unstable();
-    let mut gone = repeated.iter().copied().peekable();
+    let mut gone = repeated.into_iter().peekable();
     let mut number = 0;
     triangles.retain(|_| {
         let keep = gone.next_if_eq(&number).is_none();
         number += 1;
         keep
     });
-    !repeated.is_empty()
+    true
 }

@@ -73,8 +73,9 @@ fn beyond(
     number: u32,
     side: &Side,
 ) -> Option<(PatchNumber, bool)> {
-    if side.twin != PatchIndex::NONE {
-        return Some((base.of(side.twin), side.opposite));
+    let twin = side.twin();
+    if twin != PatchIndex::NONE {
+        return Some((base.of(twin), side.opposite()));
     }
     if links.is_empty() {
         return None;

@@ -209,7 +209,8 @@ impl Projector {
         while outline.len() > 0 {
             let (mut twins, mut opposite, mut count) = ([NO_TWIN; LANES], 0, 0);
             for (number, side) in outline.by_ref().take(LANES) {
-                ends.set(count, side.from, side.to, side.slack);
+                let [from, to] = d.surface.ends(side);
+                ends.set(count, from, to, side.slack);
                 if let Some((twin, turned)) = d.beyond(number, side) {
                     twins[count] = twin;
                     opposite |= u8::from(turned) << count;
@@ -417,7 +418,8 @@ mod tests {
                         continue;
                     }
                     edges += 1;
-                    for (p, (x, y)) in [(side.from, (x0[i], y0[i])), (side.to, (x1[i], y1[i]))] {
+                    let [from, to] = drawable.surface.ends(side);
+                    for (p, (x, y)) in [(from, (x0[i], y0[i])), (to, (x1[i], y1[i]))] {
                         let (u, v) = exact(&face, buffer.window().per_unit(), projector.first(), place(p));
                         let off = (f64::from(x) - u).abs().max((f64::from(y) - v).abs());
                         let within = if face.parallel || placement.is_some() { wide[i] } else { unsure[i] };

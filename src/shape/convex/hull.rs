@@ -4,13 +4,11 @@
 //! triangles a point sees, so the surface always closes. Points next to the hull are left out: that
 //! makes it smaller only.
 
-use std::collections::{HashMap, HashSet};
-
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
+use smallvec::SmallVec;
 
-use crate::geometry::plane::HalfSpace;
-use crate::numeric::shape::DISTANCE;
+use crate::numeric::shape::{DISTANCE, ORIENTATION, ORIENTATION_LEAST};
 
 /// The offset of a face whose lowest corner is at `least`, so low that no rounding lifts it above
 /// that corner.
@@ -18,20 +16,33 @@ pub(crate) fn lowered(least: f64, largest: f64) -> f64 {
     least - DISTANCE * largest
 }
 
-/// A closed convex surface.
-pub(crate) struct Closed {
-    pub(crate) vertices: Vec<DVec3>,
-    /// No corner of a face lies strictly inside of its half-space, so that points inside all of
-    /// them are inside the hull.
-    pub(crate) faces: Vec<HalfSpace>,
-    /// Two vertices, and the two faces on both sides.
-    pub(crate) edges: Vec<[u16; 4]>,
+/// No number of a triangle.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A number for each directed edge between a few points.
+pub(super) struct Sides {
+    points: usize,
+    numbers: Vec<u32>,
 }
 
-/// Triangles that make one flat face, and the corners around them.
-struct Facet {
-    triangles: Vec<usize>,
-    ring: Vec<usize>,
+impl Sides {
+    pub(super) fn new(points: usize) -> Self {
+        Self { points, numbers: vec![NONE; points * points] }
+    }
+
+    /// The number of the edge from one point to another, or [`NONE`].
+    pub(super) fn get(&self, a: usize, b: usize) -> u32 {
+        self.numbers[a * self.points + b]
+    }
+
+    pub(super) fn set(&mut self, a: usize, b: usize, number: u32) {
+        self.numbers[a * self.points + b] = number;
+    }
+}
+
+/// The edges of a triangle in its direction.
+pub(super) fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
+    [(a, b), (b, c), (c, a)]
 }
 
 /// Whether a point lies strictly outside of a triangle that is seen counterclockwise from outside.
@@ -62,44 +73,139 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }
 
+/// A triangle of a hull, seen counterclockwise from outside.
+struct Triangle {
+    corners: [usize; 3],
+    first: DVec3,
+    /// The cross product of two sides, and the sums of the magnitudes that it is made of.
+    normal: DVec3,
+    magnitudes: DVec3,
+    /// Whether no later point saw it.
+    stays: bool,
+}
+
+impl Triangle {
+    fn new(points: &[DVec3], corners: [usize; 3]) -> Self {
+        let [first, b, c] = corners.map(|i| points[i]);
+        let (u, v) = (b - first, c - first);
+        let (x, y) = (u.abs(), v.abs());
+        let magnitudes = DVec3::new(x.y * y.z + x.z * y.y, x.z * y.x + x.x * y.z, x.x * y.y + x.y * y.x);
+        Self { corners, first, normal: u.cross(v), magnitudes, stays: true }
+    }
+
+    /// As [`sees`]. Most points are clear of the plane, so that rounding cannot matter.
+    fn is_seen(&self, points: &[DVec3], p: DVec3) -> bool {
+        let d = p - self.first;
+        let above = self.normal.dot(d);
+        let error = ORIENTATION * self.magnitudes.dot(d.abs()) + ORIENTATION_LEAST;
+        if above.abs() > error { above > 0.0 } else { sees(points, self.corners, p) }
+    }
+}
+
+/// What a point is known to see of a growing hull.
+#[derive(Default)]
+struct Sight {
+    /// It was compared with all triangles of lesser numbers.
+    compared: usize,
+    /// The triangles of those that it sees, with their distances.
+    seen: SmallVec<[(u32, f64); 4]>,
+}
+
+/// A hull as it grows. A triangle keeps its number.
+struct Growing<'a> {
+    points: &'a [DVec3],
+    triangles: Vec<Triangle>,
+    /// The triangles that stay, in order.
+    hull: Vec<u32>,
+    /// The last triangle at each edge.
+    sides: Sides,
+    sights: Vec<Sight>,
+}
+
+impl<'a> Growing<'a> {
+    fn new(points: &'a [DVec3], first: [[usize; 3]; 4]) -> Self {
+        let sights = std::iter::repeat_with(Sight::default).take(points.len()).collect();
+        let (triangles, hull) = (Vec::new(), Vec::new());
+        let mut all = Self { points, triangles, hull, sides: Sides::new(points.len()), sights };
+        first.into_iter().for_each(|corners| all.push(corners));
+        all
+    }
+
+    fn push(&mut self, corners: [usize; 3]) {
+        let number = self.triangles.len() as u32;
+        edges(corners).into_iter().for_each(|(a, b)| self.sides.set(a, b, number));
+        self.triangles.push(Triangle::new(self.points, corners));
+        self.hull.push(number);
+    }
+
+    /// Finds the triangles that a point sees. Returns its distance from them, or 0 if there are
+    /// none.
+    fn look(&mut self, point: usize) -> f64 {
+        let (p, Sight { compared, seen }) = (self.points[point], &mut self.sights[point]);
+        seen.retain(|s| self.triangles[s.0 as usize].stays);
+        let new = self.hull.partition_point(|&t| (t as usize) < *compared);
+        for &t in &self.hull[new..] {
+            let triangle = &self.triangles[t as usize];
+            if triangle.is_seen(self.points, p) {
+                seen.push((t, distance(p, triangle.corners.map(|i| self.points[i]))));
+            }
+        }
+        *compared = self.triangles.len();
+        if seen.is_empty() { 0.0 } else { seen.iter().map(|s| s.1).fold(f64::INFINITY, f64::min) }
+    }
+
+    /// Joins a point that has looked: triangles from it to the edges around those that it sees take
+    /// their place.
+    fn join(&mut self, point: usize) {
+        let seen = std::mem::take(&mut self.sights[point].seen);
+        seen.iter().for_each(|s| self.triangles[s.0 as usize].stays = false);
+        self.hull.retain(|&t| self.triangles[t as usize].stays);
+        // Of the edges around them, the triangles beyond stay; those made now stay, too.
+        let around = seen.iter().flat_map(|s| edges(self.triangles[s.0 as usize].corners));
+        let stays = |&(a, b): &_| self.triangles[self.sides.get(b, a) as usize].stays;
+        let around: SmallVec<[(usize, usize); 16]> = around.filter(stays).collect();
+        around.into_iter().for_each(|(a, b)| self.push([a, b, point]));
+    }
+}
+
 /// The triangles of the hull, seen counterclockwise from outside. Points no farther than `keep`
 /// from the hull of the others are left out; `None` if all lie that close to one plane.
 pub(crate) fn triangles(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
-    let corner = |i: usize| points[i];
-    let mut hull = first(points, keep)?;
+    let first = first(points, keep)?;
     // How far points lie outside; upper bounds, since the hull grows.
     let mut beyond: Vec<f64> = vec![f64::INFINITY; points.len()];
-    hull.iter().flatten().for_each(|&i| beyond[i] = 0.0);
+    first.iter().flatten().for_each(|&i| beyond[i] = 0.0);
+    let mut growing = Growing::new(points, first);
     loop {
-        let farthest = (0..points.len()).max_by(|&i, &j| beyond[i].total_cmp(&beyond[j]))?;
-        if beyond[farthest] <= keep {
-            return Some(hull);
+        // The last of the farthest, and how far the next is.
+        let (mut farthest, mut most, mut next) = (0, 0.0, 0.0);
+        for (i, &own) in beyond.iter().enumerate() {
+            if own >= most {
+                (farthest, most, next) = (i, own, most);
+            } else if own > next {
+                next = own;
+            }
         }
-        let p = points[farthest];
-        let (seen, kept): (Vec<_>, Vec<_>) = hull.iter().partition(|&&t| sees(points, t, p));
-        let nearest =
-            seen.iter().map(|t: &[usize; 3]| distance(p, t.map(corner))).fold(f64::INFINITY, f64::min);
-        let nearest = if seen.is_empty() { 0.0 } else { nearest };
-        let others = (0..points.len()).filter(|&i| i != farthest).map(|i| beyond[i]);
-        if nearest <= keep || nearest < others.fold(0.0, f64::max) {
+        if most <= keep {
+            let corners = growing.hull.iter().map(|&t| growing.triangles[t as usize].corners);
+            return Some(corners.collect());
+        }
+        let nearest = growing.look(farthest);
+        if nearest <= keep || nearest < next {
             // Now known for this hull: after one round the farthest is found.
             beyond[farthest] = if nearest <= keep { 0.0 } else { nearest };
             continue;
         }
-        let edges = |&[a, b, c]: &[usize; 3]| [(a, b), (b, c), (c, a)];
-        let lit: HashSet<(usize, usize)> = seen.iter().flat_map(edges).collect();
-        hull = kept;
-        for (a, b) in seen.iter().flat_map(edges).filter(|&(a, b)| !lit.contains(&(b, a))) {
-            hull.push([a, b, farthest]);
-        }
+        growing.join(farthest);
         beyond[farthest] = 0.0;
     }
 }
 
 /// A tetrahedron of points far apart.
-fn first(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
+fn first(points: &[DVec3], keep: f64) -> Option<[[usize; 3]; 4]> {
     let farthest = |from: &dyn Fn(DVec3) -> f64| {
-        (0..points.len()).max_by(|&i, &j| from(points[i]).total_cmp(&from(points[j])))
+        let far = points.iter().map(|&p| from(p)).enumerate();
+        far.max_by(|a, b| a.1.total_cmp(&b.1)).map(|most| most.0)
     };
     let a = farthest(&|p| (p - points[0]).length())?;
     let b = farthest(&|p| (p - points[a]).length())?;
@@ -112,133 +218,5 @@ fn first(points: &[DVec3], keep: f64) -> Option<Vec<[usize; 3]>> {
     let (b, c) = if sees(points, [a, b, c], points[d]) { (c, b) } else { (b, c) };
     // Exactly in one plane, whatever rounding said.
     let solid = thick && sees(points, [a, c, b], points[d]);
-    solid.then(|| vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
-}
-
-/// The corners around a set of triangles, if they bound it in one ring.
-fn ring(triangles: &[[usize; 3]], own: &[usize]) -> Option<Vec<usize>> {
-    let edges = |&t: &usize| {
-        let [a, b, c] = triangles[t];
-        [(a, b), (b, c), (c, a)]
-    };
-    let all: HashSet<(usize, usize)> = own.iter().flat_map(edges).collect();
-    let mut next = HashMap::new();
-    for &(a, b) in all.iter().filter(|&&(a, b)| !all.contains(&(b, a))) {
-        if next.insert(a, b).is_some() {
-            return None;
-        }
-    }
-    let start = *next.keys().min()?;
-    let mut ring = vec![start];
-    let mut at = *next.get(&start)?;
-    while at != start {
-        ring.push(at);
-        at = *next.get(&at)?;
-        if ring.len() > next.len() {
-            return None;
-        }
-    }
-    (ring.len() == next.len()).then_some(ring)
-}
-
-/// Joins triangles that lie in one plane to within `flat`.
-fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Vec<Facet> {
-    let mut sides = HashMap::new();
-    for (t, &[a, b, c]) in triangles.iter().enumerate() {
-        sides.extend([((a, b), t), ((b, c), t), ((c, a), t)]);
-    }
-    let normal = |t: usize| {
-        let [a, b, c] = triangles[t].map(|i| points[i]);
-        (b - a).cross(c - a)
-    };
-    let mut order: Vec<usize> = (0..triangles.len()).collect();
-    order.sort_by(|&s, &t| normal(t).length().total_cmp(&normal(s).length()));
-    let mut taken = vec![false; triangles.len()];
-    let mut facets = Vec::new();
-    for seed in order {
-        if taken[seed] {
-            continue;
-        }
-        let (n, anchor) = (normal(seed).normalize_or_zero(), points[triangles[seed][0]]);
-        let joins = |t: usize| triangles[t].iter().all(|&i| n.dot(points[i] - anchor).abs() <= flat);
-        let mut own = vec![seed];
-        taken[seed] = true;
-        let mut at = 0;
-        while at < own.len() && n != DVec3::ZERO {
-            let [a, b, c] = triangles[own[at]];
-            for edge in [(b, a), (c, b), (a, c)] {
-                let other = sides.get(&edge).copied().filter(|&t| !taken[t] && joins(t));
-                if let Some(t) = other {
-                    taken[t] = true;
-                    own.push(t);
-                }
-            }
-            at += 1;
-        }
-        // One triangle always has a ring.
-        let found = ring(triangles, &own);
-        if found.is_none() {
-            own.drain(1..).for_each(|t| taken[t] = false);
-        }
-        let ring = found.unwrap_or_else(|| triangles[seed].to_vec());
-        facets.push(Facet { triangles: own, ring });
-    }
-    facets
-}
-
-/// The hull of points, without those no farther than `keep` from the hull of the others, with
-/// triangles joined that lie in one plane to within `flat`; `None` if the points are flat.
-pub(crate) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
-    let triangles = triangles(points, keep)?;
-    let single = |t: usize| Facet { triangles: vec![t], ring: triangles[t].to_vec() };
-    assembled(points, &triangles, &facets(points, &triangles, flat)).or_else(|| {
-        let apart: Vec<Facet> = (0..triangles.len()).map(single).collect();
-        assembled(points, &triangles, &apart)
-    })
-}
-
-/// Numbers corners and edges, and lowers each face to the lowest corner of its triangles. A point
-/// outside of the hull lies beyond one of its triangles, as seen from the middle, so it lies beyond
-/// that triangle's face.
-fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &[Facet]) -> Option<Closed> {
-    let mut number = vec![u16::MAX; points.len()];
-    let mut vertices: Vec<DVec3> = Vec::new();
-    let mut sides: HashMap<(usize, usize), u16> = HashMap::new();
-    for (f, facet) in facets.iter().enumerate() {
-        for (i, &a) in facet.ring.iter().enumerate() {
-            if number[a] == u16::MAX {
-                number[a] = vertices.len() as u16;
-                vertices.push(points[a]);
-            }
-            sides.insert((a, facet.ring[(i + 1) % facet.ring.len()]), f as u16);
-        }
-    }
-    let mut edges = Vec::with_capacity(sides.len() / 2);
-    for (f, facet) in facets.iter().enumerate() {
-        for (i, &a) in facet.ring.iter().enumerate() {
-            let b = facet.ring[(i + 1) % facet.ring.len()];
-            let g = *sides.get(&(b, a))?;
-            match usize::from(g).cmp(&f) {
-                std::cmp::Ordering::Equal => return None,
-                std::cmp::Ordering::Greater => edges.push([number[a], number[b], f as u16, g]),
-                std::cmp::Ordering::Less => {}
-            }
-        }
-    }
-    let largest = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let middle = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
-    let mut faces = Vec::with_capacity(facets.len());
-    for facet in facets {
-        let own = || facet.triangles.iter().map(|&t| triangles[t].map(|i| points[i]));
-        let n = own().map(|[a, b, c]| (b - a).cross(c - a)).sum::<DVec3>().normalize_or_zero();
-        let least = own().flatten().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
-        let h = lowered(least, largest);
-        let inwards = h - n.dot(middle);
-        if inwards.is_nan() || inwards <= 0.0 {
-            return None;
-        }
-        faces.push(HalfSpace { normal: -n, offset: h });
-    }
-    let whole = faces.len() >= 4 && vertices.len() + faces.len() == edges.len() + 2;
-    whole.then_some(Closed { vertices, faces, edges })
+    solid.then_some([[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
 }

@@ -1,6 +1,7 @@
 //! Convex polytopes from points or half-spaces.
 
 mod cells;
+mod facets;
 mod hull;
 mod kind;
 mod planes;
@@ -17,7 +18,7 @@ use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
 use crate::numeric::shape::{CORNER, FLAT, KEPT, LENGTH_OF_ERROR, MAX_PULL, MOST_PULL};
-use crate::shape::convex::hull::{Closed, closed};
+use crate::shape::convex::facets::{Closed, closed};
 
 /// The most points or half-spaces of a [`Convex`].
 pub const MAX_CONVEX: usize = 64;
@@ -165,12 +166,14 @@ impl Convex {
 
     /// Moves faces, whose directions stay, to their corners.
     fn fit_faces(&mut self, largest: f64) {
-        for (f, face) in self.faces.iter_mut().enumerate() {
-            let own = self.edges.iter().filter(|e| usize::from(e[2]) == f || usize::from(e[3]) == f);
-            let ends =
-                own.flat_map(|e| [e[0], e[1]]).map(|v| -face.normal.dot(self.vertices[usize::from(v)]));
-            face.offset = hull::lowered(ends.fold(f64::INFINITY, f64::min), largest);
+        self.faces.iter_mut().for_each(|face| face.offset = f64::INFINITY);
+        for &[a, b, f, g] in &self.edges {
+            for (face, v) in [(f, a), (f, b), (g, a), (g, b)] {
+                let face = &mut self.faces[usize::from(face)];
+                face.offset = face.offset.min(-face.normal.dot(self.vertices[usize::from(v)]));
+            }
         }
+        self.faces.iter_mut().for_each(|face| face.offset = hull::lowered(face.offset, largest));
     }
 
     /// The hull of points in double precision, smaller by `room` at least on all sides; `None` if
@@ -208,10 +211,11 @@ impl Convex {
     /// Its volume, but for rounding.
     pub(crate) fn volume(&self) -> f64 {
         let middle = self.middle();
+        let mut ends: Vec<[DVec3; 2]> = Vec::new();
         let face = |(face, f): (&HalfSpace, u16)| {
             let own = self.edges.iter().filter(|e| e[2] == f || e[3] == f);
-            let ends: Vec<[DVec3; 2]> =
-                own.map(|e| [e[0], e[1]].map(|v| self.vertices[usize::from(v)])).collect();
+            ends.clear();
+            ends.extend(own.map(|e| [e[0], e[1]].map(|v| self.vertices[usize::from(v)])));
             // A point of the face, so that the triangles to its edges do not overlap.
             let inside = ends.iter().flatten().sum::<DVec3>() / (2 * ends.len()).max(1) as f64;
             let area: f64 = ends.iter().map(|[a, b]| (*a - inside).cross(*b - inside).length() * 0.5).sum();

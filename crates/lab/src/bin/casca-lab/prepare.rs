@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{FileError, MeshOptions, TriMesh};
+use casca_scenes::cache::MeshCache;
 use casca_scenes::import;
 use casca_scenes::measure::timed_by_wall;
 use casca_scenes::world::{Mesh, Shape};
@@ -17,7 +18,7 @@ use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 
-use crate::arguments::{Out, about};
+use crate::arguments::{Cached, Out, about};
 use crate::failure::Failure;
 use crate::progress;
 
@@ -32,6 +33,8 @@ pub struct Options {
     /// diagonal]
     #[arg(long, value_parser = parse_length)]
     tolerance: Option<f32>,
+    #[command(flatten)]
+    cached: Cached,
     #[command(flatten)]
     out: Out,
     /// No progress bar
@@ -89,7 +92,11 @@ fn meshes_of(path: &Path) -> Result<Vec<(String, Arc<Mesh>)>, import::ImportErro
 }
 
 /// Prepares meshes, with a bar that counts their triangles.
-fn prepare(meshes: &[(String, Arc<Mesh>)], options: &Options) -> Result<Vec<TriMesh>, casca::Error> {
+fn prepare(
+    meshes: &[(String, Arc<Mesh>)],
+    options: &Options,
+    cache: Option<&MeshCache>,
+) -> Result<Vec<TriMesh>, casca::Error> {
     let mut how = MeshOptions::default();
     how.tolerance = options.tolerance;
     let bar = progress::bar(options.quiet, triangles(meshes), "", "triangle");
@@ -101,7 +108,11 @@ fn prepare(meshes: &[(String, Arc<Mesh>)], options: &Options) -> Result<Vec<TriM
             bar.set_position(done + (share * count as f32) as u64);
             ControlFlow::Continue(())
         };
-        let prepared = TriMesh::prepare(mesh.positions.clone(), mesh.triangles.clone(), &how, &mut progress);
+        let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
+        let prepared = match cache {
+            Some(cache) => cache.prepare(positions, triangles, &how, &mut progress),
+            None => TriMesh::prepare(positions, triangles, &how, &mut progress),
+        };
         done += count as u64;
         prepared
     });
@@ -158,8 +169,9 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
         Some(path) => meshes_of(path)?,
         None => rocks(),
     };
+    let cache = options.cached.open()?;
     // Several threads may prepare meshes, and files are waited for.
-    let (prepared, preparing) = timed_by_wall(|| prepare(&meshes, options));
+    let (prepared, preparing) = timed_by_wall(|| prepare(&meshes, options, cache.as_ref()));
     let prepared = prepared?;
     let (saved, saving) = timed_by_wall(|| save(&options.out.out, &prepared));
     saved.map_err(PathError::write(&options.out.out))?;
@@ -178,6 +190,9 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
         "bytes",
         std::fs::metadata(&options.out.out).map_err(PathError::read(&options.out.out))?.len().to_string(),
     );
+    if let Some(counts) = cache.map(|cache| cache.counts()) {
+        row("read from the cache", counts.hits.to_string());
+    }
     row("preparing", seconds(preparing));
     row("saving", seconds(saving));
     row("loading", seconds(loading));

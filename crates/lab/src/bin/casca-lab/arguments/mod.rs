@@ -6,6 +6,8 @@ mod measured;
 
 use std::path::PathBuf;
 
+use casca_scenes::cache::MeshCache;
+use casca_stage::command_line::PathError;
 use clap::{Arg, Args};
 
 #[cfg(feature = "experiments")]
@@ -30,6 +32,30 @@ pub struct Common {
     /// No progress bar
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// Where prepared meshes are kept.
+#[derive(Debug, Clone, Args)]
+pub struct Cached {
+    /// A folder of prepared meshes: those in it are read, others are prepared and put there
+    /// [default: all are prepared]
+    #[arg(long)]
+    pub cache: Option<PathBuf>,
+    /// Megabytes of that folder, at most: meshes that were not used for longest go
+    #[arg(long, requires = "cache")]
+    pub cache_limit: Option<u32>,
+}
+
+impl Cached {
+    /// The cache, if one is asked for.
+    pub fn open(&self) -> Result<Option<MeshCache>, PathError> {
+        let Some(folder) = &self.cache else { return Ok(None) };
+        let cache = MeshCache::new(folder).map_err(PathError::write(folder))?;
+        Ok(Some(match self.cache_limit {
+            Some(limit) => cache.limit(u64::from(limit) * 1_000_000),
+            None => cache,
+        }))
+    }
 }
 
 /// Where results go.

@@ -8,7 +8,7 @@ use casca_stage::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
-use crate::arguments::{Common, Out, about};
+use crate::arguments::{Cached, Common, Out, about};
 use crate::limits::{FRAMES, MOST_SAMPLES, WIDTHS};
 
 /// Width over height of all pictures.
@@ -91,6 +91,8 @@ pub struct Options {
     /// Writes all results to this file
     #[arg(long)]
     pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub cached: Cached,
     #[command(flatten)]
     pub out: Out,
     #[command(flatten)]

@@ -2,6 +2,7 @@
 //! against.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{Aabb, GridSpec, Method, Query};
@@ -166,8 +167,9 @@ fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
         Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
         None => grid_for(&world.grid, None)?,
     };
+    let cache = options.cached.open()?.map(Arc::new);
     let bar = progress::bar(options.common.quiet, world.objects.len(), "preparing", "object");
-    let driver = Driver::new(world, &grid, |done| bar.set_position(done as u64))?;
+    let driver = Driver::cached(world, &grid, cache, |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     Ok(driver)
 }
