@@ -101,6 +101,9 @@ pub struct Query {
     point: PointScratch,
     /// Whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
     record: bool,
+    /// Whether runs of [`Method::Point`] use more than one thread.
+    #[cfg(feature = "rayon")]
+    parallel: bool,
     visited: Option<BitMatrix>,
     hidden: Option<OcclusionMatrix>,
     pub(crate) shadows: ReceiverScratch,
@@ -122,6 +125,8 @@ impl Query {
             cell: CellScratch::new(CellOptions::default().mask_resolution),
             point: PointScratch::default(),
             record: false,
+            #[cfg(feature = "rayon")]
+            parallel: false,
             visited: None,
             hidden: None,
             shadows: ReceiverScratch::default(),
@@ -193,6 +198,8 @@ impl Query {
             Method::Point(options) => {
                 pvs.revision = scene.revision();
                 let walk = point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                #[cfg(feature = "rayon")]
+                let walk = walk.with_parallel(self.parallel);
                 walk.with_receivers(receivers).with_fixed_only(fixed_only).run();
             }
         }
@@ -237,6 +244,25 @@ impl Query {
         queries.par_iter_mut().zip(views).for_each(|(query, view)| {
             query.run(scene, view);
         });
+    }
+
+    /// Says whether runs of [`Method::Point`] by this query share their work among the threads of
+    /// rayon's current pool. Default: false.
+    ///
+    /// Sets, their order and [`Stats`](crate::Stats) are the same for any number of threads.
+    ///
+    /// Needs the feature `rayon`.
+    #[cfg(feature = "rayon")]
+    pub fn set_parallel(&mut self, parallel: bool) {
+        self.parallel = parallel;
+    }
+
+    /// Whether runs share their work among threads: [`Query::set_parallel`].
+    ///
+    /// Needs the feature `rayon`.
+    #[cfg(feature = "rayon")]
+    pub fn is_parallel(&self) -> bool {
+        self.parallel
     }
 
     /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
