@@ -45,7 +45,7 @@ impl Walk<'_> {
     /// Looks at candidates by several threads, and accepts answers as far as they hold.
     pub(super) fn share(&mut self, candidates: &[Candidate], left: &mut Budget, hidden: &mut Vec<bool>) {
         let mut alone = ALONE;
-        while candidates.len() - hidden.len() >= WORTH_SHARING && rayon::current_num_threads() > 1 {
+        while candidates.len() - hidden.len() >= WORTH_SHARING {
             let portions = self.look_ahead(&candidates[hidden.len()..], left);
             self.accept(candidates, &portions, left, hidden);
             if hidden.len() == candidates.len() {

@@ -60,7 +60,7 @@ impl Walk<'_> {
         let mut hidden = std::mem::take(&mut self.scratch.hidden);
         hidden.clear();
         #[cfg(feature = "rayon")]
-        if self.parallel {
+        if self.is_parallel() {
             self.share(candidates, left, &mut hidden);
         }
         self.examine_in_order(candidates, left, &mut hidden);

@@ -145,6 +145,15 @@ impl<'a> Walk<'a> {
         self
     }
 
+    /// Whether threads of the current pool share the work.
+    fn is_parallel(&self) -> bool {
+        #[cfg(feature = "rayon")]
+        let parallel = self.parallel && rayon::current_num_threads() > 1;
+        #[cfg(not(feature = "rayon"))]
+        let parallel = false;
+        parallel
+    }
+
     /// Passes over dynamic objects.
     pub(crate) fn with_fixed_only(mut self, fixed_only: bool) -> Self {
         self.fixed_only = fixed_only;
