@@ -59,7 +59,7 @@ fn sheet(dice: &mut Dice) -> Arc<TriMesh> {
     Arc::new(TriMesh::new(corners, triangles).unwrap())
 }
 
-/// A scene of spheres, boxes that stand askew, meshes and movers, in two layers. Returns the movers.
+/// A scene of spheres, boxes that stand askew, meshes and movers, in two layers, and the movers.
 fn scene(dice: &mut Dice) -> (Scene, Vec<ObjectId>) {
     let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(GRID as u32) };
     let mut scene = Scene::new(&spec).unwrap();

@@ -17,6 +17,7 @@ pub(crate) struct Budget<'a> {
 pub(crate) enum Purse<'a> {
     Own(u32),
     /// Shared by threads that look ahead.
+    #[cfg_attr(not(feature = "rayon"), allow(dead_code, reason = "there are none"))]
     Shared(&'a AtomicU32),
 }
 
@@ -30,6 +31,7 @@ impl Purse<'_> {
     }
 
     /// Whether a cost is left.
+    #[cfg(feature = "rayon")]
     pub(super) fn holds(&self, cost: u32) -> bool {
         cost <= self.left()
     }

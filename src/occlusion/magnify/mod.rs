@@ -85,6 +85,7 @@ pub(crate) struct UsedFinely {
 }
 
 /// A magnified pixel that a target asked for.
+#[cfg_attr(not(feature = "rayon"), allow(dead_code, reason = "only threads look ahead"))]
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Request {
     face: u32,
@@ -107,6 +108,7 @@ pub(crate) struct Magnifier {
 }
 
 /// The memory of a thread that magnifies pixels.
+#[allow(clippy::vec_box, reason = "boxes move to the faces and back, so that runs allocate nothing")]
 #[derive(Debug, Default)]
 pub(crate) struct Hand {
     /// By face, patches that the first pass did not project, since they are narrow.
@@ -178,6 +180,7 @@ impl Magnifier {
     }
 
     /// Forgets the finer pixels that no target asked for.
+    #[cfg(feature = "rayon")]
     pub(crate) fn drop_unasked(&mut self, hands: &mut [Hand]) {
         self.drop_tiles(hands, |tiles| tiles.asked.get());
     }
@@ -207,6 +210,7 @@ impl Magnifier {
 
     /// Whether a pixel that a thread looked at is as the query would find it now, with so many
     /// patches left. Notes that it asks for it, and takes the cost.
+    #[cfg(feature = "rayon")]
     pub(crate) fn accept(&self, request: &Request, left: &mut Purse) -> bool {
         let Some(tiles) = self.tiles((request.face, request.group)) else { return false };
         if !tiles.asked.get() && tiles.cost > 0 {

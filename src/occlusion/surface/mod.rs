@@ -93,7 +93,7 @@ fn on_each_face(
 
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater
-    /// than all their numbers; `listed` tells whether they are listed by place, and `shared` whether
+    /// than all their numbers; `listed` tells whether they are listed by place, `shared` whether
     /// several threads may draw. [`OcclusionBuffers::useful_patches`] then tells which hide more
     /// than before.
     pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool, shared: bool) {

@@ -184,8 +184,7 @@ impl<'a> Walk<'a> {
         self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
     }
 
-    /// Leaves those candidates that may be seen after the second test, of which some are tested once
-    /// more.
+    /// Leaves those candidates that may be seen after the second test. Some are tested once more.
     pub(super) fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
         let mut suspicious = std::mem::take(&mut self.scratch.coherence.suspicious);
         suspicious.clear();
