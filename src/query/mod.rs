@@ -259,10 +259,11 @@ impl Query {
     /// # Cost
     ///
     /// Shared are the second test of objects, and patches of triangles by the sides of the view
-    /// cube: six to nine tenths of a run. The walk from the eye outwards is not. Fewer than 32
-    /// objects, or 64 patches, are left to one thread. It pays where a run takes a millisecond
-    /// or more, and other cores are idle. With as many views as cores, [`Query::run_all`] alone
-    /// pays more. Each thread that takes part keeps some memory in the query.
+    /// cube, of which one may see most: seven to nine tenths of the work of a run that takes a
+    /// millisecond or more. The walk from the eye outwards is not shared. Fewer than 32 objects, or
+    /// 64 patches, are left to one thread. All threads together execute up to 3% more
+    /// instructions. With as many views as cores, [`Query::run_all`] alone leaves less to one
+    /// thread. Each thread that takes part keeps some memory in the query.
     ///
     /// Needs the feature `rayon`.
     #[cfg(feature = "rayon")]

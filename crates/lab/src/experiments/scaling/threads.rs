@@ -120,7 +120,7 @@ fn one_query(bench: &Bench, section: &mut Section, counts: &[usize]) -> Result<(
     }
     let cores = counts.last().copied().unwrap_or(1) as f64;
     all.push(Line::new("if all work were shared", EXACT.dashed(), [1.0, cores].map(|n| (n, n)).to_vec()));
-    let title = "One query gains less from threads than many queries do";
+    let title = "One query, shared by threads";
     let file = "scaling-query-threads.svg";
     let axes = (&Axis::linear("threads"), &Axis::linear("times as fast as one thread"));
     lines(&bench.lab.folder.join(file), title, "The least time of each view.", axes, &all)?;
