@@ -95,15 +95,6 @@ impl Coverage {
         self.shades[tile] = Shades::NONE;
     }
 
-    /// Appends open tiles. Returns the place of the first.
-    pub(crate) fn append(&mut self, count: usize) -> usize {
-        let first = self.tiles.len();
-        self.tiles.resize(first + count, Tile::EMPTY);
-        self.closed.resize(first + count, f32::NEG_INFINITY);
-        self.shades.resize(first + count, Shades::NONE);
-        first
-    }
-
     /// Whether no pixel of a tile is covered.
     #[inline]
     pub(crate) fn is_untouched(&self, tile: usize) -> bool {
@@ -127,10 +118,10 @@ impl Coverage {
         self.closed.iter().all(|&c| c >= near)
     }
 
-    /// The pixels of a tile that are hidden for targets nowhere nearer than `near`.
+    /// A tile by its place.
     #[inline]
-    pub(crate) fn hidden(&self, tile: usize, near: f32) -> u64 {
-        self.tiles[tile].hidden(near)
+    pub(crate) fn tile(&self, tile: usize) -> &Tile {
+        &self.tiles[tile]
     }
 
     /// The planes kept for a tile.

@@ -6,7 +6,8 @@
 //!
 //! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile,
 //! and magnified pixels do not depend on the targets that asked for them. So the order of targets
-//! does not matter, until a budget of the whole query is used up.
+//! does not matter, until a budget of the whole query is used up, and several threads may examine
+//! targets at once, each with a [`Hand`] of its own.
 
 use casca_slots::Slot;
 use smallvec::SmallVec;
@@ -14,7 +15,8 @@ use smallvec::SmallVec;
 use crate::method::PointOptions;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
-use crate::occlusion::magnify::{Magnifier, Patches};
+use crate::occlusion::magnify::budget::Budget;
+use crate::occlusion::magnify::{Hand, Magnifier, Patches};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
@@ -33,16 +35,6 @@ impl Effort {
     fn pixels(&self, most: usize) -> usize {
         most.max(most.saturating_mul(self.squares as usize) / SQUARES as usize)
     }
-}
-
-/// The work that a query may still do. Targets that come after it is used up are less well
-/// examined.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Budget {
-    /// Directions and squares.
-    pub(crate) squares: u64,
-    /// Patches drawn again.
-    pub(crate) patches: u32,
 }
 
 /// Directions tried for one target on one face.
@@ -65,6 +57,10 @@ const SQUARES: u32 = PointOptions::new().refine_squares;
 /// it, which would cost more.
 const FEW: u32 = 4;
 
+/// Nothing is compared in a pixel if more of them may reach into its group: then most pixels there
+/// have too many, and are magnified for several targets.
+const LISTED: usize = 8;
+
 /// Squares examined for such a comparison in one pixel, at most.
 const COMPARED: u32 = 128;
 
@@ -72,15 +68,16 @@ const COMPARED: u32 = 128;
 type OpenPixel = (i64, i64, Rect);
 
 /// The examination of one target.
-pub(crate) struct Examination<'a, F> {
+pub(crate) struct Examination<'a, 'p, F> {
     pub(crate) buffers: &'a OcclusionBuffers,
-    pub(crate) magnifier: &'a mut Magnifier,
+    pub(crate) magnifier: &'a Magnifier,
+    pub(crate) hand: &'a mut Hand,
     pub(crate) patches: &'a Patches<F>,
     pub(crate) effort: Effort,
-    pub(crate) budget: &'a mut Budget,
+    pub(crate) budget: &'a mut Budget<'p>,
 }
 
-impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
+impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
     /// Whether a target is hidden for certain. `owner` is its object.
     pub(crate) fn hides(&mut self, target: &Target, owner: Slot) -> bool {
         if self.buffers.is_close(target.bounds()) {
@@ -104,11 +101,6 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let Some(open) = self.find_open(search, target) else { return false };
         let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
         for pixel in open {
-            // A magnified pixel that is closed hides the target whatever a comparison says, at no
-            // cost.
-            if self.magnifier.closes((face, search.buffer), (pixel.0, pixel.1), search.target) {
-                continue;
-            }
             match self.compare(search, target, face, &pixel) {
                 Some(true) => {}
                 Some(false) => return false,
@@ -122,8 +114,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
     /// few, or not alone, or if squares do not tell. Magnifying the pixel would give the same
     /// answer, at a higher cost.
     ///
-    /// The squares count for the query, not for the target: so the target's own do not depend on
-    /// the pixels that were magnified before.
+    /// The squares count for the query, not for the target: the same target in finer pixels may be
+    /// compared in more of them.
     fn compare(
         &mut self,
         search: &mut Search,
@@ -135,13 +127,16 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
             return None;
         }
+        let listed = self.magnifier.solids((face, buffer), (x, y), self.hand);
+        if listed.len() > LISTED {
+            return None;
+        }
         let own = std::mem::replace(&mut search.squares, COMPARED);
-        let listed = buffer.occluders().list(buffer.occluders().index(x, y));
         let few = search.contest((self.buffers, target), listed, rect, FEW);
         let hidden = few.map(|few| {
             let hidden = search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few);
             if hidden {
-                self.magnifier.used.solids.extend(few.owners());
+                self.hand.compared.extend(few.owners());
             }
             hidden
         });
@@ -182,9 +177,9 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         &(x, y, ref rect): &OpenPixel,
     ) -> bool {
         let (buffer, on_face) = (search.buffer, search.target);
-        let budget = &mut self.budget.patches;
-        self.magnifier.magnify(self.buffers, (face, buffer), (x, y), self.patches, budget);
-        let (pixel, solids) = self.magnifier.search((face, buffer), (x, y), rect, on_face);
+        let with = (&mut *self.hand, &mut self.budget.patches);
+        let magnified = self.magnifier.magnify(self.buffers, (face, buffer), (x, y), self.patches, with);
+        let (pixel, solids) = (magnified.search(rect, on_face), magnified.solids);
         if pixel.open == 0 {
             return true;
         }
@@ -194,7 +189,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, F> {
         let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);
         let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
         if let Some(contest) = &contest {
-            self.magnifier.used.solids.extend(contest.owners());
+            self.hand.compared.extend(contest.owners());
         }
         contest.is_some()
     }
@@ -207,6 +202,7 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::polytope::Polytope;
+    use crate::occlusion::magnify::budget::Purse;
     use crate::occlusion::pitch::Pitch;
     use crate::occlusion::solid::Solid;
     use crate::random::Random;
@@ -239,6 +235,7 @@ mod tests {
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());
+        let mut hand = Hand::default();
         let (mut hidden, mut gained) = (0, 0);
         for _ in 0..30 {
             buffers.begin(&view, &pitch);
@@ -247,15 +244,16 @@ mod tests {
                 let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
                 buffers.draw(solid.clone(), Slot::new(i as u32));
             }
-            magnifier.begin(&buffers);
-            let mut budget = Budget { squares: 1 << 20, patches: 0 };
+            magnifier.clear(std::slice::from_mut(&mut hand), &buffers);
+            let mut budget = Budget { squares: 1 << 20, patches: Purse::Own(0) };
             for _ in 0..200 {
                 let block = block_at(&mut random, (6.5, 12.0), 0.03);
                 let target = Target::block(block, None);
                 let coarse = buffers.test(&target) == crate::occlusion::buffers::Verdict::Hidden;
                 let mut examination = Examination {
                     buffers: &buffers,
-                    magnifier: &mut magnifier,
+                    magnifier: &magnifier,
+                    hand: &mut hand,
                     patches: &patches,
                     effort,
                     budget: &mut budget,

@@ -226,8 +226,8 @@ impl<'a> Search<'a> {
         self.is_seen(u, v, listed)
     }
 
-    /// Compares the target with those occluders of a list that may hide it in the open part of a
-    /// pixel; `None` if they weigh more than `most`.
+    /// Compares the target with those occluders of a list, the nearest first, that may hide it in
+    /// the open part of a pixel; `None` if they weigh more than `most`.
     pub(crate) fn contest<'c>(
         &mut self,
         (buffers, whole): (&'c OcclusionBuffers, &'c Target),
@@ -247,7 +247,10 @@ impl<'a> Search<'a> {
         for listed in list {
             // An occluder that is nowhere nearer than the target's nearest point hides at most a
             // part of it.
-            if listed.near <= self.target.near || !listed.rect.overlaps(&part) {
+            if listed.near <= self.target.near {
+                break;
+            }
+            if !listed.rect.overlaps(&part) {
                 continue;
             }
             let drawn = buffer.drawn(listed);

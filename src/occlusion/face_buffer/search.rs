@@ -5,12 +5,12 @@ use glam::DVec3;
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::bins::BIN;
-use crate::occlusion::coverage::Coverage;
+use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
 use crate::occlusion::target::FaceTarget;
-use crate::occlusion::tiles::{TILE, bits, block};
+use crate::occlusion::tiles::{TILE, Tile, bits, block};
 
 /// A pixel that does not hide a point in it.
 struct OpenPixel {
@@ -38,7 +38,8 @@ impl FaceBuffer {
                 }
                 let (x, y) = (tx * TILE, ty * TILE);
                 let open = block(x0 - x, x1 - x, y0 - y, y1 - y);
-                if search_tile(&self.coverage, t, &self.window, (x, y), target, open, &mut found) {
+                let tile = (self.coverage.tile(t), self.coverage.shades(t));
+                if search_tile(tile, &self.window, (x, y), target, open, &mut found) {
                     return;
                 }
             }
@@ -141,23 +142,21 @@ impl FaceBuffer {
 /// in the window.
 #[inline(always)]
 pub(crate) fn search_tile(
-    coverage: &Coverage,
-    tile: usize,
+    (tile, shades): (&Tile, &Shades),
     window: &Window,
     (x, y): (i64, i64),
     target: &FaceTarget,
     mut open: u64,
     found: &mut impl FnMut(i64, i64, &Rect) -> bool,
 ) -> bool {
-    open &= !coverage.hidden(tile, target.near);
+    open &= !tile.hidden(target.near);
     if open == 0 {
         return false;
     }
     let rect = window.square(x, y, TILE);
     let Some(silhouette) = target.silhouette.crossing(&rect) else { return false };
     // In this tile the target may be farther than as a whole.
-    open &= !coverage.hidden(tile, target.near(&rect));
-    let shades = coverage.shades(tile);
+    open &= !tile.hidden(target.near(&rect));
     open = shades.open(open, target, &rect);
     bits(open).any(|bit| {
         let (x, y) = (x + (bit & 7), y + (bit >> 3));

@@ -8,7 +8,7 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::Area;
-use crate::occlusion::surface::scratch::SurfaceScratch;
+use crate::occlusion::surface::scratch::FaceScratch;
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::WholeSide;
 
@@ -21,9 +21,9 @@ pub(super) fn draw_component<S: Simd>(
     range: Range<usize>,
     projector: &Projector,
     kept: &KeptPatches,
-    scratch: &mut SurfaceScratch,
+    scratch: &mut FaceScratch,
 ) {
-    let SurfaceScratch { seen, order, raster, rims, joint, useful, .. } = scratch;
+    let FaceScratch { seen, order, raster, rims, joint, useful, .. } = scratch;
     let members = || order[range.clone()].iter().map(|&(_, _, i)| &seen[i as usize]);
     let area = Area::around(&members().fold(PixelRect::EMPTY, |around, s| around.join(&s.pixels)));
     let mut joint = (range.len() > 1).then(|| {

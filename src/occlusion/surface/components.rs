@@ -9,7 +9,7 @@ use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::scratch::{Seen, SurfaceScratch};
+use crate::occlusion::surface::scratch::{FaceScratch, Ids, Seen};
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::NO_TWIN;
 use crate::occlusion::surface::viewpoint::Viewpoint;
@@ -20,25 +20,20 @@ use crate::occlusion::tiles::TILE;
 const NARROW: i64 = 3;
 
 /// Draws patches together on one face, those that it sees, and notes which hide more than before.
-/// `face` is the number of the face.
 #[inline(always)]
 pub(super) fn draw_surfaces<S: Simd>(
     simd: S,
     buffer: &mut FaceBuffer,
-    face: usize,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
     viewpoint: Viewpoint,
-    scratch: &mut SurfaceScratch,
+    (ids, scratch): (&Ids, &mut FaceScratch),
 ) {
     scratch.begin();
-    if scratch.kept.len() <= face {
-        scratch.kept.resize_with(face + 1, KeptPatches::default);
-    }
-    let mut kept = std::mem::take(&mut scratch.kept[face]);
+    let mut kept = std::mem::take(&mut scratch.kept);
     let projector = Projector::new(buffer, viewpoint);
     see(simd, &projector, viewpoint.reach, batch, sights, &mut kept, scratch);
-    join(batch, viewpoint.reach, &mut kept, scratch);
+    join(batch, viewpoint.reach, &mut kept, (ids, scratch));
     order(scratch);
     let mut first = 0;
     while first < scratch.order.len() {
@@ -53,7 +48,7 @@ pub(super) fn draw_surfaces<S: Simd>(
         }
         first = last;
     }
-    scratch.kept[face] = kept;
+    scratch.kept = kept;
 }
 
 impl FaceBuffer {
@@ -68,7 +63,7 @@ impl FaceBuffer {
 
 /// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its
 /// pixels.
-pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &SurfaceScratch) {
+pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &FaceScratch) {
     let drawn = scratch.seen.iter().map(|s| (s.drawable, s.near, s.pixels));
     let all = drawn.chain(scratch.narrow.iter().copied());
     for (drawable, near, pixels) in all.filter(|s| !batch[s.0 as usize].again) {
@@ -91,7 +86,7 @@ fn see<S: Simd>(
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
     kept: &mut KeptPatches,
-    scratch: &mut SurfaceScratch,
+    scratch: &mut FaceScratch,
 ) {
     // The rims around a hole are wide if the eye may go far, however narrow the hole is.
     let is_narrow = |pixels: &PixelRect| reach == 0.0 && is_narrow(pixels);
@@ -125,7 +120,7 @@ fn see<S: Simd>(
 /// were drawn before take part as all others: the rims of a component must be known wherever it
 /// covers pixels.
 #[inline(always)]
-fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut SurfaceScratch) {
+fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): (&Ids, &mut FaceScratch)) {
     let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
         let seen = &scratch.seen[i as usize];
@@ -136,7 +131,7 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut Su
                 if number == NO_TWIN {
                     continue;
                 }
-                let place = scratch.ids.get(number).and_then(|id| scratch.find(id));
+                let place = ids.get(number).and_then(|id| scratch.find(id));
                 let Some(place) = place.filter(|&place| place != i) else { continue };
                 let other = &batch[scratch.seen[place as usize].drawable as usize];
                 if (group.opposite >> lane & 1 == 1) != (d.turned == other.turned) {
@@ -176,7 +171,7 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, scratch: &mut Su
 
 /// Puts the patches in order: nearest components first, since they may hide the rest.
 #[inline(always)]
-fn order(scratch: &mut SurfaceScratch) {
+fn order(scratch: &mut FaceScratch) {
     for i in 0..scratch.seen.len() as u32 {
         let root = scratch.root(i);
         let near = scratch.seen[i as usize].near;

@@ -40,33 +40,87 @@ pub(crate) mod sheet;
 mod sides;
 pub(crate) mod viewpoint;
 
+use smallvec::SmallVec;
+
 use crate::mesh::surface::PatchNumber;
 use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
+use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::scratch::{FaceScratch, SurfaceScratch};
 use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::simd::vectorized;
 
+/// Fewer patches, counted on each face that sees them, are drawn faster than another thread awakes.
+const WORTH_SHARING: usize = 64;
+
+/// A face and the memory to draw on it.
+type OnFace<'a> = (&'a mut FaceBuffer, &'a mut FaceScratch);
+
+/// Draws a batch on all faces by several threads. This one begins with the face that sees most.
+#[cfg(feature = "rayon")]
+fn on_each_face(
+    batch: &Batch,
+    faces: SmallVec<[OnFace; 6]>,
+    draw: &(impl Fn(usize, &mut FaceBuffer, &mut FaceScratch) + Sync),
+) {
+    let mut counts = [0; 6];
+    batch.sights.iter().for_each(|sight| counts[sight.face as usize % 6] += 1);
+    let mut faces: SmallVec<[(usize, OnFace); 6]> = faces.into_iter().enumerate().collect();
+    faces.sort_by_key(|&(face, _)| std::cmp::Reverse(counts[face % 6]));
+    rayon::in_place_scope(|scope| {
+        let mut faces = faces.into_iter();
+        let first = faces.next();
+        for (face, (buffer, scratch)) in faces {
+            scope.spawn(move |_| draw(face, buffer, scratch));
+        }
+        if let Some((face, (buffer, scratch))) = first {
+            draw(face, buffer, scratch);
+        }
+    });
+}
+
+/// Draws a batch on all faces.
+#[cfg(not(feature = "rayon"))]
+fn on_each_face(
+    _: &Batch,
+    faces: SmallVec<[OnFace; 6]>,
+    draw: &impl Fn(usize, &mut FaceBuffer, &mut FaceScratch),
+) {
+    faces.into_iter().enumerate().for_each(|(face, (buffer, scratch))| draw(face, buffer, scratch));
+}
+
 impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater
-    /// than all their numbers; `listed` tells whether they are listed by place.
-    /// [`OcclusionBuffers::useful_patches`] then tells which hide more than before.
-    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool) {
+    /// than all their numbers; `listed` tells whether they are listed by place, `shared` whether
+    /// several threads may draw. [`OcclusionBuffers::useful_patches`] then tells which hide more
+    /// than before.
+    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool, shared: bool) {
         let viewpoint = self.viewpoint();
-        let (faces, scratch) = self.surfaces_mut();
-        scratch.useful.clear();
+        let (buffers, SurfaceScratch { ids, faces, useful }) = self.surfaces_mut();
         for d in batch.drawables.iter().filter(|d| !d.again) {
-            scratch.ids.set(d.numbers(), d.id, patches);
+            ids.set(d.numbers(), d.id, patches);
         }
-        for (buffer, face) in faces.zip(0..) {
-            let sights = batch.sights.iter().filter(|sight| sight.face == face).copied();
-            let face = face as usize;
-            vectorized!(simd => draw_surfaces(simd, buffer, face, &batch.drawables, sights, viewpoint, scratch));
+        let mut buffers: SmallVec<[&mut FaceBuffer; 6]> = buffers.collect();
+        faces.resize_with(buffers.len().max(faces.len()), FaceScratch::default);
+        let ids = &*ids;
+        let draw = |face: usize, buffer: &mut FaceBuffer, scratch: &mut FaceScratch| {
+            let sights = batch.sights.iter().filter(|sight| sight.face as usize == face).copied();
+            let drawables = &batch.drawables;
+            vectorized!(simd => draw_surfaces(simd, buffer, drawables, sights, viewpoint, (ids, scratch)));
             if listed {
-                list(buffer, &batch.drawables, scratch);
+                list(buffer, drawables, scratch);
             }
+        };
+        let on_faces = buffers.iter_mut().map(|buffer| &mut **buffer).zip(faces.iter_mut());
+        if shared && batch.sights.len() >= WORTH_SHARING {
+            on_each_face(batch, on_faces.collect(), &draw);
+        } else {
+            on_faces.enumerate().for_each(|(face, (buffer, scratch))| draw(face, buffer, scratch));
         }
+        useful.clear();
+        faces[..buffers.len()].iter().for_each(|face| useful.extend(&face.useful));
     }
 
     /// Forgets the patches of the last query: the numbers of first drawing begin anew.

@@ -35,24 +35,32 @@ pub(super) type Place = (u32, u32, u32);
 /// The memory for drawing surfaces.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SurfaceScratch {
+    pub(super) ids: Ids,
+    /// One for each face that the view looks through. Several threads may draw on several faces.
+    pub(super) faces: Vec<FaceScratch>,
+    /// Indices of patches of the last batch that hid more than before; some of them repeat.
+    pub(crate) useful: Vec<u32>,
+}
+
+/// The memory for drawing surfaces on one face.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FaceScratch {
     pub(super) seen: Vec<Seen>,
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
-    pub(super) ids: Ids,
-    /// By face.
-    pub(super) kept: Vec<KeptPatches>,
-    /// For each patch by its number in the order of first drawing, the last drawing of a face that
-    /// saw it, and its index in `seen`.
+    pub(super) kept: KeptPatches,
+    /// For each patch by its number in the order of first drawing, the last drawing that saw it,
+    /// and its index in `seen`.
     places: Vec<(u32, u32)>,
-    /// Counts drawings of faces.
+    /// Counts drawings.
     drawing: u32,
     pub(super) order: Vec<Place>,
     pub(super) raster: Raster,
     /// The pixels that rims touch, widened by the distance that the eye may go.
     pub(super) rims: Raster,
     pub(super) joint: Joint,
-    /// Indices of patches of the last batch that hid more than before; some of them repeat.
-    pub(crate) useful: Vec<u32>,
+    /// As in [`SurfaceScratch`], on this face.
+    pub(super) useful: Vec<u32>,
 }
 
 /// The numbers of the patches of a query in the order of first drawing, by their numbers in the
@@ -93,16 +101,20 @@ impl SurfaceScratch {
     /// Forgets the patches of the last query: the numbers of first drawing begin anew.
     pub(crate) fn begin_query(&mut self) {
         self.ids.begin();
-        self.kept.iter_mut().for_each(KeptPatches::clear);
-        self.places.clear();
+        for face in &mut self.faces {
+            face.kept.clear();
+            face.places.clear();
+        }
     }
 
     /// The numbers of the patches of the query, and those that a face saw; `None` if nothing was
     /// drawn there.
     pub(crate) fn kept(&self, face: usize) -> Option<(&Ids, &KeptPatches)> {
-        Some((&self.ids, self.kept.get(face)?))
+        Some((&self.ids, &self.faces.get(face)?.kept))
     }
+}
 
+impl FaceScratch {
     /// Forgets the patches seen, for another drawing.
     pub(super) fn begin(&mut self) {
         self.drawing = self.drawing.wrapping_add(1);
@@ -112,6 +124,7 @@ impl SurfaceScratch {
         }
         self.seen.clear();
         self.narrow.clear();
+        self.useful.clear();
     }
 
     /// Appends a patch by its number in the order of first drawing.
@@ -154,7 +167,7 @@ mod tests {
 
     #[test]
     fn components_have_one_root() {
-        let mut scratch = SurfaceScratch::default();
+        let mut scratch = FaceScratch::default();
         scratch.begin();
         for i in 0..10 {
             let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);

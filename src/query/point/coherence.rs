@@ -19,14 +19,14 @@ use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::mesh::surface::{PatchIndex, PatchNumber};
-use crate::occlusion::examine::Budget;
+use crate::occlusion::magnify::budget::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::Walk;
 use crate::query::point::drawables::Source;
 use crate::query::point::occluders::NOBODY;
 use crate::query::point::recall::{Coherence, Recall, Role, Usage};
-use crate::query::point::scratch::Candidate;
+use crate::query::point::scratch::{Candidate, PointScratch};
 
 impl<'a> Walk<'a> {
     /// Draws the occluders that were of use in the last run.
@@ -177,20 +177,23 @@ impl<'a> Walk<'a> {
         coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
-    /// Tests all candidates again, and leaves those that may be seen.
+    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
+    /// once.
+    pub(super) fn stays(&self, candidate: &Candidate) -> bool {
+        let (coherence, slot) = (&self.scratch.coherence, candidate.id.slot());
+        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
+    }
+
+    /// Leaves those candidates that may be seen after the second test. Some are tested once more.
     pub(super) fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
         let mut suspicious = std::mem::take(&mut self.scratch.coherence.suspicious);
         suspicious.clear();
+        let PointScratch { coherence, hidden, .. } = &*self.scratch;
+        let mut hidden = hidden.iter();
         candidates.retain(|candidate| {
-            let coherence = &self.scratch.coherence;
+            let seen = hidden.next() != Some(&true);
             let slot = candidate.id.slot();
-            if coherence.saw(slot) && !coherence.is_turn(slot.get()) {
-                self.stats.occlusion_tests += 1;
-                return !candidate.block.is_some_and(|block| self.hides(&block));
-            }
-            let was_hidden = coherence.hid(slot, candidate.block.as_ref());
-            let seen = !self.examine(candidate, left);
-            if seen && was_hidden {
+            if seen && coherence.hid(slot, candidate.block.as_ref()) {
                 suspicious.push(slot);
             }
             seen
@@ -198,8 +201,12 @@ impl<'a> Walk<'a> {
         suspicious.sort_unstable();
         let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot()).is_ok();
         if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
+            self.end_examinations();
             self.begin_examinations();
-            candidates.retain(|candidate| !(is_suspicious(candidate) && self.examine(candidate, left)));
+            let again: Vec<Candidate> = candidates.iter().filter(|c| is_suspicious(c)).copied().collect();
+            self.examine_all(&again, left);
+            let mut hidden = self.scratch.hidden.iter();
+            candidates.retain(|candidate| !is_suspicious(candidate) || hidden.next() != Some(&true));
         }
         self.scratch.coherence.suspicious = suspicious;
     }
@@ -271,7 +278,7 @@ impl<'a> Walk<'a> {
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
             coherence.solids[slot.index()] = usage(useful);
         }
-        for &slot in self.scratch.magnifier.used.solids.iter().filter(|&&slot| slot != NOBODY) {
+        for &slot in self.scratch.used.solids.iter().filter(|&&slot| slot != NOBODY) {
             coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();
@@ -297,7 +304,7 @@ impl<'a> Walk<'a> {
                 *is_open = !faces[sight.face as usize].hides_pixels(&sight.pixels, sight.near);
             }
         }
-        for &id in &self.scratch.magnifier.used.patches {
+        for &id in &self.scratch.used.patches {
             open[id as usize] = true;
         }
         for &(slot, patch) in &coherence.waiting_patches {

@@ -4,72 +4,136 @@ use casca_slots::Slot;
 
 use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
-use crate::occlusion::examine::{Budget, Effort, Examination};
-use crate::occlusion::magnify::{Magnifier, Patches};
+use crate::occlusion::examine::{Effort, Examination};
+use crate::occlusion::magnify::budget::{Budget, Purse};
+use crate::occlusion::magnify::{Hand, Magnifier, Patches};
 use crate::occlusion::target::Target;
 use crate::query::point::Walk;
-use crate::query::point::scratch::Candidate;
+use crate::query::point::scratch::{Candidate, PointScratch};
 
 impl Walk<'_> {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
-        let mut left =
-            Budget { squares: u64::from(self.options.refine_budget), patches: self.options.refine_patches };
-        let given = left;
-        self.scratch.magnifier.used.clear();
+        let given = u64::from(self.options.refine_budget);
+        let mut left = Budget { squares: given, patches: Purse::Own(self.options.refine_patches) };
+        self.scratch.used.clear();
         self.begin_examinations();
+        self.sort_movers(&mut candidates);
+        self.examine_all(&candidates, &mut left);
         if self.coherent {
             self.decide_coherent(&mut candidates, &mut left);
-            candidates.drain(..).for_each(|candidate| self.pvs.push(candidate.id));
+            candidates.iter().for_each(|candidate| self.pvs.push(candidate.id));
         } else {
-            let mut movers = std::mem::take(&mut self.scratch.movers);
-            if !movers.is_empty() {
-                self.scratch.buffers.read_clear();
-            }
-            let mut waiting = movers.drain(..).peekable();
-            for (at, candidate) in candidates.drain(..).enumerate() {
-                while let Some(mover) = waiting.next_if(|mover| mover.is_before(at)) {
-                    self.decide_mover(&mover, &mut left);
-                }
-                if !self.examine(&candidate, &mut left) {
-                    self.pvs.push(candidate.id);
-                }
-            }
-            waiting.for_each(|mover| self.decide_mover(&mover, &mut left));
-            self.scratch.movers = movers;
+            self.push_seen(&candidates);
         }
-        self.stats.refine_squares = given.squares - left.squares;
-        self.stats.refine_patches = given.patches - left.patches;
+        candidates.clear();
+        self.end_examinations();
+        self.stats.refine_squares = given - left.squares;
         self.scratch.candidates = candidates;
+    }
+
+    /// Adds to the set all candidates that the last examination found visible, and the small moving
+    /// objects that needed none, in the order in which they were found.
+    fn push_seen(&mut self, candidates: &[Candidate]) {
+        let mut movers = self.scratch.movers.iter().peekable();
+        for (at, (candidate, hidden)) in candidates.iter().zip(&self.scratch.hidden).enumerate() {
+            while let Some(mover) = movers.next_if(|mover| mover.is_before(at)) {
+                self.pvs.push(mover.id());
+            }
+            if !hidden {
+                self.pvs.push(candidate.id);
+            }
+        }
+        movers.for_each(|mover| self.pvs.push(mover.id()));
     }
 
     /// Forgets magnified pixels: occluders were drawn.
     pub(super) fn begin_examinations(&mut self) {
-        self.scratch.magnifier.begin(&self.scratch.buffers);
+        let PointScratch { magnifier, hands, buffers, .. } = &mut *self.scratch;
+        if hands.is_empty() {
+            hands.push(Hand::default());
+        }
+        magnifier.clear(hands, buffers);
     }
 
-    /// Whether a candidate turns out to be hidden.
-    pub(super) fn examine(&mut self, candidate: &Candidate, left: &mut Budget) -> bool {
+    /// Notes which occluders were of use in magnified pixels, before those are forgotten.
+    pub(super) fn end_examinations(&mut self) {
+        let PointScratch { magnifier, hands, used, .. } = &mut *self.scratch;
+        self.stats.refine_patches += magnifier.cost(hands);
+        if self.coherent {
+            magnifier.used(hands, used);
+        }
+    }
+
+    /// Tests candidates again, and notes which of them are hidden.
+    pub(super) fn examine_all(&mut self, candidates: &[Candidate], left: &mut Budget) {
+        let mut hidden = std::mem::take(&mut self.scratch.hidden);
+        hidden.clear();
+        #[cfg(feature = "rayon")]
+        if self.is_parallel() {
+            self.share(candidates, left, &mut hidden);
+        }
+        self.examine_in_order(candidates, left, &mut hidden);
+        self.scratch.hidden = hidden;
+    }
+
+    /// Tests candidates again by this thread, from the first on of which it is not noted whether it
+    /// is hidden.
+    pub(super) fn examine_in_order(
+        &mut self,
+        candidates: &[Candidate],
+        left: &mut Budget,
+        hidden: &mut Vec<bool>,
+    ) {
+        let Some(mut hand) = self.scratch.hands.pop() else { return };
+        let magnifier = std::mem::take(&mut self.scratch.magnifier);
+        for candidate in &candidates[hidden.len()..] {
+            let before = (left.squares, left.patches.left());
+            let is_hidden = self.examine(candidate, (&magnifier, &mut hand), left);
+            self.count(candidate, is_hidden, before != (left.squares, left.patches.left()));
+            self.scratch.used.solids.append(&mut hand.compared);
+            hidden.push(is_hidden);
+        }
+        self.scratch.magnifier = magnifier;
+        self.scratch.hands.push(hand);
+    }
+
+    /// Counts a candidate that was tested again.
+    pub(super) fn count(&mut self, candidate: &Candidate, hidden: bool, refined: bool) {
+        self.stats.occlusion_tests += u32::from(candidate.block.is_some() || self.stays(candidate));
+        self.stats.refined += u32::from(refined);
+        self.stats.refined_hidden += u32::from(hidden && refined);
+    }
+
+    /// Whether a candidate turns out to be hidden. Several threads may ask at once.
+    pub(super) fn examine(
+        &self,
+        candidate: &Candidate,
+        (magnifier, hand): (&Magnifier, &mut Hand),
+        left: &mut Budget,
+    ) -> bool {
         let &Candidate { id, block: Some(block), is_centered, .. } = candidate else { return false };
+        if self.stays(candidate) {
+            return self.hides(&block);
+        }
         let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
-        self.stats.occlusion_tests += 1;
         // Most candidates can be seen plainly.
         if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot()) {
             return false;
         }
-        let before = *left;
         let bounds = self.scene.object(id.slot()).bounds();
-        let mut magnifier = std::mem::take(&mut self.scratch.magnifier);
-        let hidden = self.is_hidden(bounds, id.slot(), &mut magnifier, left);
-        self.scratch.magnifier = magnifier;
-        self.stats.refined += u32::from(*left != before);
-        self.stats.refined_hidden += u32::from(hidden && *left != before);
-        hidden
+        self.is_hidden(bounds, id.slot(), (magnifier, hand), left)
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.
-    fn is_hidden(&self, bounds: &Bounds, slot: Slot, magnifier: &mut Magnifier, budget: &mut Budget) -> bool {
+    fn is_hidden(
+        &self,
+        bounds: &Bounds,
+        slot: Slot,
+        (magnifier, hand): (&Magnifier, &mut Hand),
+        budget: &mut Budget,
+    ) -> bool {
         let buffers = &self.scratch.buffers;
         let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
         let drawable = |id: u32| {
@@ -77,7 +141,7 @@ impl Walk<'_> {
             self.drawable(slot, patch)
         };
         let patches = Patches { drawable };
-        let mut examination = Examination { buffers, magnifier, patches: &patches, effort, budget };
+        let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
         let mut hidden = |target: &Target| {
             if effort.squares == 0 && self.options.refine_patches == 0 {
                 buffers.test(target) == Verdict::Hidden

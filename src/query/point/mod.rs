@@ -7,6 +7,8 @@
 //! that the order matters for speed only; undecided pixels are refined ([`decide`]). Runs may build
 //! on the one before ([`coherence`]).
 
+#[cfg(feature = "rayon")]
+mod ahead;
 mod bricks;
 mod coherence;
 mod decide;
@@ -69,6 +71,9 @@ pub(crate) struct Walk<'a> {
     fixed_only: bool,
     /// Whether the run uses the memory of the last one.
     coherent: bool,
+    /// Whether threads of the current pool share the work.
+    #[cfg(feature = "rayon")]
+    parallel: bool,
     stats: Stats,
 }
 
@@ -123,6 +128,8 @@ impl<'a> Walk<'a> {
             receivers: None,
             fixed_only: false,
             coherent,
+            #[cfg(feature = "rayon")]
+            parallel: false,
             stats: Stats::default(),
         }
     }
@@ -132,6 +139,22 @@ impl<'a> Walk<'a> {
         self.coherent &= receivers.is_none();
         self.receivers = receivers;
         self
+    }
+
+    /// Lets threads of the current pool share the work.
+    #[cfg(feature = "rayon")]
+    pub(crate) fn with_parallel(mut self, parallel: bool) -> Self {
+        self.parallel = parallel;
+        self
+    }
+
+    /// Whether threads of the current pool share the work.
+    fn is_parallel(&self) -> bool {
+        #[cfg(feature = "rayon")]
+        let parallel = self.parallel && rayon::current_num_threads() > 1;
+        #[cfg(not(feature = "rayon"))]
+        let parallel = false;
+        parallel
     }
 
     /// Passes over dynamic objects.

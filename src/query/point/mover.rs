@@ -5,6 +5,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::grid::Grid;
+use crate::id::ObjectId;
 use crate::view::View;
 
 /// A small moving object whose brick is in sight.
@@ -19,6 +20,11 @@ pub(super) struct Mover {
 }
 
 impl Mover {
+    /// Its id.
+    pub(super) fn id(&self) -> ObjectId {
+        ObjectId(self.id)
+    }
+
     /// Whether it was found before another candidate of such a place.
     pub(super) fn is_before(&self, place: usize) -> bool {
         self.after as usize <= place

@@ -9,11 +9,9 @@
 use casca_slots::Slot;
 use glam::{IVec3, Vec3A};
 
-use crate::id::ObjectId;
-use crate::occlusion::examine::Budget;
 use crate::query::point::Walk;
 use crate::query::point::mover::{Frustum, Mover};
-use crate::query::point::scratch::Candidate;
+use crate::query::point::scratch::{Candidate, PointScratch};
 
 /// What a brick tells of the frustum about the objects that are listed in it.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -60,20 +58,33 @@ impl Walk<'_> {
         (!is_near).then_some(if inside { Border::Inside } else { Border::Crosses })
     }
 
-    /// Adds a small moving object to the set, unless it is hidden.
-    #[inline]
-    pub(super) fn decide_mover(&mut self, mover: &Mover, left: &mut Budget) {
-        let id = ObjectId(mover.id);
-        let buffers = &self.scratch.buffers;
-        if buffers.is_clear(Vec3A::from_array(mover.middle) - buffers.origin().as_vec3a()) {
-            self.stats.occlusion_tests += 1;
-            self.pvs.push(id);
+    /// Puts those small moving objects among the other candidates, in the order in which all were
+    /// found, that may lie behind an occluder. The others stay, and are visible.
+    pub(super) fn sort_movers(&mut self, candidates: &mut Vec<Candidate>) {
+        let PointScratch { buffers, movers, sorted, .. } = &mut *self.scratch;
+        if movers.is_empty() {
             return;
         }
-        let block = self.scene.object(id.slot()).bounds().block();
-        let candidate = Candidate { id, block: Some(block), is_centered: true, occludes: false };
-        if !self.examine(&candidate, left) {
-            self.pvs.push(id);
-        }
+        buffers.read_clear();
+        let (scene, origin) = (self.scene, buffers.origin().as_vec3a());
+        let (mut others, mut taken) = (candidates.drain(..), 0);
+        sorted.clear();
+        movers.retain_mut(|mover| {
+            while taken < mover.after {
+                sorted.extend(others.next());
+                taken += 1;
+            }
+            let clear = buffers.is_clear(Vec3A::from_array(mover.middle) - origin);
+            if clear {
+                mover.after = sorted.len() as u32;
+            } else {
+                let block = Some(scene.object(mover.id.slot()).bounds().block());
+                sorted.push(Candidate { id: mover.id(), block, is_centered: true, occludes: false });
+            }
+            clear
+        });
+        sorted.extend(others);
+        std::mem::swap(candidates, sorted);
+        self.stats.occlusion_tests += movers.len() as u32;
     }
 }

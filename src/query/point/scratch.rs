@@ -8,7 +8,7 @@ use crate::id::ObjectId;
 use crate::mesh::surface::PatchIndex;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
-use crate::occlusion::magnify::Magnifier;
+use crate::occlusion::magnify::{Hand, Magnifier, UsedFinely};
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
@@ -73,6 +73,8 @@ pub(crate) struct PointScratch {
     pub(super) candidates: Vec<Candidate>,
     /// Small moving objects whose bricks are in sight.
     pub(super) movers: Vec<Mover>,
+    /// Memory used again: candidates in order.
+    pub(super) sorted: Vec<Candidate>,
     pub(super) frustum: Frustum,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
     pub(super) waiting: Vec<Waiting>,
@@ -84,6 +86,12 @@ pub(crate) struct PointScratch {
     /// The objects of which an occluder hid more than before.
     pub(super) useful: Marks,
     pub(super) magnifier: Magnifier,
+    /// One for each thread that magnified pixels at the same time.
+    pub(super) hands: Vec<Hand>,
+    /// For each candidate, whether the second test found it hidden.
+    pub(super) hidden: Vec<bool>,
+    /// Occluders that were of use in the second test only.
+    pub(super) used: UsedFinely,
     /// The objects whose occluders were offered in a run on static objects only.
     pub(crate) offered: Offered,
     pub(crate) coherence: Coherence,

@@ -125,7 +125,8 @@ impl<'a> Walk<'a> {
         self.collect_neighbours(&mut batch);
         self.stats.patches_drawn += batch.drawables.len() as u32;
         let listed = self.options.refine_patches > 0;
-        self.scratch.buffers.draw_surfaces(&batch, self.scene.seams().patches(), listed);
+        let (patches, shared) = (self.scene.seams().patches(), self.is_parallel());
+        self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
     }

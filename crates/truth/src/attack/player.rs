@@ -104,6 +104,13 @@ pub struct Player {
     pub checks: u64,
 }
 
+/// One of the queries; the last one shares its work among threads.
+fn query(number: usize) -> Query {
+    let mut query = Query::new();
+    query.set_parallel(number == 2);
+    query
+}
+
 fn refused(what: &str) -> impl Fn(Error) -> (Kind, String) + use<'_> {
     move |error| (Kind::Answer, format!("{what} is refused: {error}"))
 }
@@ -144,7 +151,7 @@ impl Player {
             shelf: Shelf::new()?,
             worlds: vec![world],
             active: 0,
-            queries: std::array::from_fn(|_| (Query::new(), None)),
+            queries: std::array::from_fn(|i| (query(i), None)),
             options: [options(1.0, 64), options(8.0, 64), (late.coherent(true), cells)],
             lasting,
             ready: None,

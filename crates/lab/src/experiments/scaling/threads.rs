@@ -1,4 +1,4 @@
-//! Queries of many views by several threads.
+//! Queries of many views, and of one, by several threads.
 
 use casca::{Query, View};
 use rayon::ThreadPoolBuilder;
@@ -78,5 +78,53 @@ pub(super) fn run(bench: &Bench, section: &mut Section) -> Result<(), LabError> 
     lines(&bench.lab.folder.join(file), &title, "The best of several calls.", axes, &all)?;
     section.picture(file, &title);
     section.rows("All calls as CSV", table);
+    one_query(bench, section, &counts)
+}
+
+/// Scenes of which a query takes long.
+const SLOW: [SceneKind; 4] = [SceneKind::Town, SceneKind::Forest, SceneKind::Valley, SceneKind::Terrain];
+
+/// Single queries whose work threads share, each view by itself.
+fn one_query(bench: &Bench, section: &mut Section, counts: &[usize]) -> Result<(), LabError> {
+    let walks = bench.walks();
+    section.text(
+        "One query at a time, of which the threads share the work (`Query::set_parallel`): the least time of each view, and the mean of those.",
+    );
+    let mut table = Table::new("scaling-query-threads", &["scene", "threads", "ms of a query", "speed-up"]);
+    let mut all = Vec::new();
+    for (i, kind) in SLOW.into_iter().enumerate() {
+        (bench.lab.progress)(&format!("threads of one query, {}", kind.name()));
+        let world = build(kind, &SceneOptions { seed: bench.lab.seed, ..SceneOptions::default() });
+        let (driver, _) = set_up(&world)?;
+        let views: Vec<View> = cameras(&world, walks.views).iter().map(view_of).collect::<Result<_, _>>()?;
+        let mut query = Query::new();
+        query.set_parallel(true);
+        let (mut points, mut alone) = (Vec::new(), 0.0);
+        for &threads in counts {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+            let mut least = vec![f64::INFINITY; views.len()];
+            for _ in 0..=walks.repeats.max(1) * 5 {
+                for (view, least) in views.iter().zip(&mut least) {
+                    let run = || timed_by_wall(|| query.run(&driver.scene, view).len()).1;
+                    *least = least.min(pool.install(run).as_secs_f64());
+                }
+            }
+            let mean = least.iter().sum::<f64>() / least.len().max(1) as f64;
+            alone = if threads == 1 { mean } else { alone };
+            let gain = alone / mean.max(f64::MIN_POSITIVE);
+            points.push((threads as f64, gain));
+            let (time, gain) = (format!("{:.3}", mean * 1e3), format!("{gain:.2}"));
+            table.row([kind.name().to_owned(), threads.to_string(), time, gain]);
+        }
+        all.push(Line::new(kind.name(), other(i), points));
+    }
+    let cores = counts.last().copied().unwrap_or(1) as f64;
+    all.push(Line::new("if all work were shared", EXACT.dashed(), [1.0, cores].map(|n| (n, n)).to_vec()));
+    let title = "One query, shared by threads";
+    let file = "scaling-query-threads.svg";
+    let axes = (&Axis::linear("threads"), &Axis::linear("times as fast as one thread"));
+    lines(&bench.lab.folder.join(file), title, "The least time of each view.", axes, &all)?;
+    section.picture(file, title);
+    section.rows("All queries as CSV", table);
     Ok(())
 }

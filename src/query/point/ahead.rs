@@ -1,0 +1,152 @@
+//! Several threads test candidates again, with the answers of one.
+//!
+//! Threads look ahead: they examine candidates in portions, from the first on, with patches drawn
+//! again as long as the budget holds them in any order. What a thread finds follows from the
+//! candidate, the buffers, and for each group of magnified pixels that it asks for, from whether
+//! patches were drawn there. Afterwards one thread goes through the answers in the order of
+//! candidates. It accepts each that it would find itself with the budget that is left then, and
+//! pays for it. From the first other one on it examines some candidates itself, and lets the rest
+//! be looked at again: that happens where a budget ends.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+
+use casca_slots::Slot;
+use smallvec::SmallVec;
+
+use crate::occlusion::magnify::Request;
+use crate::occlusion::magnify::budget::{Budget, Purse};
+use crate::query::point::Walk;
+use crate::query::point::scratch::{Candidate, PointScratch};
+
+/// Candidates that a thread takes at once: some hundred thousand instructions.
+const PORTION: usize = 8;
+
+/// Fewer candidates are examined faster than another thread awakes.
+const WORTH_SHARING: usize = 4 * PORTION;
+
+/// Candidates that one thread examines after an answer that it does not accept. Each further time
+/// they are twice as many: so little is looked at in vain.
+const ALONE: usize = 2 * PORTION;
+
+/// What a thread that looks ahead finds about a candidate.
+struct Answer {
+    hidden: bool,
+    /// Squares examined.
+    spent: u64,
+    requests: SmallVec<[Request; 4]>,
+    compared: SmallVec<[Slot; 2]>,
+}
+
+/// The first candidate of a portion, and the answers for it.
+type Portion = (usize, Vec<Answer>);
+
+impl Walk<'_> {
+    /// Looks at candidates by several threads, and accepts answers as far as they hold.
+    pub(super) fn share(&mut self, candidates: &[Candidate], left: &mut Budget, hidden: &mut Vec<bool>) {
+        let mut alone = ALONE;
+        while candidates.len() - hidden.len() >= WORTH_SHARING {
+            let portions = self.look_ahead(&candidates[hidden.len()..], left);
+            self.accept(candidates, &portions, left, hidden);
+            if hidden.len() == candidates.len() {
+                return;
+            }
+            let PointScratch { magnifier, hands, .. } = &mut *self.scratch;
+            magnifier.drop_unasked(hands);
+            let end = candidates.len().min(hidden.len() + alone);
+            self.examine_in_order(&candidates[..end], left, hidden);
+            alone *= 2;
+        }
+        self.examine_in_order(candidates, left, hidden);
+    }
+
+    /// Examines candidates by several threads. Returns the answers in portions, in order; there are
+    /// none for the last portions if the budget ends before them.
+    fn look_ahead(&mut self, candidates: &[Candidate], left: &Budget) -> Vec<Portion> {
+        let hands = Mutex::new(std::mem::take(&mut self.scratch.hands));
+        let magnifier = std::mem::take(&mut self.scratch.magnifier);
+        let (found, next) = (Mutex::new(Vec::new()), AtomicUsize::new(0));
+        let purse = AtomicU32::new(left.patches.left());
+        let has_patches = left.patches.left() > 0;
+        let squares = if left.squares > 0 { u64::from(u32::MAX) << 16 } else { 0 };
+        let walk = &*self;
+        let work = || {
+            let mut hand = lock(&hands).pop().unwrap_or_default();
+            let mut own: Vec<Portion> = Vec::new();
+            loop {
+                let first = next.fetch_add(PORTION, Ordering::Relaxed);
+                let spent = has_patches && purse.load(Ordering::Relaxed) == 0;
+                if first >= candidates.len() || spent {
+                    break;
+                }
+                let portion = &candidates[first..candidates.len().min(first + PORTION)];
+                let answers = portion.iter().map(|candidate| {
+                    let mut budget = Budget { squares, patches: Purse::Shared(&purse) };
+                    let hidden = walk.examine(candidate, (&magnifier, &mut hand), &mut budget);
+                    Answer {
+                        hidden,
+                        spent: squares - budget.squares,
+                        requests: hand.requests.drain(..).collect(),
+                        compared: hand.compared.drain(..).collect(),
+                    }
+                });
+                own.push((first, answers.collect()));
+            }
+            lock(&hands).push(hand);
+            lock(&found).append(&mut own);
+        };
+        rayon::in_place_scope(|scope| {
+            let portions = candidates.len().div_ceil(PORTION);
+            for _ in 1..rayon::current_num_threads().min(portions) {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
+        self.scratch.magnifier = magnifier;
+        self.scratch.hands = into_inner(hands);
+        let mut portions = into_inner(found);
+        portions.sort_unstable_by_key(|portion| portion.0);
+        portions
+    }
+
+    /// Accepts answers, from the first candidate on that none is accepted for, to the first one
+    /// that does not hold.
+    fn accept(
+        &mut self,
+        candidates: &[Candidate],
+        portions: &[Portion],
+        left: &mut Budget,
+        hidden: &mut Vec<bool>,
+    ) {
+        let start = hidden.len();
+        for (first, answers) in portions {
+            if start + first != hidden.len() {
+                return;
+            }
+            for answer in answers {
+                let before = left.patches.left();
+                // Then no limit stopped the examination.
+                let enough = answer.spent == 0 || answer.spent < left.squares;
+                if !enough
+                    || !answer.requests.iter().all(|r| self.scratch.magnifier.accept(r, &mut left.patches))
+                {
+                    return;
+                }
+                left.squares -= answer.spent;
+                self.scratch.used.solids.extend(&answer.compared);
+                let refined = answer.spent > 0 || left.patches.left() != before;
+                self.count(&candidates[hidden.len()], answer.hidden, refined);
+                hidden.push(answer.hidden);
+            }
+        }
+    }
+}
+
+/// What a lock guards. No thread panics while it holds one.
+fn lock<T>(guarded: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    guarded.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+fn into_inner<T>(guarded: Mutex<T>) -> T {
+    guarded.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
