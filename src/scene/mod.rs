@@ -51,6 +51,7 @@ mod outer;
 mod shift;
 mod solids;
 mod state;
+mod succession;
 mod transitions;
 mod validity;
 mod volume;
