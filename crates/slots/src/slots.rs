@@ -308,7 +308,7 @@ mod tests {
         // Changes of both while values are taken over.
         let (again, first) = (old.insert("d").unwrap(), old.id(a));
         assert!(again == b && new.take_over(old.id(again), "d"));
-        (old.remove(a), new.remove(a));
+        assert!(old.remove(a).is_some() && new.remove(a).is_some());
         new.succeed(&mut old);
         assert_eq!((new.find(first), new.find(gone), new.len()), (None, None, 2));
         let next = new.insert("e").unwrap();

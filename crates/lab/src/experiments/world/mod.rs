@@ -16,14 +16,14 @@ impl Sampling {
     /// A drive of eight kilometres, or a smoke run.
     pub fn new(lab: &Lab) -> Self {
         Self {
-            frames: lab.pick(8000, 60),
-            step: lab.pick(1.0, 24.0),
+            frames: lab.pick(4000, 60),
+            step: lab.pick(2.0, 24.0),
             radius: lab.pick(3, 1),
             window: lab.pick(12, 4),
             budget: lab.pick(1024, 512),
             density: lab.pick(1.0, 0.1),
-            judge: lab.pick(100, 20),
-            width: lab.pick(960, 160),
+            judge: lab.pick(200, 20),
+            width: lab.pick(640, 160),
             rays: 4,
             cars: lab.pick(200, 20),
             seed: lab.seed,
