@@ -128,9 +128,11 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 /// - An object counts from the frame that reports its page as loaded, or a few before it, until its
 ///   page is reported as dropped ([`WorldFrame`]). Keep drawing what is in the sets until then: it
 ///   hides other things.
-/// - The window should cover what is loaded: objects beyond it are tested in every query. With
-///   `2 n` pages along an axis the eye is at least `n / 2` pages from its border, but for the time
-///   of a shift.
+/// - The window should cover what is loaded: objects beyond it are tested in every query. The eye
+///   is at least five sixteenths of the window from its border, 5 of 16 pages, but for the time of
+///   a shift, which depends on the [budget](WorldOptions::budget). So load no more than 3 pages
+///   away from the eye then, and give a budget by which a shift is done before the eye has gone
+///   two pages.
 /// - Coordinates that are multiples of a 2048th of a cell are not rounded in a window of up to 16
 ///   pages with cells of a power of two. Others are, by up to a 4096th of a cell: walls that abut
 ///   exactly then leave gaps that wide.

@@ -7,6 +7,11 @@ use crate::numeric::world::FARTHEST_PAGE;
 use crate::world::options::WorldOptions;
 use crate::world::page::{PAGE_CELLS, PageId};
 
+/// The eye is at least this share of the window from its border, but for the time of a shift: as
+/// much as leaves a way of half the rest before the next one, and room for what is loaded around
+/// the eye until a shift is done.
+const BORDER: (i32, i32) = (5, 16);
+
 /// Where the grid lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Window {
@@ -36,7 +41,7 @@ impl Window {
     }
 
     /// The window that the eye in some page needs, if it comes too near to the border of this one:
-    /// to a quarter of the pages along an axis.
+    /// to five sixteenths of the pages along an axis, rounded down.
     pub(super) fn moved(self, options: &WorldOptions, eye: PageId) -> Option<Self> {
         let (page, eye_page) = (self.page.to_array(), eye.to_array());
         let (pages, still) = (options.window.to_array(), <[bool; 3]>::from(options.still));
@@ -44,7 +49,8 @@ impl Window {
             let pages = pages[axis] as i32;
             // The number of the eye's page in the window.
             let own = eye_page[axis] - page[axis] + pages / 2;
-            !still[axis] && !(pages / 4..pages - pages / 4).contains(&own)
+            let border = pages * BORDER.0 / BORDER.1;
+            !still[axis] && !(border..pages - border).contains(&own)
         };
         let next = Self::around(options, eye);
         ((0..3).any(leaves) && next != self).then_some(next)
@@ -58,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_eye_stays_a_quarter_of_the_window_from_its_border() {
+    fn the_eye_stays_away_from_the_border_of_the_window() {
         for pages in 1..=16 {
             let options =
                 WorldOptions::new(1.0).window(UVec3::splat(pages)).still(BVec3::new(false, true, false));
@@ -70,13 +76,13 @@ mod tests {
                     (window, moves) = (next, moves + 1);
                 }
                 let own = eye - window.page.x + pages as i32 / 2;
-                let (quarter, pages) = (pages as i32 / 4, pages as i32);
-                assert!((quarter..pages - quarter).contains(&own), "{pages}: {own}");
+                let (border, pages) = (pages as i32 * 5 / 16, pages as i32);
+                assert!((border..pages - border).contains(&own), "{pages}: {own}");
                 assert_eq!((window.page.y, window.page.z), (0, 0));
             }
             let spec = window.spec(&options);
             assert_eq!(f64::from(spec.min.x), -f64::from(pages / 2) * options.page_size());
-            assert!(moves <= 100 / (pages / 4).max(1), "{pages} pages: {moves} moves");
+            assert!(moves <= 100 / (pages / 6).max(1), "{pages} pages: {moves} moves");
         }
     }
 }

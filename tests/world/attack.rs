@@ -1,5 +1,6 @@
 //! Random operations on worlds, frame by frame, against rays through a model.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use casca::{
@@ -23,6 +24,9 @@ struct Player {
     /// By user data.
     solids: Vec<Solid>,
     kinds: Vec<Kind>,
+    homes: Vec<Option<PageId>>,
+    /// Objects that may go at any time, since their pages were dropped.
+    leaving: BTreeSet<usize>,
     /// The movers of the world, and the objects of pages that move.
     movers: Vec<usize>,
     pages: Vec<PageId>,
@@ -64,6 +68,8 @@ impl Player {
             world: World::new(options).unwrap(),
             solids: Vec::new(),
             kinds: Vec::new(),
+            homes: Vec::new(),
+            leaving: BTreeSet::new(),
             movers: Vec::new(),
             pages: Vec::new(),
             eye,
@@ -77,7 +83,7 @@ impl Player {
     }
 
     /// A description of a new object at a place, with the model's.
-    fn object(&mut self, place: DVec3, spread: f64, kind: Kind) -> ObjectDesc {
+    fn object(&mut self, place: DVec3, spread: f64, kind: Kind, home: Option<PageId>) -> ObjectDesc {
         let random = &mut self.random;
         let wall = random.chance(0.4);
         let large = if random.chance(0.1) { 2.0 * SIDE } else { 0.4 * SIDE };
@@ -117,6 +123,7 @@ impl Player {
         };
         self.solids.push(Solid { place, min, max, hides, mesh: form == 1 });
         self.kinds.push(kind);
+        self.homes.push(home);
         if kind != Kind::Fixed {
             self.movers.push(self.solids.len() - 1);
         }
@@ -142,7 +149,7 @@ impl Player {
                 let objects: Vec<ObjectDesc> = (0..2 + self.random.below(9))
                     .map(|_| {
                         let kind = self.kind();
-                        self.object(corner, SIDE, kind)
+                        self.object(corner, SIDE, kind, Some(page))
                     })
                     .collect();
                 self.world.load(page, PageObjects::new(objects).unwrap()).unwrap();
@@ -151,12 +158,13 @@ impl Player {
                 let page = self.pages[self.random.below(self.pages.len())];
                 self.pages.retain(|other| *other != page);
                 self.world.drop_page(page).unwrap();
+                self.leaving.extend((0..self.homes.len()).filter(|&i| self.homes[i] == Some(page)));
             }
         }
         if self.random.chance(0.3) {
             let at = self.eye + self.random.point(-1.5, 1.5) * SIDE;
             let kind = self.kind();
-            let desc = self.object(at, 1.0, kind);
+            let desc = self.object(at, 1.0, kind, None);
             self.world.insert(desc, at).unwrap();
         }
     }
@@ -221,9 +229,14 @@ impl Player {
             self.change_pages();
             self.move_eye();
             self.now += STEP;
+            let before = self.ids();
             let report = self.world.begin_frame(self.now, self.eye).unwrap();
             self.shifts += usize::from(report.shifted);
             let ids = self.ids();
+            for (i, id) in before {
+                let stays = self.leaving.contains(&i) || ids.contains(&(i, id));
+                assert!(stays, "frame {frame}: object {i} is gone");
+            }
             self.move_objects(&ids, &report.due, &shown);
             let ids = self.ids();
             let solids: Vec<Solid> = ids.iter().map(|&(i, _)| self.solids[i]).collect();

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Convex, Obb, ObjectDesc, ObjectId, Occluder, PageId, PageObjects, Sphere, World,
-    WorldOptions,
+    Aabb, Bounds, Convex, Obb, ObjectDesc, ObjectId, Occluder, PageId, PageObjects, Query, Sphere, View,
+    World, WorldOptions,
 };
 use glam::{BVec3, DVec3, Quat, UVec3, Vec3};
 
@@ -60,8 +60,12 @@ fn block_of(occluder: &Occluder) -> (DVec3, DVec3) {
 fn check(world: &World, id: ObjectId, min: DVec3, max: DVec3) -> f64 {
     let scene = world.scene();
     let (min, max) = (min - world.origin(), max - world.origin());
-    let bounds = scene.bounds(id).unwrap().aabb();
-    let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    // Their box alone is a little larger than the shapes.
+    let (low, high) = match scene.bounds(id).unwrap() {
+        Bounds::Sphere(s) => block_of(&(*s).into()),
+        Bounds::Oriented(b) => block_of(&(*b).into()),
+        bounds => (bounds.aabb().min.as_dvec3(), bounds.aabb().max.as_dvec3()),
+    };
     assert!(low.cmple(min).all() && high.cmpge(max).all(), "bounds {low} {high} of {min} {max}");
     let (inner, outer) = block_of(scene.occluder(id).unwrap().expect("it is thick enough"));
     assert!(inner.cmpge(min).all() && outer.cmple(max).all(), "occluder {inner} {outer} of {min} {max}");
@@ -136,5 +140,31 @@ fn shapes_with_few_digits_are_the_same_after_every_shift() {
         assert_eq!(world.scene().bounds(id).unwrap().aabb(), Aabb::new(wall.min + by, wall.max + by));
         let Some(Occluder::Box(occluder)) = world.scene().occluder(id).unwrap() else { panic!() };
         assert_eq!(*occluder, Aabb::new(wall.min + by, wall.max + by));
+    }
+}
+
+#[test]
+fn an_eye_far_from_the_origin_sees_through_a_slit() {
+    for far in [0.0, 1e6, 3e7, 1e9] {
+        let mut world = World::new(WorldOptions::new(1.0).budget(usize::MAX)).unwrap();
+        let eye = DVec3::new(far + 0.37, 100.13, -far - 0.71);
+        world.begin_frame(0.0, eye).unwrap();
+        // The eye is before the middle of a slit of 2 cm, and a ball of 1 cm beyond it.
+        for side in [-1.0, 1.0] {
+            let wall = Aabb::from_center(Vec3::ZERO, Vec3::new(0.5, 20.0, 20.0));
+            let at = eye + DVec3::new(10.0, 0.0, side * 20.01);
+            world.insert(ObjectDesc::fixed(wall).occluder(wall), at).unwrap();
+        }
+        let ball = |world: &mut World, z: f64| {
+            let ball = ObjectDesc::fixed(Sphere::new(Vec3::ZERO, 0.005));
+            world.insert(ball, eye + DVec3::new(30.0, 0.0, z)).unwrap()
+        };
+        let (seen, hidden) = (ball(&mut world, 0.0), ball(&mut world, 1.0));
+        let around = View::omnidirectional(Vec3::ZERO).unwrap();
+        let view = world.view(eye, &around).unwrap();
+        assert_eq!(view.eye(), Some(eye - world.origin()));
+        let mut query = Query::new();
+        let pvs = query.run(world.scene(), &view);
+        assert!(pvs.contains(seen) && !pvs.contains(hidden), "at {far}");
     }
 }

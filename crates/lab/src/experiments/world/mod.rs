@@ -16,13 +16,13 @@ impl Sampling {
     /// A drive of eight kilometres, or a smoke run.
     pub fn new(lab: &Lab) -> Self {
         Self {
-            frames: lab.pick(4000, 60),
-            step: lab.pick(2.0, 24.0),
+            frames: lab.pick(2000, 60),
+            step: lab.pick(4.0, 24.0),
             radius: lab.pick(3, 1),
-            window: lab.pick(12, 4),
-            budget: lab.pick(1024, 512),
+            window: lab.pick(16, 4),
+            budget: lab.pick(6144, 512),
             density: lab.pick(1.0, 0.1),
-            judge: lab.pick(200, 20),
+            judge: lab.pick(100, 20),
             width: lab.pick(640, 160),
             rays: 4,
             cars: lab.pick(200, 20),
@@ -115,7 +115,7 @@ fn times(drive: &Drive) -> Table {
     add("moves of cars, the window moves", of(&|f| f.shifting, &|f| f.moves));
     add("query", of(&|f| !f.shifted, &|f| f.query));
     add("query, the window has moved", of(&|f| f.shifted, &|f| f.query));
-    add("kept query", of(&|f| !f.shifted, &|f| f.kept));
+    add("kept query", of(&|f| !f.shifted && f.kept > 0.0, &|f| f.kept));
     add("kept query, the window has moved", of(&|f| f.shifted, &|f| f.kept));
     add("end_frame", of(&|_| true, &|f| f.end));
     add("objects of a page made and checked, on any thread", drive.prepare.clone());
