@@ -32,7 +32,9 @@
 //! Memory follows what is loaded: an object takes its description beside its record in the scene,
 //! and both scenes while the window moves. A frame costs the objects that are loaded and dropped in
 //! it, as many of the window's shift, and the changes of movers (twice during a shift); all but the
-//! last are bounded by [`WorldOptions::budget`].
+//! last are bounded by [`WorldOptions::budget`]. A scene that was replaced is dropped at once, in
+//! milliseconds, unless another thread does it ([`World::take_retired`]); and movers come back into
+//! volumes in the frames after a shift ([`crate::MOST_NEW_VOLUMES`]).
 
 mod edit;
 mod frame;
