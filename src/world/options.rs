@@ -34,8 +34,8 @@ pub struct WorldOptions {
     pub still: BVec3,
     /// What a frame may cost for pages, in bricks of 8x8x8 cells that it takes into the scene or
     /// out of it: an object counts as those on the surface of its box, and as one at least. As
-    /// many more are taken over while the window moves. At least 1; a brick takes about a
-    /// microsecond. `usize::MAX` does everything at once.
+    /// many more are taken over while the window moves. At least 1; a brick takes one to
+    /// three microseconds. `usize::MAX` does everything at once.
     pub budget: usize,
 }
 

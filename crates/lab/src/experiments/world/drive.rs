@@ -285,8 +285,8 @@ impl Driver<'_> {
         let view = self.world.view(eye, &view)?;
         let scene = self.world.scene();
         let (found, time) = timed(|| query.run(scene, &view).len());
-        let judged = frame % self.sampling.judge == 0 || report.shifted;
-        let asked = judged || frame % KEPT == 0;
+        let judged = frame.is_multiple_of(self.sampling.judge) || report.shifted;
+        let asked = judged || frame.is_multiple_of(KEPT);
         let (_, kept_time) = timed(|| asked.then(|| kept.run(scene, &view).len()));
         if judged {
             self.judge(eye, &camera, [query.pvs(), kept.pvs()]);
@@ -305,7 +305,7 @@ impl Driver<'_> {
             streams: before != after || !report.loaded.is_empty() || !report.dropped.is_empty(),
             shifting: self.world.is_shifting() || report.shifted,
             shifted: report.shifted,
-            bytes: if frame % COUNT_MEMORY == 0 { self.world.memory_bytes() } else { 0 },
+            bytes: if frame.is_multiple_of(COUNT_MEMORY) { self.world.memory_bytes() } else { 0 },
         });
         Ok(())
     }

@@ -46,7 +46,7 @@ pub fn world(lab: &Lab) -> Result<Section, LabError> {
 pub fn world_to(lab: &Lab) -> Result<(Section, Drive), LabError> {
     let sampling = Sampling::new(lab);
     let told = |done: usize| {
-        if done % 100 == 0 {
+        if done.is_multiple_of(100) {
             (lab.progress)(&format!("frame {} of {}", grouped(done), grouped(sampling.frames)));
         }
     };
