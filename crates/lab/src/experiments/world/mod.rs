@@ -75,7 +75,7 @@ fn text(sampling: &Sampling, drive: &Drive) -> String {
          The world takes {least:.0} to {peak:.0} MB.\n\nTimes are of one thread. `Scene::shift_origin` on the scene at the end takes {:.0} ms, and to \
          move the window at once {:.0} ms: what the steps spread over many frames.",
         (last.way + sampling.step) / 1e3,
-        grouped(4100),
+        grouped(4700),
         sampling.radius,
         drive.page_objects.iter().sum::<f64>() / drive.page_objects.len().max(1) as f64,
         grouped(most),
