@@ -34,7 +34,8 @@
 //!
 //! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](GridSpec)) -> [`Query`]
 //! (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers
-//! many frames of a camera that moves little from one such walk.
+//! many frames of a camera that moves little from one such walk. A [`World`] makes the scene around
+//! an eye that goes anywhere.
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a
@@ -141,6 +142,7 @@ mod simd;
 pub mod soft;
 mod view;
 mod walk;
+mod world;
 
 pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, KeySet, Light};
 pub use error::{Error, FileError, KeySetError};
@@ -159,6 +161,7 @@ pub use query::{CameraQuery, Query, Sight};
 pub use scene::{FrameReport, MOST_NEW_VOLUMES, MemoryUse, ObjectRef, Scene};
 pub use shape::{Convex, MAX_CONVEX};
 pub use view::{MAX_PLANES, View};
+pub use world::{PAGE_CELLS, PageId, PageObjects, World, WorldFrame, WorldOptions};
 
 #[doc = include_str!("../README.md")]
 #[cfg(doctest)]

@@ -99,7 +99,7 @@ fn every_public_type_crosses_threads_and_prints_itself() {
             FileError, FrameReport, Grid, GridSpec, Instance, KeptJob, KeptOptions, KeptQuery, KeptResult,
             KeySet, KeySetError, Light, MemoryUse, MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId,
             ObjectRef<'static>, Occluder, Plane, PointOptions, Pvs, PvsChanges<'static>, Query, Reports,
-            Scene, Sight<'static>, Sphere, Stats, TriMesh, View;
+            Scene, Sight<'static>, Sphere, Stats, TriMesh, View, PageId, PageObjects, World, WorldFrame, WorldOptions;
         soft: CellHit, Cone, ConeAnswer, Layer, March, Pyramid, SoftGrid, SoftId, VisibilityVolume;
         internals: BitMatrix, Cap, CapPolygon, CellRun, IdMatrix, OcclusionImage, TbvMatrix;
     };

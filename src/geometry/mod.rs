@@ -3,6 +3,7 @@
 pub(crate) mod block;
 pub(crate) mod body;
 pub(crate) mod clip;
+pub(crate) mod offset;
 pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;

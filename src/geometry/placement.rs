@@ -3,7 +3,9 @@
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 use crate::error::Error;
+use crate::geometry::offset::Offset;
 use crate::numeric::mesh::{ANGLES, FLATTENS, SINGLE};
+use crate::numeric::world::ONE_ROUNDING;
 
 /// A transform, with the numbers that follow from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,15 +22,21 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// A transform of a shape whose coordinates are no greater than `largest`.
+    /// A transform of a shape whose coordinates are no greater than `largest`, and the offset that
+    /// follows.
     ///
     /// # Errors
     /// Refuses transforms that are not finite, or may lead to coordinates that are not in single
     /// precision; `what` names the transformed shape.
-    pub(crate) fn new(what: &'static str, transform: Affine3A, largest: f64) -> Result<Self, Error> {
+    pub(crate) fn new(
+        what: &'static str,
+        transform: Affine3A,
+        largest: f64,
+        offset: &Offset,
+    ) -> Result<Self, Error> {
         let affine = DAffine3::from_mat3_translation(
             Mat3::from(transform.matrix3).as_dmat3(),
-            Vec3::from(transform.translation).as_dvec3(),
+            Vec3::from(transform.translation).as_dvec3() + offset.by,
         );
         if !affine.is_finite() {
             return Err(Error::NotFinite { what, value: affine.translation });
@@ -45,7 +53,9 @@ impl Placement {
         let turned = m.determinant();
         let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
         let keeps_angles = turned > 0.0 && scales_alike(&m);
-        Ok(Self { affine, growth, error: SINGLE * bound, normals, keeps_angles })
+        // An offset may be rounded, and so is its sum with the translation, once.
+        let error = SINGLE * bound + offset.error + ONE_ROUNDING * offset.by.abs().max_element();
+        Ok(Self { affine, growth, error, normals, keeps_angles })
     }
 }
 

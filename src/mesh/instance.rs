@@ -2,6 +2,7 @@
 //! shared.
 
 use crate::error::Error;
+use crate::geometry::offset::Offset;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
@@ -87,9 +88,23 @@ impl Instance {
     /// Refuses transforms that are not finite, or lead to coordinates that are not in single
     /// precision.
     pub fn new(mesh: Arc<TriMesh>, transform: Affine3A) -> Result<Self, Error> {
+        Self::carried(mesh, transform, &Offset::NONE)
+    }
+
+    /// The mesh under a transform, in coordinates that differ by an offset from those that it leads
+    /// to. The offset is not rounded to single precision; [`Instance::transform`] is.
+    ///
+    /// # Errors
+    /// As [`Instance::new`].
+    pub(crate) fn carried(
+        mesh: Arc<TriMesh>,
+        mut transform: Affine3A,
+        offset: &Offset,
+    ) -> Result<Self, Error> {
         let vertices = || mesh.parts().iter().flat_map(|part| part.vertices());
         let largest = vertices().map(|v| v.abs().max_element()).fold(0.0, f64::max);
-        let placement = Placement::new("a mesh as transformed", transform, largest)?;
+        let placement = Placement::new("a mesh as transformed", transform, largest, offset)?;
+        transform.translation = placement.affine.translation.as_vec3a();
         let Placement { affine, error, .. } = placement;
         let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
         let solids = Solids::default();
@@ -303,7 +318,7 @@ impl Shape for Instance {
 
 impl PartialEq for Instance {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(self.mesh(), other.mesh()) && self.transform() == other.transform()
+        Arc::ptr_eq(self.mesh(), other.mesh()) && self.placement() == other.placement()
     }
 }
 

@@ -13,6 +13,7 @@ pub(crate) mod shape;
 #[cfg(feature = "soft")]
 pub(crate) mod soft;
 pub(crate) mod view;
+pub(crate) mod world;
 
 /// The lesser of two numbers; the second one if they are not ordered. Quicker than `min` of floats,
 /// which treats NaN in another way.

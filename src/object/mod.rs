@@ -1,5 +1,6 @@
 //! Objects as the application describes them.
 
+mod anchored;
 mod bounds;
 mod desc;
 mod kinds;

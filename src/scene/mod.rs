@@ -57,6 +57,7 @@ mod seen;
 mod shift;
 mod solids;
 mod state;
+mod succession;
 mod transitions;
 mod validity;
 mod volume;

@@ -71,12 +71,14 @@ impl Scene {
     /// The static occluders on the same layers that touch a cell, up to a limit, and those too
     /// large to be in cells.
     pub(crate) fn static_solids(&self, cell: IVec3, part: OpacityPart) -> impl Iterator<Item = &Occluder> {
-        let large = self.always().iter().copied().filter(|&s| !self.object(s).in_cells);
+        // Many may be there that lie wholly outside of the grid.
+        let large = self.always().iter().copied().take(MOST_ASKED);
+        let large = large.filter(|&s| !self.object(s).in_cells);
         let block = Block::new(self.grid.cell_bounds(cell));
         let near = self.ids.in_brick(cell >> 3i32).take(MOST_MEMBERS);
         let near = near.filter_map(move |s| self.static_solid(s, part));
         let near = near.filter(move |o| o.block().meets(&block)).take(MOST_ASKED);
-        near.chain(large.take(MOST_ASKED).filter_map(move |s| self.static_solid(s, part)))
+        near.chain(large.filter_map(move |s| self.static_solid(s, part)))
     }
 
     /// The occluder of an object, if that is static and its cells are in a part of the opacity.

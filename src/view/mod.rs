@@ -1,5 +1,6 @@
 //! The view: an eye or a direction, and the planes that bound the part of space that it sees.
 
+mod carried;
 mod cone;
 pub(crate) mod cut;
 mod eye;

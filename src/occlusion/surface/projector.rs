@@ -332,6 +332,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
+    use crate::geometry::offset::Offset;
     use crate::geometry::placement::Placement;
     use crate::mesh::surface::{Rules, Surface};
     use crate::occlusion::face::Rect;
@@ -374,8 +375,8 @@ mod tests {
                 );
                 let to = eye.as_vec3() + single(&mut random, 20.0);
                 let scale = Vec3::splat(random.within(0.5, 3.0) as f32);
-                Placement::new("a test", Affine3A::from_scale_rotation_translation(scale, turn, to), 10.0)
-                    .unwrap()
+                let place = Affine3A::from_scale_rotation_translation(scale, turn, to);
+                Placement::new("a test", place, 10.0, &Offset::NONE).unwrap()
             });
             let (around, reach) = match &placement {
                 Some(_) => (Vec3::ZERO, 6.0),

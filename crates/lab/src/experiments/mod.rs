@@ -29,6 +29,7 @@ mod thesis;
 pub mod tradeoff;
 mod upkeep;
 mod walker;
+pub mod world;
 mod worlds;
 
 pub use against::against;
@@ -63,5 +64,6 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("coherence", coherence::coherence),
     ("sight", sight::sight),
     ("shadows", shadows),
+    ("world", world::world),
     ("aggressive", aggressive),
 ];

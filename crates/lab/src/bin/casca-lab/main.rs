@@ -2,8 +2,9 @@
 //! the report, prepared meshes and levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
-//! commands. `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `lines`, `points` and
-//! `report` are built with `--features experiments`, and `light` with `--features light`.
+//! commands. `tradeoff`, `buffer`, `scaling`, `reach`, `coherence`, `sight`, `world`, `lines`,
+//! `points` and `report` are built with `--features experiments`, and `light` with `--features
+//! light`.
 
 mod arguments;
 #[cfg(feature = "experiments")]
@@ -34,6 +35,8 @@ mod sight;
 #[cfg(feature = "experiments")]
 mod tradeoff;
 mod walk;
+#[cfg(feature = "experiments")]
+mod world;
 
 use std::process::ExitCode;
 
@@ -51,7 +54,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  sight      Times questions about boxes and points\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\
+     answer them\n  sight      Times questions about boxes and points\n  world      Charts a drive through a land larger than a grid\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\
      Built with --features light, which needs a C++ compiler, there is also:\n  light      Compares light gathered from voxels with a path tracer\n\n"
 };
 
@@ -81,6 +84,8 @@ enum Command {
     Coherence(coherence::Options),
     #[cfg(feature = "experiments")]
     Sight(sight::Options),
+    #[cfg(feature = "experiments")]
+    World(world::Options),
     #[cfg(feature = "light")]
     Light(light::Options),
     #[cfg(feature = "experiments")]
@@ -117,6 +122,8 @@ impl Command {
             Self::Coherence(options) => coherence::run(options),
             #[cfg(feature = "experiments")]
             Self::Sight(options) => sight::run(options),
+            #[cfg(feature = "experiments")]
+            Self::World(options) => world::run(options),
             #[cfg(feature = "light")]
             Self::Light(options) => light::run(options),
             #[cfg(feature = "experiments")]
@@ -154,6 +161,7 @@ mod tests {
             "reach",
             "coherence",
             "sight",
+            "world",
             "lines",
             "points",
             "report",

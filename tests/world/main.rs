@@ -1,0 +1,7 @@
+//! Worlds larger than a grid: what an eye sees is in the sets while pages come and go and the window
+//! moves; places are rounded to the safe side; ids stay and old results are refused.
+
+mod attack;
+mod calls;
+mod model;
+mod rounding;
