@@ -191,32 +191,45 @@ impl<T: Default + Clone> Bricks<T> {
     }
 
     /// The brick at brick coordinates inside the grid, made if absent.
+    #[inline]
     pub(crate) fn get_mut(&mut self, brick: IVec3) -> &mut T {
+        let place = self.place(brick);
+        let place = if place < self.shared { self.own_brick(brick) } else { place };
+        &mut self.store[place as usize]
+    }
+
+    /// Where the brick is in the store: its own place, or one that bricks share.
+    #[inline]
+    fn place(&self, brick: IVec3) -> u32 {
+        let page = self.table[self.page_index(brick)];
+        self.pages[page as usize].bricks[Self::place_in_page(brick)]
+    }
+
+    /// Gives a brick that has none a place of its own.
+    #[cold]
+    fn own_brick(&mut self, brick: IVec3) -> u32 {
         let id = self.own_page(brick);
         let page = &mut self.pages[id as usize];
         let place = &mut page.bricks[Self::place_in_page(brick)];
-        if *place < self.shared {
-            page.used += u32::from(*place == 0);
-            let own = self.store[*place as usize].clone();
-            *place = match self.free.pop() {
-                Some(i) => {
-                    self.store[i as usize] = own;
-                    i
-                }
-                None => {
-                    self.store.push(own);
-                    self.store.len() as u32 - 1
-                }
-            };
-        }
-        &mut self.store[*place as usize]
+        page.used += u32::from(*place == 0);
+        let own = self.store[*place as usize].clone();
+        *place = match self.free.pop() {
+            Some(i) => {
+                self.store[i as usize] = own;
+                i
+            }
+            None => {
+                self.store.push(own);
+                self.store.len() as u32 - 1
+            }
+        };
+        *place
     }
 
     /// The brick, if it is there.
+    #[inline]
     pub(crate) fn get_existing_mut(&mut self, brick: IVec3) -> Option<&mut T> {
-        let page = self.table[self.page_index(brick)];
-        let place = self.pages[page as usize].bricks[Self::place_in_page(brick)];
-        (place != 0).then(|| self.get_mut(brick))
+        if self.place(brick) == 0 { None } else { Some(self.get_mut(brick)) }
     }
 
     /// Gives the brick back. Its storage is reused by the next one made.
