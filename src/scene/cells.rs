@@ -111,7 +111,7 @@ impl Scene {
 
     /// The bricks to list an object in instead of cells, if it may be: it moves, is small and hides
     /// nothing, and no query asked for objects by cell.
-    fn bricks_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<BrickBox> {
+    pub(super) fn bricks_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<BrickBox> {
         let object = self.object(slot);
         let may = !object.is_static() && object.given_occluder().is_none() && !self.ids.is_by_cell();
         if may { BrickBox::of(&self.grid, bounds) } else { None }

@@ -1,5 +1,6 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;
@@ -137,7 +138,9 @@ impl Scene {
     fn hide_unseen(&mut self) -> usize {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();
-        unseen.extend(self.members.movers().iter().copied().filter(|&slot| !self.seen.contains(slot)));
+        self.resting.wake(self.frame);
+        let waits = |slot: &Slot| !self.seen.contains(*slot) && !self.resting.contains(*slot);
+        unseen.extend(self.members.movers().iter().copied().filter(waits));
         if unseen.len() > MOST_NEW_VOLUMES {
             let first = self.next_to_hide.get();
             unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));

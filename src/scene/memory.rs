@@ -45,6 +45,7 @@ impl Scene {
                 + self.members.bytes()
                 + self.rooms.bytes()
                 + self.quick.bytes()
+                + self.resting.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()
                 + self.changes.bytes()

@@ -52,6 +52,7 @@ mod opacity;
 mod opaque;
 mod outer;
 mod quick;
+mod resting;
 mod rooms;
 mod seen;
 mod shift;
@@ -78,6 +79,7 @@ use crate::scene::journal::Journal;
 use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
+use crate::scene::resting::Resting;
 use crate::scene::rooms::Rooms;
 use crate::scene::seen::Seen;
 use crate::scene::volumes::Volumes;
@@ -162,6 +164,8 @@ pub struct Scene {
     rooms: Rooms,
     /// The boxes of small moving objects.
     quick: QuickBoxes,
+    /// Objects that get no volume for some frames.
+    resting: Resting,
     expiries: ExpiryQueue,
     /// The slot from which on the next frame hides objects, if they are many.
     next_to_hide: Slot,
@@ -198,6 +202,7 @@ impl Scene {
             members: Membership::default(),
             rooms: Rooms::default(),
             quick: QuickBoxes::default(),
+            resting: Resting::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
             viewers: Vec::new(),

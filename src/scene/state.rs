@@ -26,6 +26,7 @@
 //! | `update`, `set_occluder`   | listed                                        | none: its cells move                          |
 //! | `update`, `set_occluder`   | hidden, still inside its volume               | `Enclosed` (the same volume, another expiry)  |
 //! | `update`, `set_occluder`   | hidden, outside its volume                    | `Enclosed` if a new volume fits, else `Listed`|
+//! | `update`, `set_occluder`   | the same, small, and the volume was new       | `Listed`                                      |
 //! | `update`, `set_occluder`   | unlocated, its volume expired                 | `Enclosed` (old or new volume), else `Listed` |
 //! | `update`, `set_occluder`   | unlocated, its volume revealed                | `Listed`                                      |
 //! | `end_frame`                | listed, in no set                             | `Enclosed` if a volume fits, else none        |
@@ -68,6 +69,8 @@ pub(super) struct Hidden {
     /// The time of the object's entry in the queue of expiries, never later than `expires`;
     /// infinity without entry.
     pub(super) queued: f64,
+    /// The number of the frame in which the volume was made.
+    pub(super) since: u64,
 }
 
 /// What happens to an object. The table of this module says which states it leads to.
@@ -114,7 +117,7 @@ mod tests {
     fn hidden(side: i32, queued: f64) -> Hidden {
         let cells = CellBox { lo: IVec3::ZERO, hi: IVec3::splat(side - 1) };
         let block = Block { min: DVec3::ZERO, max: DVec3::splat(f64::from(side)) };
-        Hidden { tbv: Tbv { cells, block, slack: 1.0 }, expires: 5.0, queued }
+        Hidden { tbv: Tbv { cells, block, slack: 1.0 }, expires: 5.0, queued, since: 1 }
     }
 
     #[test]

@@ -17,6 +17,14 @@ use crate::scene::volume::{Border, Tbv};
 /// of a new one.
 const WORTH_KEEPING: f64 = 0.5;
 
+/// A small object that is reported whenever it moves, and that left its volume after fewer frames,
+/// is listed by bricks instead of getting another one: writing and erasing a volume costs as much
+/// as some thirty moves among bricks.
+const WORTH_FRAMES: u64 = 32;
+
+/// For so many frames from then on it gets no volume.
+const REST: u64 = 256;
+
 impl Scene {
     /// An object is reported to be somewhere.
     pub(super) fn report(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
@@ -91,13 +99,21 @@ impl Scene {
         let block = object.bounds.block();
         if hidden.tbv.contains(&self.grid, &block) {
             if object.on_expiry() {
-                self.enclose_again(slot, hidden.tbv, hidden.tbv.room(&block), hidden.queued);
+                let room = hidden.tbv.room(&block);
+                self.enclose_again(slot, hidden, room);
             }
             return;
         }
         object.adapt(Validity::outlived);
+        let (bounds, on_expiry) = (object.bounds.clone(), object.on_expiry());
         self.drop_volume(slot);
         self.changes.changed();
+        // Lists of bricks cost less than a volume that does not last.
+        let short = self.frame.saturating_sub(hidden.since) < WORTH_FRAMES;
+        if short && !on_expiry && self.bricks_to_list(slot, &bounds).is_some() {
+            self.resting.rest(slot, self.frame + REST);
+            return self.list(slot);
+        }
         let volume = self.make_volume(slot);
         self.enclose_or_list(slot, volume);
     }
@@ -120,7 +136,7 @@ impl Scene {
             let room = old.room(&block);
             if room >= WORTH_KEEPING * new.tbv.slack {
                 self.changes.volume_is_new(slot, self.slots.len());
-                self.enclose_again(slot, old, room, f64::INFINITY);
+                self.enclose_again(slot, Hidden { tbv: old, queued: f64::INFINITY, ..*new }, room);
                 return;
             }
         }
@@ -258,7 +274,7 @@ impl Scene {
         };
         let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
         let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
-        Some(Hidden { tbv, expires, queued: f64::INFINITY })
+        Some(Hidden { tbv, expires, queued: f64::INFINITY, since: self.frame })
     }
 
     /// Takes the volume of an object out of the matrices.
@@ -283,11 +299,11 @@ impl Scene {
         self.hide(slot, hidden);
     }
 
-    /// Leaves an object in the volume that it has, `room` away from its walls. `queued` is the time
-    /// of its entry in the queue, if it has one.
-    fn enclose_again(&mut self, slot: Slot, tbv: Tbv, room: f64, queued: f64) {
+    /// Leaves an object in the volume that it has, `room` away from its walls. If it has no entry
+    /// in the queue, `queued` is infinite.
+    fn enclose_again(&mut self, slot: Slot, hidden: Hidden, room: f64) {
         let speed = self.object(slot).promised_speed().unwrap_or(0.0);
-        self.hide(slot, Hidden { tbv, expires: earliest_arrival(self.now, room, speed), queued });
+        self.hide(slot, Hidden { expires: earliest_arrival(self.now, room, speed), ..hidden });
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.

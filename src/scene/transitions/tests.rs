@@ -159,7 +159,7 @@ fn put_off() -> World {
 fn every_call_changes_states_as_the_table_says() {
     /// Name, world before with the state of its ball, the call, and the state after it.
     type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
-    let table: [Row; 29] = [
+    let table: [Row; 30] = [
         ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
         ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
         ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
@@ -174,6 +174,7 @@ fn every_call_changes_states_as_the_table_says() {
         ("update: listed", listed, Listed, |w| w.update(BEHIND), Listed),
         ("update: inside", hidden, InVolume, |w| w.update(BEHIND + 0.1), InVolume),
         ("update: outside", hidden, InVolume, |w| w.update(14.0), InVolume),
+        ("update: outside, reports when moved", plain_hidden, InVolume, |w| w.update(14.0), Listed),
         ("update: no volume fits", plain_hidden, InVolume, |w| w.update(OUTSIDE), Listed),
         ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
         ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),

@@ -1,0 +1,65 @@
+//! Objects that get no volume for some frames, though no view sees them: they leave volumes so soon
+//! that their lists of bricks cost less.
+
+use std::collections::VecDeque;
+
+use casca_slots::Slot;
+
+/// Sets of objects by the frame until which they rest.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Resting {
+    /// By slot, a bit for each.
+    bits: Vec<u64>,
+    /// In the order of frames.
+    queue: VecDeque<(u64, Slot)>,
+}
+
+impl Resting {
+    /// An object rests until a frame, which comes no sooner than those of the calls before.
+    pub(super) fn rest(&mut self, slot: Slot, until: u64) {
+        let (word, bit) = (slot.index() / 64, 1 << (slot.index() % 64));
+        if self.bits.len() <= word {
+            self.bits.resize(word + 1, 0);
+        }
+        if self.bits[word] & bit == 0 {
+            self.bits[word] |= bit;
+            self.queue.push_back((until, slot));
+        }
+    }
+
+    /// A frame begins.
+    pub(super) fn wake(&mut self, frame: u64) {
+        while let Some(&(_, slot)) = self.queue.front().filter(|next| next.0 <= frame) {
+            self.queue.pop_front();
+            self.bits[slot.index() / 64] &= !(1 << (slot.index() % 64));
+        }
+    }
+
+    /// Whether the object in a slot rests, or one that had the slot before would.
+    pub(super) fn contains(&self, slot: Slot) -> bool {
+        self.bits.get(slot.index() / 64).is_some_and(|word| word >> (slot.index() % 64) & 1 != 0)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.bits.capacity() * size_of::<u64>() + self.queue.capacity() * size_of::<(u64, Slot)>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objects_rest_until_their_frame() {
+        let mut resting = Resting::default();
+        let [a, b] = [3, 200].map(Slot::new);
+        resting.rest(a, 5);
+        resting.rest(a, 7);
+        resting.rest(b, 8);
+        for (frame, expected) in [(4, (true, true)), (5, (false, true)), (8, (false, false))] {
+            resting.wake(frame);
+            assert_eq!((resting.contains(a), resting.contains(b)), expected, "{frame}");
+        }
+        assert!(!resting.contains(Slot::new(9999)));
+    }
+}
