@@ -227,6 +227,25 @@ fn the_same_report_again_keeps_results() {
 }
 
 #[test]
+fn an_object_that_gets_an_occluder_in_its_volume_is_told_with_it_from_then_on() {
+    let mut scene = new_scene();
+    let block = |x: f32| Aabb::from_center(Vec3::new(x, 30.0, 30.0), Vec3::splat(0.4));
+    let id = scene.insert(ObjectDesc::dynamic(block(8.0))).unwrap();
+    let mut query = Query::new();
+    scene.begin_frame(0.1).unwrap();
+    query.run(&scene, &View::omnidirectional(Vec3::new(30.5, 4.5, 4.5)).unwrap());
+    scene.end_frame([query.pvs()]).unwrap();
+    assert!(scene.tbv(id).unwrap().is_some(), "the wall hides it");
+    scene.update(id, block(8.1), None).unwrap();
+    scene.set_occluder(id, Some(block(8.1).into())).unwrap();
+    assert_eq!(scene.update(id, block(8.2), None), Err(Error::OccluderMissing(id)));
+    scene.update(id, block(8.2), Some(block(8.2).into())).unwrap();
+    scene.set_occluder(id, None).unwrap();
+    scene.update(id, block(8.3), None).unwrap();
+    assert_eq!(scene.bounds(id).unwrap().aabb(), block(8.3));
+}
+
+#[test]
 fn moves_that_are_refused_change_nothing_and_stop_no_others() {
     let mut scene = new_scene();
     let ball = |x: f32, r: f32| Sphere::new(Vec3::new(x, 5.0, 5.0), r);

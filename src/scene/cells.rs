@@ -266,6 +266,11 @@ impl Scene {
 
     /// Gives an object another occluder, in no matrix.
     pub(super) fn exchange_occluder(&mut self, slot: Slot, occluder: Option<Occluder>) {
+        // Reports that pass over the matrices are for objects that hide nothing.
+        if occluder.is_some() {
+            self.rooms.close(slot);
+            self.quick.remove(slot);
+        }
         let object = &mut self.slots[slot];
         let motion = object.motion;
         // Only triangles that are drawn where they are share positions with others.
