@@ -246,6 +246,23 @@ fn an_object_that_gets_an_occluder_in_its_volume_is_told_with_it_from_then_on() 
 }
 
 #[test]
+fn views_show_movers_on_their_layers_only() {
+    let mut scene = new_scene();
+    let ball = |x: f32| Sphere::new(Vec3::new(x, 3.0, 3.0), 0.2);
+    let id = scene.insert(ObjectDesc::dynamic(ball(8.0)).layers(0b10)).unwrap();
+    let view = View::omnidirectional(Vec3::splat(2.5)).unwrap();
+    let shown =
+        |scene: &Scene, layers| Query::new().run(scene, &view.clone().with_layers(layers)).contains(id);
+    for (layers, x) in [(0b10, 8.0), (0b01, 8.1), (u64::MAX, 12.2), (0b10, 12.3)] {
+        scene.set_layers(id, layers).unwrap();
+        scene.update(id, ball(x), None).unwrap();
+        for view in [0b01, 0b10, u64::MAX] {
+            assert_eq!(shown(&scene, view), layers & view != 0, "{layers:b} {view:b} {x}");
+        }
+    }
+}
+
+#[test]
 fn moves_that_are_refused_change_nothing_and_stop_no_others() {
     let mut scene = new_scene();
     let ball = |x: f32, r: f32| Sphere::new(Vec3::new(x, 5.0, 5.0), r);
