@@ -12,7 +12,7 @@ use casca::glam::Vec3;
 use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
 
 const BIRDS: usize = 100;
-const FRAMES: usize = 120;
+const FRAMES: usize = 180;
 
 /// Birds circle at up to 2.4 m/s; bird 0 flies out to the right at 6 m/s.
 fn bird(number: usize, seconds: f32) -> Sphere {
