@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let eyes = [Vec3::new(32.0, 2.0, 56.0), Vec3::new(32.0, 2.0, 8.0)];
     let views = [View::omnidirectional(eyes[0])?, View::omnidirectional(eyes[1])?];
     let mut queries = [Query::new(), Query::new()];
+    let mut waited = 0;
     // The second player leaves half way.
     for frame in 0..60u8 {
         let seconds = f32::from(frame) / 30.0;
@@ -39,9 +40,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         assert!(!seen[0], "the wall is between them");
         assert!(seen.get(1).is_none_or(|sees| *sees), "nothing is between them");
         scene.end_frame(queries[..players].iter().map(Query::pvs))?;
-        // A runner whom nobody sees waits in a temporal bounding volume, at no cost to any query.
-        assert_eq!(scene.tbv(id)?.is_some(), players == 1);
+        // A runner whom nobody sees waits in a temporal bounding volume, at no cost to any query,
+        // as long as he does not leave it too soon.
+        assert!(scene.tbv(id)?.is_none() || players == 1, "somebody sees him");
+        waited += u32::from(scene.tbv(id)?.is_some());
     }
-    println!("after the second player left, the runner is in a temporal bounding volume");
+    println!(
+        "after the second player left, the runner was in a temporal bounding volume for {waited} frames"
+    );
+    assert!(waited > 0);
     Ok(())
 }
