@@ -20,7 +20,7 @@ impl Sampling {
             step: lab.pick(4.0, 24.0),
             radius: lab.pick(3, 1),
             window: lab.pick(16, 4),
-            budget: lab.pick(6144, 512),
+            budget: lab.pick(6144, 2048),
             density: lab.pick(1.0, 0.1),
             judge: lab.pick(100, 20),
             width: lab.pick(640, 160),
