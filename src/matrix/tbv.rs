@@ -37,7 +37,7 @@ impl Extent {
     /// The hollow rectangle with this extent along the first axis and `up` along the second: bit
     /// 8b+a for the coordinates a and b.
     fn hollow(self, up: Rows) -> u64 {
-        self.all * up.all & !(self.inner * up.inner)
+        (self.all * up.all) & !(self.inner * up.inner)
     }
 
     fn rows(self) -> Rows {

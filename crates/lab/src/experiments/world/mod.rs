@@ -16,7 +16,7 @@ impl Sampling {
     /// A drive of eight kilometres, or a smoke run.
     pub fn new(lab: &Lab) -> Self {
         Self {
-            frames: lab.pick(2000, 60),
+            frames: lab.pick(2000, 140),
             step: lab.pick(4.0, 24.0),
             radius: lab.pick(3, 1),
             window: lab.pick(16, 4),
