@@ -338,7 +338,9 @@ impl Player {
         let uncovers = thing.occluder.is_some() && occluder.is_none();
         // Applications report moves one by one, or all of a frame together.
         let told = match cover {
-            None if i.is_multiple_of(2) => world.scene.update_many([(thing.id, shape)]).map_err(|(_, why)| why),
+            None if i.is_multiple_of(2) => {
+                world.scene.update_many([(thing.id, shape)]).map_err(|(_, why)| why)
+            }
             cover => world.scene.update(thing.id, shape, cover),
         };
         match told {
