@@ -28,7 +28,7 @@ impl Squares {
     fn is_clear(&self, u: f32, v: f32) -> bool {
         let x = (u + 1.0) * self.per_unit - self.first[0];
         let y = (v + 1.0) * self.per_unit - self.first[1];
-        // Negative numbers, and what is none, become a place that is not there.
+        // Negative numbers and NaN become a place that is not there.
         let place = |at: f32, count: u32| if at >= 0.0 { (at as u32).min(count) } else { count };
         let (x, y) = (place(x, self.count[0]), place(y, self.count[1]));
         x < self.count[0] && y < self.count[1] && self.clear[(y * self.count[0] + x) as usize]

@@ -37,11 +37,12 @@ impl Walk<'_> {
     /// objects that needed none, in the order in which they were found.
     fn push_seen(&mut self, candidates: &[Candidate]) {
         let mut movers = self.scratch.movers.iter().peekable();
-        for (at, (candidate, hidden)) in candidates.iter().zip(&self.scratch.hidden).enumerate() {
+        for (at, candidate) in candidates.iter().enumerate() {
             while let Some(mover) = movers.next_if(|mover| mover.is_before(at)) {
                 self.pvs.push(mover.id());
             }
-            if !hidden {
+            // One that was not examined is visible.
+            if self.scratch.hidden.get(at) != Some(&true) {
                 self.pvs.push(candidate.id);
             }
         }
