@@ -82,6 +82,21 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
+#[test]
+fn views_of_no_layers_see_nothing_not_even_movers_on_all() {
+    let mut scene = scene();
+    let ball = Sphere::new(Vec3::new(8.0, 8.0, 4.0), 0.3);
+    let dynamic = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
+    let silent = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry()).unwrap();
+    let view = View::omnidirectional(Vec3::new(8.0, 8.0, 12.0)).unwrap();
+    for method in METHODS.into_iter().rev() {
+        let mut query = Query::with_method(method).unwrap();
+        let of = |query: &mut Query, layers| query.run(&scene, &view.clone().with_layers(layers)).len();
+        assert_eq!(of(&mut query, 0), 0, "{method:?}");
+        assert_eq!(of(&mut query, 2), 2, "{method:?}: {dynamic} {silent}");
+    }
+}
+
 proptest! {
     #![proptest_config(cases(40))]
 

@@ -3,7 +3,7 @@
 use casca_slots::{MOST_SLOTS, Slot};
 use glam::IVec3;
 
-use crate::grid::bricks::Bricks;
+use crate::grid::bricks::{Bricks, Pages};
 use crate::grid::side::SideAxes;
 use crate::matrix::bits::{Mask, places_of, tile_of, without};
 use crate::matrix::slots::SlotList;
@@ -130,6 +130,11 @@ pub(super) struct CellIds {
 impl CellIds {
     pub(super) fn new(dims: IVec3) -> Self {
         Self { bricks: Bricks::new(dims), lists: Lists::default() }
+    }
+
+    /// The pages with cells that have objects.
+    pub(super) fn pages(&self) -> &impl Pages {
+        &self.bricks
     }
 
     /// An object leaves cells of a brick and enters others.

@@ -86,20 +86,10 @@ impl IdMatrix {
         }
     }
 
-    /// An object enters a brick that it does not fill, while objects are not listed by cell.
-    pub(crate) fn enter(&mut self, brick: IVec3, slot: Slot) {
-        debug_assert!(!self.is_by_cell());
-        self.bricks.get_mut(brick).join(slot, false);
-    }
-
-    /// An object leaves a brick, if it is listed there; its cells are in no list.
-    pub(crate) fn leave(&mut self, brick: IVec3, slot: Slot) {
-        let Some(members) = self.bricks.get_existing_mut(brick) else { return };
-        if let Some(at) = members.all.find(slot) {
-            members.leave(at);
-            if members.all.as_slice().is_empty() {
-                self.bricks.release(brick);
-            }
+    /// An object that is listed in no brick leaves some cells of one.
+    pub(crate) fn leave_cells(&mut self, brick: IVec3, old: &Mask, slot: Slot) {
+        if let Some(cells) = self.cells.get_mut() {
+            cells.change(brick, old, &NONE, slot);
         }
     }
 
@@ -135,6 +125,12 @@ impl IdMatrix {
     /// The pages that contain objects.
     pub(crate) fn pages(&self) -> &impl Pages {
         &self.bricks
+    }
+
+    /// The pages with cells that objects are listed in one by one, once they are. Objects may be
+    /// there that are in no brick.
+    pub(crate) fn cell_pages(&self) -> Option<&impl Pages> {
+        self.cells.get().map(CellIds::pages)
     }
 
     /// Whether objects are listed by cell, too.

@@ -34,6 +34,14 @@ pub(crate) const FRONT_SINE: f64 = 1e-4;
 /// with the slab of a patch: sums of three products.
 pub(crate) const CUT_REGION: f64 = 1e-9;
 
+/// Sums of a plane's equation in single precision are compared with this share of the greatest
+/// coordinate and the offset together.
+///
+/// Four products and three sums for the middle of a box and as many for its reach, with numbers
+/// rounded before, are each off by at most 2^-24 of three times the greatest coordinate: 1.5e-6
+/// together. What is nearer to the plane is tested in double precision.
+pub(crate) const SINGLE_FRUSTUM: f64 = 4e-6;
+
 /// Points at which segments leave the grid are known to this share of the coordinates that they
 /// come from: sums and quotients of a few numbers, each with a relative error of 1e-16.
 pub(crate) const EXIT: f64 = 1e-12;

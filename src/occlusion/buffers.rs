@@ -273,6 +273,17 @@ impl OcclusionBuffers {
         self.clear.holds(point)
     }
 
+    /// Whether that holds for all points of a box in world units; the view contains the box.
+    pub(crate) fn is_clear_block(&self, block: &Block) -> bool {
+        let relative = self.relative(block);
+        self.direction.is_none()
+            && !self.is_close(&relative)
+            && self.faces.iter().enumerate().all(|(side, buffer)| {
+                let seen = buffer.face().block(&relative);
+                seen.is_none_or(|(rect, _)| self.clear.holds_all(side, &rect))
+            })
+    }
+
     /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions
     /// to it are not told apart, or, along parallel rays, beyond the plane around the scene.
     pub(crate) fn is_close(&self, block: &Block) -> bool {

@@ -9,6 +9,7 @@ use glam::Vec3A;
 
 use crate::grid::side::Side;
 use crate::occlusion::bins::BIN;
+use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::tiles::TILE;
 
@@ -32,6 +33,24 @@ impl Squares {
         let place = |at: f32, count: u32| if at >= 0.0 { (at as u32).min(count) } else { count };
         let (x, y) = (place(x, self.count[0]), place(y, self.count[1]));
         x < self.count[0] && y < self.count[1] && self.clear[(y * self.count[0] + x) as usize]
+    }
+}
+
+impl Squares {
+    /// Whether all squares that a rectangle of the face touches are clear.
+    fn are_clear(&self, rect: &Rect) -> bool {
+        // Numbers that are not finite, or outside, become places that are not there.
+        let place = |at: f64, axis: usize| (at + 1.0) as f32 * self.per_unit - self.first[axis];
+        let (x0, x1) = (place(rect.u0, 0), place(rect.u1, 0));
+        let (y0, y1) = (place(rect.v0, 1), place(rect.v1, 1));
+        let within = |least: f32, most: f32, count: u32| least >= 0.0 && most < count as f32;
+        within(x0, x1, self.count[0]) && within(y0, y1, self.count[1]) && {
+            let row = |y: u32| {
+                let first = (y * self.count[0]) as usize;
+                &self.clear[first + x0 as usize..=first + x1 as usize]
+            };
+            (y0 as u32..=y1 as u32).all(|y| row(y).iter().all(|&clear| clear))
+        }
     }
 }
 
@@ -59,6 +78,11 @@ impl Clear {
         squares.first = [square(first.0), square(first.1)];
         squares.count = [count.0 as u32, count.1 as u32];
         squares.per_unit = (face.window().per_unit() / (BIN * TILE) as f64) as f32;
+    }
+
+    /// Whether nothing was drawn around all directions to the points of a rectangle on a side.
+    pub(crate) fn holds_all(&self, side: usize, rect: &Rect) -> bool {
+        self.sides[side].are_clear(rect)
     }
 
     /// Whether the direction to a point, which is relative to the eye, passes a square in which

@@ -8,9 +8,9 @@ use crate::grid::Grid;
 use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::matrix::bits::NONE;
-use crate::object::{ALL_LAYERS, Bounds, Motion, Occluder};
+use crate::object::{Bounds, Motion, Occluder};
 use crate::scene::Scene;
-use crate::scene::rooms::BrickBox;
+use crate::scene::movers::Movers;
 use crate::scene::state::Event;
 use crate::shape::pieces::touched;
 
@@ -74,8 +74,8 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
 impl Scene {
     /// Writes an object that is in no matrix into I and O.
     pub(super) fn list(&mut self, slot: Slot) {
-        if let Some(bricks) = self.bricks_to_list(slot, &self.object(slot).bounds) {
-            self.list_in_bricks(slot, bricks);
+        if let Some(zone) = self.zone_to_list(slot, &self.object(slot).bounds) {
+            self.list_in_zone(slot, zone);
             return;
         }
         let grid = self.grid;
@@ -109,75 +109,74 @@ impl Scene {
         }
     }
 
-    /// The bricks to list an object in instead of cells, if it may be: it moves, is small and hides
+    /// The zone to list an object in instead of cells, if it may be: it moves, is small and hides
     /// nothing, and no query asked for objects by cell.
-    pub(super) fn bricks_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<BrickBox> {
+    pub(super) fn zone_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<IVec3> {
         let object = self.object(slot);
         let may = !object.is_static() && object.given_occluder().is_none() && !self.ids.is_by_cell();
-        if may { BrickBox::of(&self.grid, bounds) } else { None }
+        if may { Movers::zone_of(&self.grid, &bounds.block()) } else { None }
     }
 
-    /// Lists an object that is in no matrix in some bricks.
-    fn list_in_bricks(&mut self, slot: Slot, bricks: BrickBox) {
+    /// Lists an object that is in no matrix in a zone.
+    fn list_in_zone(&mut self, slot: Slot, zone: IVec3) {
         let object = &mut self.slots[slot];
         object.apply(Event::Listed);
-        (object.in_cells, object.listed_in) = (true, Some(bricks));
-        let on_expiry = object.on_expiry();
-        bricks.for_each(|brick| self.ids.enter(brick, slot));
+        (object.in_cells, object.in_zone) = (true, true);
+        let (on_expiry, unlocated) = (object.on_expiry(), object.is_unlocated());
         self.members.add_mover(slot, on_expiry);
-        self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
-        self.refresh_quick(slot);
-    }
-
-    /// Brings the entry of an object in the array of boxes up to date with it.
-    pub(super) fn refresh_quick(&mut self, slot: Slot) {
-        let object = self.object(slot);
-        let is_quick = object.listed_in.is_some()
-            && !object.is_unlocated()
-            && object.layers == ALL_LAYERS
-            && object.bounds.kind().is_centered();
-        if is_quick {
-            let aabb = object.bounds.aabb();
-            self.quick.set(self.slots.id(slot), aabb.min.into(), aabb.max.into());
-        } else {
-            self.quick.remove(slot);
+        if !unlocated {
+            self.enter_zone(slot, zone);
         }
     }
 
-    /// Moves a listed object that is in some bricks to others: only lists that change are touched.
-    /// False, without a change, if it is not, or may not be listed by bricks any more.
-    fn move_bricks(&mut self, slot: Slot, bounds: &Bounds) -> bool {
-        let Some(old) = self.object(slot).listed_in else { return false };
-        let Some(new) = self.bricks_to_list(slot, bounds) else { return false };
-        self.exchange_bricks(slot, old, new);
-        true
+    /// Writes an object with a known place into the list of a zone.
+    fn enter_zone(&mut self, slot: Slot, zone: IVec3) {
+        let (object, id) = (&self.slots[slot], self.slots.id(slot));
+        let aabb = object.bounds.aabb();
+        let corners = (aabb.min.into(), aabb.max.into());
+        let room = self.movers.insert(&self.grid, (id, zone), corners, object.is_plain());
+        self.rooms.open(id, &room);
     }
 
-    /// Moves an object from the bricks that it is listed in to others.
-    pub(super) fn exchange_bricks(&mut self, slot: Slot, old: BrickBox, new: BrickBox) {
-        old.for_each_but(&new, |brick| self.ids.leave(brick, slot));
-        new.for_each_but(&old, |brick| self.ids.enter(brick, slot));
-        self.slots[slot].listed_in = Some(new);
-        self.rooms.open(self.slots.id(slot), &new.block(&self.grid));
+    /// Brings the entry of an object in the list of its zone up to date with it.
+    pub(super) fn refresh_mover(&mut self, slot: Slot) {
+        let object = self.object(slot);
+        if !object.in_zone || object.is_unlocated() {
+            return;
+        }
+        // Its bounds may have become those of a larger object, in the same room.
+        let block = object.bounds.block();
+        match Movers::zone_of(&self.grid, &block) {
+            Some(zone) => self.enter_zone(slot, zone),
+            None => {
+                self.unlist(slot);
+                self.list(slot);
+            }
+        }
     }
 
-    /// Takes an object out of the bricks that it is listed in, and of the cells of its bounds if a
-    /// query asked for objects by cell since.
-    fn leave_bricks(&mut self, slot: Slot, bricks: BrickBox) {
+    /// Moves a listed object that is in a zone to another. False, without a change, if it is in
+    /// none, or may not be listed by zones any more.
+    fn move_zone(&mut self, slot: Slot, bounds: &Bounds) -> bool {
+        self.object(slot).in_zone && self.zone_to_list(slot, bounds).is_some()
+    }
+
+    /// Takes an object out of its zone, and of the cells of its bounds if a query asked for objects
+    /// by cell since.
+    fn leave_zone(&mut self, slot: Slot) {
         let Self { slots, ids, grid, .. } = self;
         if ids.is_by_cell() {
             let bounds = &slots[slot].bounds;
-            touched(bounds, grid, &mut |p| p.bricks(|b, m| ids.change(b, m, &NONE, slot)));
+            touched(bounds, grid, &mut |p| p.bricks(|b, m| ids.leave_cells(b, m, slot)));
         }
-        bricks.for_each(|brick| ids.leave(brick, slot));
         self.rooms.close(slot);
-        self.quick.remove(slot);
+        self.movers.remove(slot);
     }
 
     /// Erases a listed object from I and O.
     pub(super) fn unlist(&mut self, slot: Slot) {
-        if let Some(bricks) = self.slots[slot].listed_in.take() {
-            self.leave_bricks(slot, bricks);
+        if std::mem::take(&mut self.slots[slot].in_zone) {
+            self.leave_zone(slot);
             self.slots[slot].in_cells = false;
         }
         let grid = self.grid;
@@ -206,8 +205,8 @@ impl Scene {
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
     pub(super) fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
-        let by_bricks = occluder.is_none() && self.move_bricks(slot, &bounds);
-        if !by_bricks && !self.move_cells(slot, &bounds, occluder.as_ref()) {
+        let by_zones = occluder.is_none() && self.move_zone(slot, &bounds);
+        if !by_zones && !self.move_cells(slot, &bounds, occluder.as_ref()) {
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);
             self.slots[slot].bounds = bounds;
@@ -216,8 +215,8 @@ impl Scene {
         }
         self.slots[slot].bounds = bounds;
         self.exchange_occluder(slot, occluder);
-        if by_bricks {
-            self.refresh_quick(slot);
+        if by_zones {
+            self.refresh_mover(slot);
         }
     }
 
@@ -229,7 +228,7 @@ impl Scene {
         let in_cells = object.in_cells && !self.members.is_always(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
         // From now on it is listed in other ways.
-        if object.listed_in.is_some() || !hides && self.bricks_to_list(slot, bounds).is_some() {
+        if object.in_zone || !hides && self.zone_to_list(slot, bounds).is_some() {
             return false;
         }
         if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
@@ -269,7 +268,6 @@ impl Scene {
         // Reports that pass over the matrices are for objects that hide nothing.
         if occluder.is_some() {
             self.rooms.close(slot);
-            self.quick.remove(slot);
         }
         let object = &mut self.slots[slot];
         let motion = object.motion;

@@ -44,7 +44,7 @@ impl Scene {
                 + self.slots.bytes()
                 + self.members.bytes()
                 + self.rooms.bytes()
-                + self.quick.bytes()
+                + self.movers.bytes()
                 + self.resting.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()

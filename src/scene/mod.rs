@@ -44,6 +44,7 @@ mod frame;
 mod journal;
 mod membership;
 mod memory;
+mod movers;
 mod moves;
 mod near;
 mod object;
@@ -51,7 +52,6 @@ mod objects;
 mod opacity;
 mod opaque;
 mod outer;
-mod quick;
 mod resting;
 mod rooms;
 mod seen;
@@ -88,10 +88,10 @@ use crate::shape::pieces::{Moved, touched};
 pub use frame::{FrameReport, MOST_NEW_VOLUMES};
 pub(crate) use journal::StaticChange;
 pub use memory::MemoryUse;
+pub(crate) use movers::{Movers, Zone};
 pub(crate) use object::Object;
 pub use objects::ObjectRef;
 pub(crate) use opacity::{LayerOpacity, OpacityPart};
-pub(crate) use quick::QuickBoxes;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
@@ -126,7 +126,7 @@ pub(crate) use quick::QuickBoxes;
 ///
 /// An object costs its record and the cells that it touches, a move the cells that it enters and
 /// leaves; one of a small object that hides nothing costs a comparison while it stays in the same
-/// bricks of 8x8x8 cells, and those bricks that it enters and leaves else. A moving object that no
+/// zone of 32x32x32 cells, and the lists of two zones else. A moving object that no
 /// view saw is put into a temporal bounding volume at the end of the frame: until it leaves that,
 /// its moves cost a comparison each, and queries do not look at it. [`Scene::memory`] tells the
 /// memory of all parts.
@@ -162,8 +162,8 @@ pub struct Scene {
     members: Membership,
     /// Where objects may go without a change of the matrices.
     rooms: Rooms,
-    /// The boxes of small moving objects.
-    quick: QuickBoxes,
+    /// Small moving objects, by zones.
+    movers: Movers,
     /// Objects that get no volume for some frames.
     resting: Resting,
     expiries: ExpiryQueue,
@@ -201,7 +201,7 @@ impl Scene {
             volumes: Volumes::new(&grid),
             members: Membership::default(),
             rooms: Rooms::default(),
-            quick: QuickBoxes::default(),
+            movers: Movers::default(),
             resting: Resting::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
@@ -289,10 +289,10 @@ impl Scene {
         self.members.always()
     }
 
-    /// The boxes of small moving objects.
+    /// Small moving objects that hide nothing.
     #[inline]
-    pub(crate) fn quick(&self) -> &QuickBoxes {
-        &self.quick
+    pub(crate) fn movers(&self) -> &Movers {
+        &self.movers
     }
 
     /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about

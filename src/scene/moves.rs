@@ -1,4 +1,4 @@
-//! Reports of moves that change no matrix, or the lists of some bricks only: see
+//! Reports of moves that change no matrix, or the lists of two zones only: see
 //! [`crate::scene::rooms`]. Reports of many moves.
 
 use casca_slots::Slot;
@@ -10,7 +10,7 @@ use crate::id::ObjectId;
 use crate::numeric::scene::BOX_OF_SPHERE;
 use crate::object::Bounds;
 use crate::scene::Scene;
-use crate::scene::rooms::BrickBox;
+use crate::scene::movers::Movers;
 
 /// A box around bounds, where their kind tells it in a few operations. For bounds that are refused
 /// there is none, or its corners are not finite or in the wrong order.
@@ -60,41 +60,42 @@ impl Scene {
             // Where it is in its volume tells a result nothing.
             if !object.is_hidden() {
                 self.changes.changed();
-                self.quick.replace(id.slot(), min, max);
+                self.movers.replace(id.slot(), min, max);
             }
         }
         true
     }
 
-    /// Moves an object that is listed by bricks to others, or tells where it is if its report is
+    /// Moves an object that is listed in a zone to another, or tells where it is if its report is
     /// overdue; false, without a change, for other objects, and for bounds that are to be checked
-    /// or may not be listed by bricks.
+    /// or may not be listed by zones.
     #[inline(never)]
     pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((lower, upper)) = quick_box(bounds) else { return false };
         let (slot, Some(object)) = (id.slot(), self.slots.find(id.0)) else { return false };
-        let Some(old) = object.listed_in else { return false };
+        if !object.in_zone || object.placed.is_some() || self.ids.is_by_cell() {
+            return false;
+        }
         // Numbers that are not finite are in no grid.
         let (min, max) = (lower.as_dvec3(), upper.as_dvec3());
-        let new = BrickBox::around(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
-        let Some(new) = new.filter(|_| !self.ids.is_by_cell()) else { return false };
+        let zone = Movers::zone_of(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
+        let Some(zone) = zone else { return false };
         let overdue = object.is_overdue();
         // The same bounds again are no change, also where a corner lies on the side of a room.
-        if object.placed.is_some() || !overdue && (object.is_unlocated() || object.bounds.same(bounds)) {
+        if !overdue && (object.is_unlocated() || object.bounds.same(bounds)) {
             return false;
         }
         if overdue {
             self.locate(slot);
         }
-        if !old.contains_all(&new) {
-            self.exchange_bricks(slot, old, new);
-        }
-        self.quick.replace(slot, lower, upper);
         let object = &mut self.slots[slot];
         object.reported(self.now);
         object.moved = self.changes.moved();
-        self.changes.changed();
         object.bounds = bounds.clone();
+        let plain = object.is_plain();
+        let room = self.movers.insert(&self.grid, (id.0, zone), (lower, upper), plain);
+        self.rooms.open(id.0, &room);
+        self.changes.changed();
         true
     }
 }
@@ -112,7 +113,7 @@ impl Scene {
         object.moved = self.changes.moved();
         if !object.is_hidden() {
             self.changes.changed();
-            self.refresh_quick(slot);
+            self.refresh_mover(slot);
         }
         true
     }
@@ -120,8 +121,8 @@ impl Scene {
     /// Moves many objects that hide nothing, as [`Scene::update`] without an occluder does one by
     /// one. All moves are made but those that are refused.
     ///
-    /// Costs 10 to 20 ns for each object that stays in the bricks of 8x8x8 cells that it is listed
-    /// in, or in its volume, if its bounds are a sphere or a box; it is cheapest in the order of
+    /// Costs 10 to 20 ns for each small object that stays in its zone of 32x32x32 cells, or in its
+    /// volume, if its bounds are a sphere or a box; it is cheapest in the order of
     /// [`ObjectId::index`].
     ///
     /// ```
@@ -153,7 +154,7 @@ impl Scene {
     /// but those that are refused.
     ///
     /// Costs the shapes under their new transforms, and a comparison for each object that hides
-    /// nothing and stays in the bricks that it is listed in, or in its volume.
+    /// nothing and stays in its zone of 32x32x32 cells, or in its volume.
     ///
     /// # Errors
     /// The first move that was refused, with the reasons of [`Scene::set_transform`].

@@ -1,9 +1,8 @@
 //! What a scene stores of each object.
 
 use crate::geometry::Block;
-use crate::object::{Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
+use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
 use crate::scene::opacity::OpacityPart;
-use crate::scene::rooms::BrickBox;
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
 use crate::view::View;
@@ -27,8 +26,8 @@ pub(crate) struct Object {
     /// Of a dynamic object. Apart, so that static ones stay small.
     mover: Option<Box<Mover>>,
     pub(super) layers: u64,
-    /// The bricks that it is listed in, if it is listed by bricks instead of cells.
-    pub(super) listed_in: Option<BrickBox>,
+    /// Whether it is listed in a zone instead of cells, unless it is overdue.
+    pub(super) in_zone: bool,
     /// Where the cells of its occluder are, if they are in O.
     pub(super) opacity: Option<OpacityPart>,
     /// The shape that hides others.
@@ -64,16 +63,23 @@ impl Object {
             is_unlocated: false,
             is_hidden: false,
             in_cells: false,
-            listed_in: None,
+            in_zone: false,
             moved,
         }
+    }
+
+    /// Whether a query that has its box needs nothing else of it: all views that show anything show
+    /// it, and its bounds contain the middle of the box.
+    #[inline]
+    pub(super) fn is_plain(&self) -> bool {
+        self.layers == ALL_LAYERS && self.bounds.kind().is_centered()
     }
 
     /// A copy of a static object, in no matrix and without its occluder.
     pub(super) fn unlisted(&self) -> Self {
         let mut copy = self.clone();
         copy.set_occluder(None);
-        (copy.opacity, copy.in_cells, copy.listed_in) = (None, false, None);
+        (copy.opacity, copy.in_cells, copy.in_zone) = (None, false, false);
         copy
     }
 

@@ -125,7 +125,7 @@ impl Scene {
         (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
         self.members = Membership::default();
         self.rooms.clear();
-        self.quick.clear();
+        self.movers.clear();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
@@ -134,7 +134,7 @@ impl Scene {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
         object.placed = placed.map(Box::new);
-        (object.bounds, object.listed_in) = (bounds, None);
+        (object.bounds, object.in_zone) = (bounds, false);
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {
             State::Listed => self.list(slot),

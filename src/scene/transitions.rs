@@ -18,8 +18,8 @@ use crate::scene::volume::{Border, Tbv};
 const WORTH_KEEPING: f64 = 0.5;
 
 /// A small object that is reported whenever it moves, and that left its volume after fewer frames,
-/// is listed by bricks instead of getting another one: writing and erasing a volume costs as much
-/// as some thirty moves among bricks.
+/// is listed in a zone instead of getting another one: writing and erasing a volume costs as much
+/// as some thirty reports.
 const WORTH_FRAMES: u64 = 32;
 
 /// For so many frames from then on it gets no volume.
@@ -72,7 +72,7 @@ impl Scene {
         let listed = overdue || matches!(object.state(), State::Listed);
         if !listed || object.occluder().is_none() {
             self.slots[slot].layers = layers;
-            self.refresh_quick(slot);
+            self.refresh_mover(slot);
             return;
         }
         if overdue {
@@ -108,9 +108,9 @@ impl Scene {
         let (bounds, on_expiry) = (object.bounds.clone(), object.on_expiry());
         self.drop_volume(slot);
         self.changes.changed();
-        // Lists of bricks cost less than a volume that does not last.
+        // Lists of zones cost less than a volume that does not last.
         let short = self.frame.saturating_sub(hidden.since) < WORTH_FRAMES;
-        if short && !on_expiry && self.bricks_to_list(slot, &bounds).is_some() {
+        if short && !on_expiry && self.zone_to_list(slot, &bounds).is_some() {
             self.resting.rest(slot, self.frame + REST);
             return self.list(slot);
         }
@@ -154,7 +154,7 @@ impl Scene {
             self.opacity.miss(object.opacity);
             self.members.add_always(slot);
             self.rooms.close(slot);
-            self.quick.remove(slot);
+            self.movers.remove(slot);
             self.changes.changed();
         }
     }
@@ -164,10 +164,9 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
-            if let Some(bricks) = object.listed_in {
+            if object.in_zone {
                 self.members.remove_always(slot);
-                self.rooms.open(self.slots.id(slot), &bricks.block(&self.grid));
-                self.refresh_quick(slot);
+                self.refresh_mover(slot);
             } else if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.members.remove_always(slot);
             }

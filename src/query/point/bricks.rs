@@ -299,7 +299,6 @@ impl Walk<'_> {
                 return;
             }
         }
-        self.find_movers(brick, open);
         // In a loop that does little else, the processor waits for the memory of many objects at
         // once.
         open.retain(|&slot| scene.object(slot).is_shown(self.view));

@@ -19,7 +19,6 @@ impl Walk<'_> {
         let mut left = Budget { squares: given, patches: Purse::Own(self.options.refine_patches) };
         self.scratch.used.clear();
         self.begin_examinations();
-        self.sort_movers(&mut candidates);
         self.examine_all(&candidates, &mut left);
         if self.coherent {
             self.decide_coherent(&mut candidates, &mut left);
@@ -33,20 +32,17 @@ impl Walk<'_> {
         self.scratch.candidates = candidates;
     }
 
-    /// Adds to the set all candidates that the last examination found visible, and the small moving
-    /// objects that needed none, in the order in which they were found.
+    /// Adds to the set all candidates that the last examination found visible, in the order in
+    /// which they were found, and the small moving objects that needed none.
     fn push_seen(&mut self, candidates: &[Candidate]) {
-        let mut movers = self.scratch.movers.iter().peekable();
         for (at, candidate) in candidates.iter().enumerate() {
-            while let Some(mover) = movers.next_if(|mover| mover.is_before(at)) {
-                self.pvs.push(mover.id());
-            }
             // One that was not examined is visible.
             if self.scratch.hidden.get(at) != Some(&true) {
                 self.pvs.push(candidate.id);
             }
         }
-        movers.for_each(|mover| self.pvs.push(mover.id()));
+        self.stats.occlusion_tests += self.scratch.movers.len() as u32;
+        self.scratch.movers.iter().for_each(|&id| self.pvs.push(id));
     }
 
     /// Forgets magnified pixels: occluders were drawn.

@@ -14,12 +14,12 @@ mod coherence;
 mod decide;
 mod drawables;
 pub(crate) mod follow;
-mod mover;
+mod movers;
 mod objects;
 mod occluders;
 pub(crate) mod offered;
 pub(crate) mod overlay;
-mod quick;
+mod planes;
 mod recall;
 pub(crate) mod scratch;
 mod surfaces;
@@ -109,7 +109,6 @@ impl<'a> Walk<'a> {
         let grid = scene.grid().bricks();
         let starts = Starts::of(scene, view);
         let around = Shells::around_eye(&grid, view, Start::Eye);
-        scratch.frustum.begin(view, &grid);
         Self {
             scene,
             view,
@@ -177,6 +176,7 @@ impl<'a> Walk<'a> {
         if !self.fixed_only {
             self.test_outer_volumes();
         }
+        self.find_movers();
         self.decide();
         if self.coherent {
             self.remember();

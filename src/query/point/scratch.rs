@@ -12,7 +12,6 @@ use crate::occlusion::magnify::{Hand, Magnifier, UsedFinely};
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::occlusion::target::Target;
 use crate::query::marks::Marks;
-use crate::query::point::mover::{Frustum, Mover};
 use crate::query::point::offered::Offered;
 use crate::query::point::recall::Coherence;
 use crate::view::View;
@@ -71,11 +70,10 @@ pub(crate) struct PointScratch {
     pub(super) found: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<Candidate>,
-    /// Small moving objects whose bricks are in sight.
-    pub(super) movers: Vec<Mover>,
-    /// Memory used again: candidates in order.
-    pub(super) sorted: Vec<Candidate>,
-    pub(super) frustum: Frustum,
+    /// Small moving objects that need no further test.
+    pub(super) movers: Vec<ObjectId>,
+    /// Zones of such objects in the frustum, with their distances.
+    pub(super) zones: Vec<(f64, u32)>,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
     pub(super) waiting: Vec<Waiting>,
     /// For each patch of the scene, how it was drawn last.

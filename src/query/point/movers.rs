@@ -1,0 +1,134 @@
+//! Small moving objects, of which there may be very many in sight.
+//!
+//! They hide nothing, so that nothing is gained by testing them before all occluders are drawn.
+//! Their zones are tested then: most are out of sight, hidden, or in the open, with all that is in
+//! them. In the others, most objects are found visible by one pixel: that of the middle of their
+//! box, which lies in them. None of that looks at the object itself, only at its box in the scene's
+//! array ([`crate::scene::Movers`]).
+
+use casca_slots::Slot;
+use glam::{DVec3, Vec3A};
+
+use crate::geometry::Block;
+use crate::id::ObjectId;
+use crate::query::point::Walk;
+use crate::query::point::planes::{Planes, Side};
+use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::scene::Zone;
+
+/// A zone with fewer objects is not tested itself.
+const WORTH_TESTING: usize = 3;
+
+/// What a query may say of all objects of a zone at once.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Outlook {
+    /// None of them is in sight.
+    Hidden,
+    /// All of them are, if views show them.
+    Open,
+    /// Each is tested by its box. `Side::Inside` if all are inside the frustum.
+    Mixed(Side),
+    /// The eye is among them: each is tested as other objects are.
+    Close,
+}
+
+impl Walk<'_> {
+    /// Finds the small moving objects that are in sight of all that was drawn. Those that need no
+    /// further test are listed apart.
+    pub(super) fn find_movers(&mut self) {
+        let scene = self.scene;
+        if self.fixed_only || self.view.layers() == 0 || scene.movers().zones().is_empty() {
+            return;
+        }
+        self.scratch.buffers.read_clear();
+        let planes = Planes::new(self.view, scene.grid());
+        let mut order = std::mem::take(&mut self.scratch.zones);
+        order.clear();
+        for (index, zone) in scene.movers().zones().iter().enumerate() {
+            if zone.plain().len() + zone.others().len() > 0 && self.view.may_see_volume(zone.room()) {
+                order.push((self.distance(zone.room()), index as u32));
+            }
+        }
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for &(_, index) in &order {
+            self.zone(&scene.movers().zones()[index as usize], &planes);
+        }
+        self.scratch.zones = order;
+        self.settle();
+    }
+
+    /// A number by which boxes are sorted from front to back.
+    fn distance(&self, block: &Block) -> f64 {
+        match self.scratch.buffers.direction() {
+            Some(direction) => ((block.min + block.max) * 0.5).dot(direction),
+            None => {
+                let eye = self.scratch.buffers.origin();
+                (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
+            }
+        }
+    }
+
+    /// Finds the objects of a zone in the frustum.
+    fn zone(&mut self, zone: &Zone, planes: &Planes) {
+        let outlook = self.outlook(zone, planes);
+        if outlook == Outlook::Hidden {
+            return;
+        }
+        // Layers, forms with holes in their middles.
+        zone.others().iter().for_each(|&slot| self.find(slot));
+        match outlook {
+            Outlook::Open => {
+                self.stats.objects_tested += zone.plain().len() as u32;
+                self.scratch.movers.extend(zone.plain().iter().map(|&id| ObjectId(id)));
+            }
+            Outlook::Mixed(side) => self.test_boxes(zone, side, planes),
+            Outlook::Hidden | Outlook::Close => zone.plain().iter().for_each(|id| self.find(id.slot())),
+        }
+    }
+
+    /// What may be said of all objects of a zone in the frustum.
+    fn outlook(&self, zone: &Zone, planes: &Planes) -> Outlook {
+        let (room, scratch) = (zone.room(), &*self.scratch);
+        let reach = self.view.eye_room();
+        let around = Block { min: room.min - reach, max: room.max + reach };
+        // A coherent run asks more of its objects.
+        let close = self.coherent || self.view.eye().is_some_and(|eye| around.contains_point(eye));
+        let worth = zone.plain().len() + zone.others().len() >= WORTH_TESTING;
+        if worth && self.hides(room) {
+            return Outlook::Hidden;
+        }
+        let side = planes.side_of(room);
+        if close {
+            Outlook::Close
+        } else if worth && side == Side::Inside && scratch.buffers.is_clear_block(room) {
+            Outlook::Open
+        } else {
+            Outlook::Mixed(side)
+        }
+    }
+
+    /// Tests the boxes of objects. Those before all occluders are found visible, those that may lie
+    /// behind one are tested with the others.
+    fn test_boxes(&mut self, zone: &Zone, zone_side: Side, planes: &Planes) {
+        let scene = self.scene;
+        let PointScratch { buffers, movers, candidates, .. } = &mut *self.scratch;
+        let origin = buffers.origin().as_vec3a();
+        for &id in zone.plain() {
+            let own = scene.movers().box_of(id.slot());
+            let (min, max) = own.corners();
+            let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+            let side = if zone_side == Side::Inside { zone_side } else { planes.side(middle, half) };
+            let sees = |slot: Slot| self.view.may_see(scene.object(slot).bounds());
+            if side == Side::Outside || side == Side::Crosses && !sees(id.slot()) {
+                continue;
+            }
+            self.stats.objects_tested += 1;
+            if buffers.is_clear(Vec3A::from(middle) - origin) {
+                movers.push(ObjectId(id));
+            } else {
+                let block = Some(own.block());
+                candidates.push(Candidate { id: ObjectId(id), block, is_centered: true, occludes: false });
+            }
+        }
+    }
+}
