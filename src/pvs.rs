@@ -170,8 +170,9 @@ impl Pvs {
     }
 
     /// The objects that can be seen, front to back: in the order of the
-    /// chessboard shells in which they were found. [`Method::Frustum`] gives
-    /// them in the order of their indices.
+    /// chessboard shells in which they were found. Small moving objects that hide
+    /// nothing come last, zone by zone. [`Method::Frustum`] gives all in the order
+    /// of their indices.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
     }

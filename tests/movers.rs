@@ -1,6 +1,5 @@
-//! Small moving objects, which are listed by bricks of cells and mostly reported by a comparison:
-//! whatever way they took, a query finds what it finds in a scene that they were inserted into
-//! where they are.
+//! Small moving objects, which are listed by zones and mostly reported by a comparison: whatever way
+//! they took, a query finds what it finds in a scene that they were inserted into where they are.
 
 use std::sync::Arc;
 
@@ -160,10 +159,10 @@ fn after_any_way_a_query_finds_what_it_finds_afresh() {
 }
 
 #[test]
-fn objects_listed_by_bricks_are_found_by_cell_from_whenever_they_are_asked_for() {
+fn objects_listed_by_zones_are_found_by_cell_from_whenever_they_are_asked_for() {
     let (found, extra) = play(4, Method::cell(), |_, _, _| ());
     assert!(found > 20 * FRAMES && extra == 0, "{extra}");
-    // Listed by bricks for half of the frames.
+    // Listed by zones for half of the frames.
     let listed = |frame: usize, scene: &mut Scene, _: &mut Query| {
         if frame == FRAMES / 2 {
             Query::with_method(Method::cell())

@@ -91,7 +91,7 @@ impl Scene {
     /// frames. So the first frame with 100,000 movers costs no more than any other, and 49 frames
     /// put all of them into volumes. Small objects that hide nothing, are reported whenever they
     /// move and left their volume within 32 frames stay listed for the next 256: what hides their
-    /// bricks hides them too, and lists of bricks cost less than a volume that does not last.
+    /// zones hides them too, and lists of zones cost less than a volume that does not last.
     ///
     /// Costs the dynamic objects that are in no volume, and the volumes that are made.
     ///

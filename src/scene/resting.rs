@@ -1,5 +1,5 @@
 //! Objects that get no volume for some frames, though no view sees them: they leave volumes so soon
-//! that their lists of bricks cost less.
+//! that the lists of zones cost less.
 
 use std::collections::VecDeque;
 

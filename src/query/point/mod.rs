@@ -3,8 +3,9 @@
 //! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum
 //! only. A brick is tested before the objects in it ([`bricks`]), an object before it is drawn as
 //! an occluder ([`objects`], [`occluders`], [`surfaces`]), and the walk ends when every pixel is
-//! closed. Objects that were found visible are tested once more when all occluders are drawn, so
-//! that the order matters for speed only; undecided pixels are refined ([`decide`]). Runs may build
+//! closed. Small moving objects that hide nothing are found then, zone by zone ([`movers`]).
+//! Objects that were found visible are tested once more when all occluders are drawn, so that the
+//! order matters for speed only; undecided pixels are refined ([`decide`]). Runs may build
 //! on the one before ([`coherence`]).
 
 #[cfg(feature = "rayon")]
