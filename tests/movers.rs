@@ -296,3 +296,28 @@ fn moves_that_are_refused_change_nothing_and_stop_no_others() {
         assert_eq!(scene.bounds(id).unwrap().aabb(), Bounds::from(ball(i as f32 + 2.0, 0.2)).aabb());
     }
 }
+
+#[test]
+fn a_mover_whose_report_is_overdue_is_in_the_set_once_wherever_it_was() {
+    for far in [false, true] {
+        let mut scene = new_scene();
+        let ball = |x: f32, y: f32| Sphere::new(Vec3::new(x, y, 22.0), 0.3);
+        let eye = View::omnidirectional(Vec3::new(10.0, 35.0, 22.0)).unwrap();
+        // In the eye's zone, and in another.
+        let at = if far { 38.0 } else { 10.5 };
+        let silent = ObjectDesc::dynamic(ball(at, 35.0)).max_speed(1.0).reported_on_expiry();
+        let (id, mut query) = (scene.insert(silent).unwrap(), Query::new());
+        let mut times = |scene: &Scene| query.run(scene, &eye).visible().iter().filter(|&&o| o == id).count();
+        assert_eq!(times(&scene), 1);
+        // A frame without its report, after one without a result: it may be anywhere.
+        assert_eq!(scene.begin_frame(1.0).unwrap(), [id]);
+        assert_eq!(times(&scene), 1, "{far}");
+        scene.update(id, ball(at + 0.1, 35.0), None).unwrap();
+        assert_eq!(times(&scene), 1);
+        // Behind the wall.
+        scene.update(id, ball(30.0, 10.0), None).unwrap();
+        assert_eq!(times(&scene), 0);
+        assert_eq!(scene.begin_frame(2.0).unwrap(), [id]);
+        assert_eq!(times(&scene), 1, "its old place is hidden");
+    }
+}

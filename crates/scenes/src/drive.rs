@@ -13,6 +13,9 @@ use glam::{Affine3A, UVec3, Vec3};
 use crate::cache::MeshCache;
 use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
+/// An object as the scene is told of it: its id, its bounds, and its occluder if it has one.
+pub type Report = (ObjectId, Bounds, Option<Occluder>);
+
 /// A scene of the library that follows a [`World`].
 #[derive(Clone)]
 pub struct Driver {
@@ -244,11 +247,28 @@ impl Driver {
     /// # Errors
     /// As [`Scene::update`].
     pub fn update(&mut self, objects: &[Object], moved: &[usize]) -> Result<(), Error> {
-        for &i in moved {
+        let reports = self.reports(objects, moved)?;
+        self.tell(reports)
+    }
+
+    /// What is to be reported of some objects of the world, for [`Driver::tell`].
+    ///
+    /// # Errors
+    /// As [`Driver::update`], for shapes that casca refuses.
+    pub fn reports(&mut self, objects: &[Object], moved: &[usize]) -> Result<Vec<Report>, Error> {
+        let report = |&i: &usize| {
             let (bounds, occluder) = self.shaper.shapes(&objects[i])?;
-            self.scene.update(self.ids[i], bounds, occluder)?;
-        }
-        Ok(())
+            Ok((self.ids[i], bounds, occluder))
+        };
+        moved.iter().map(report).collect()
+    }
+
+    /// Reports some objects.
+    ///
+    /// # Errors
+    /// As [`casca::Scene::update`].
+    pub fn tell(&mut self, reports: Vec<Report>) -> Result<(), Error> {
+        reports.into_iter().try_for_each(|(id, bounds, occluder)| self.scene.update(id, bounds, occluder))
     }
 
     /// The id of an object of the world.

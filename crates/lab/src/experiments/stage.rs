@@ -64,23 +64,27 @@ impl Stage {
         Ok(Self { driver, query: Query::with_method(method)?, objects, telling })
     }
 
-    /// Sets the clock and reports what moved; returns the milliseconds that took.
+    /// Sets the clock and reports what moved; returns the milliseconds that took. The shapes that
+    /// are reported are made before.
     ///
     /// # Errors
     /// As [`casca::Scene::begin_frame`] and [`casca::Scene::update`].
     pub(super) fn upkeep(&mut self, now: f64, all: &[Object], moved: &[usize]) -> Result<f64, LabError> {
         let start = ThreadTime::now();
         let mut due = self.driver.scene.begin_frame(now)?;
-        match self.telling {
-            Telling::Always => self.driver.update(all, moved)?,
+        let clock = start.elapsed();
+        let reports = match self.telling {
+            Telling::Always => self.driver.reports(all, moved)?,
             Telling::OnExpiry => {
                 due.extend_from_slice(self.query.pvs().visible());
                 let mut which: Vec<usize> = due.iter().map(|id| self.objects[id.index()]).collect();
                 which.retain(|&i| all.get(i).is_some_and(|o| o.motion != Motion::Static));
-                self.driver.update(all, &which)?;
+                self.driver.reports(all, &which)?
             }
-        }
-        Ok(ms(start.elapsed()))
+        };
+        let start = ThreadTime::now();
+        self.driver.tell(reports)?;
+        Ok(ms(clock + start.elapsed()))
     }
 
     /// As [`Stage::upkeep`], telling everything: the milliseconds for objects that no volume
@@ -100,8 +104,9 @@ impl Stage {
         let (held, free): (Vec<usize>, Vec<usize>) =
             moved.iter().partition(|&&i| self.is_held(self.driver.id(i)));
         let mut report = |which: &[usize]| -> Result<f64, LabError> {
+            let reports = self.driver.reports(all, which)?;
             let start = ThreadTime::now();
-            self.driver.update(all, which)?;
+            self.driver.tell(reports)?;
             Ok(ms(start.elapsed()))
         };
         Ok((report(&free)?, report(&held)? + clock))
