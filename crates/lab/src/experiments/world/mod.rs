@@ -51,7 +51,7 @@ pub fn world_to(lab: &Lab) -> Result<(Section, Drive), LabError> {
         }
     };
     let drive = drive(&sampling, told)?;
-    let mut section = Section::new("A world larger than a grid");
+    let mut section = Section::on_its_own_page("A world larger than a grid");
     section.text(text(&sampling, &drive));
     section.table(times(&drive));
     charts(lab, &mut section, &drive)?;
