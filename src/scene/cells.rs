@@ -155,9 +155,8 @@ impl Scene {
         }
     }
 
-    /// Moves a listed object that is in a zone to another. False, without a change, if it is in
-    /// none, or may not be listed by zones any more.
-    fn move_zone(&mut self, slot: Slot, bounds: &Bounds) -> bool {
+    /// Whether a listed object that is in a zone may be in one with other bounds, too.
+    fn stays_in_zones(&mut self, slot: Slot, bounds: &Bounds) -> bool {
         self.object(slot).in_zone && self.zone_to_list(slot, bounds).is_some()
     }
 
@@ -205,7 +204,7 @@ impl Scene {
 
     /// Moves a listed object: only the cells that change are touched, unless they are many.
     pub(super) fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
-        let by_zones = occluder.is_none() && self.move_zone(slot, &bounds);
+        let by_zones = occluder.is_none() && self.stays_in_zones(slot, &bounds);
         if !by_zones && !self.move_cells(slot, &bounds, occluder.as_ref()) {
             self.unlist(slot);
             self.exchange_occluder(slot, occluder);

@@ -7,7 +7,7 @@
 //! array ([`crate::scene::Movers`]).
 
 use casca_slots::Slot;
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
@@ -123,7 +123,7 @@ impl Walk<'_> {
                 continue;
             }
             self.stats.objects_tested += 1;
-            if buffers.is_clear(Vec3A::from(middle) - origin) {
+            if buffers.is_clear(middle - origin) {
                 movers.push(ObjectId(id));
             } else {
                 let block = Some(own.block());
