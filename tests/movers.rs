@@ -1,5 +1,5 @@
-//! Small moving objects, which are listed by zones and mostly reported by a comparison: whatever way
-//! they took, a query finds what it finds in a scene that they were inserted into where they are.
+//! Small moving objects, which are listed by zones and mostly reported by a comparison: a query finds
+//! the same objects as in a new scene with all objects at their present places.
 
 use std::sync::Arc;
 

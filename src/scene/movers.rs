@@ -16,6 +16,7 @@ use hashbrown::HashMap;
 
 use crate::geometry::Block;
 use crate::grid::Grid;
+use crate::numeric::scene::ZONE_BORDER;
 
 /// The edge of a zone in cells, as a power of two.
 const ZONE_BITS: i32 = 5;
@@ -124,8 +125,7 @@ impl Movers {
     #[inline]
     pub(super) fn zone_of(grid: &Grid, bounds: &Block) -> Option<IVec3> {
         let Block { min, max } = *bounds;
-        // In single precision the box of a mover may be larger, and must still be inside.
-        let room = DVec3::splat(grid.cell_size() * 1e-3);
+        let room = DVec3::splat(grid.cell_size() * ZONE_BORDER);
         let inside = (min - room).cmpge(grid.min()).all() && (max + room).cmplt(grid.max()).all();
         let small = (max - min).max_element() < SMALL * grid.cell_size();
         (inside && small).then(|| grid.cell_of((min + max) * 0.5) >> ZONE_BITS)

@@ -2,8 +2,8 @@
 //!
 //! A small moving object that hides nothing is listed in a zone ([`crate::scene::movers`]), or is
 //! in a temporal bounding volume. While its box stays inside of the room of that zone or of this
-//! volume, a report changes nothing but its bounds. The table of rooms has all that such a report
-//! is compared with, in 32 bytes an object: most moves look at nothing else but what they write.
+//! volume, a report changes nothing but its bounds. Such a report is compared with the table of
+//! rooms alone, which has 32 bytes for each object.
 
 use casca_slots::{Id, Slot};
 use glam::Vec3A;

@@ -240,7 +240,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
     for &count in &counts {
         for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
             let sampling = Sampling {
-                // In the open, only what is beside the frustum settles.
+                // In the open, only the objects outside the frustum get volumes.
                 settle: lab.pick(
                     if !hidden {
                         3
