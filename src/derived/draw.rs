@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::{Error, not_negative};
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::view::{Origin, View};
 
 /// An object to draw.
@@ -146,9 +147,9 @@ impl Pvs {
         let Some(view) = &self.view else { return Ok(()) };
         for &id in &self.visible {
             let Ok(object) = scene.find(id) else { continue };
-            let (distance, size) = measure(object, view);
+            let (distance, size) = measure(scene, id.slot(), view);
             let item = DrawItem { id, distance: distance as f32, size: size as f32, fraction: 1.0 };
-            let known = !object.is_unlocated() && object.unreported_volume().is_none();
+            let known = !scene.is_unlocated(id.slot()) && object.unreported_volume().is_none();
             if !(known && item.size < options.min_size) {
                 out.push(item);
             }
@@ -159,8 +160,9 @@ impl Pvs {
 }
 
 /// Distance and size of an object as it is seen.
-fn measure(object: &Object, view: &View) -> (f64, f64) {
-    if object.is_unlocated() {
+fn measure(scene: &Scene, slot: Slot, view: &View) -> (f64, f64) {
+    let object = scene.object(slot);
+    if scene.is_unlocated(slot) {
         return match view.origin {
             Origin::Eye { .. } => (0.0, TAU),
             Origin::Direction(_) => (f64::NEG_INFINITY, f64::INFINITY),

@@ -226,22 +226,23 @@ impl Still {
     /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals
     /// volumes in its sight.
     fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
-        for (slot, object) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
-            movers.extend(self.find_mover(view, slot, object, &mut pvs.stats));
+        for (slot, _) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
+            movers.extend(self.find_mover(scene, view, slot, &mut pvs.stats));
         }
         for &slot in self.watch.slots().iter().filter(|&&slot| scene.is_hidden(slot)) {
             // Parallel rays stay as they are: their volumes are in sight.
             if view.eye().is_none() || view.may_see_volume(&scene.volume_block(slot)) {
                 pvs.stats.tbvs_revealed += 1;
                 pvs.revealed.push(scene.id(slot));
-                movers.extend(self.find_mover(view, slot, scene.object(slot), &mut pvs.stats));
+                movers.extend(self.find_mover(scene, view, slot, &mut pvs.stats));
             }
         }
     }
 
     /// A dynamic object, if a view may see its box before static occluders where it is now.
-    fn find_mover(&self, view: &View, slot: Slot, object: &Object, stats: &mut Stats) -> Option<Mover> {
-        if object.is_unlocated() || object.is_hidden_unreported() {
+    fn find_mover(&self, scene: &Scene, view: &View, slot: Slot, stats: &mut Stats) -> Option<Mover> {
+        let object = scene.object(slot);
+        if scene.is_unlocated(slot) || object.is_hidden_unreported() {
             return Some(Mover { slot, located: false });
         }
         stats.objects_tested += 1;

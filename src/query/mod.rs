@@ -318,7 +318,7 @@ fn run_frustum(scene: &Scene, view: &View, pvs: &mut Pvs) {
         pvs.stats.objects_tested += 1;
         let seen = match object.unreported_volume() {
             Some(volume) => view.may_see_volume(volume),
-            None => object.is_unlocated() || view.may_see(object.bounds()),
+            None => scene.is_unlocated(slot) || view.may_see(object.bounds()),
         };
         if seen {
             pvs.push(scene.id(slot));

@@ -100,12 +100,18 @@ impl Scene {
             self.members.add_overhang(&block, &span.cells, slot);
         }
         if dynamic {
-            self.members.add_mover(slot, on_expiry);
+            self.members.add_mover(slot);
+        }
+        if on_expiry {
+            self.members.add_on_expiry(slot);
         }
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.add_moving(part, &occluder, &grid),
             Some((occluder, part)) => self.add_static_solid(slot, part, &occluder),
             None => {}
+        }
+        if on_expiry && !self.reports.is_current(slot) {
+            self.miss(slot);
         }
     }
 
@@ -122,14 +128,14 @@ impl Scene {
         let object = &mut self.slots[slot];
         object.apply(Event::Listed);
         (object.in_cells, object.in_zone) = (true, true);
-        let (on_expiry, unlocated) = (object.on_expiry(), object.is_unlocated());
-        self.members.add_mover(slot, on_expiry);
-        if !unlocated {
-            self.enter_zone(slot, zone);
+        if object.on_expiry() {
+            self.reports.enter_zone(slot);
         }
+        self.members.add_mover(slot);
+        self.enter_zone(slot, zone);
     }
 
-    /// Writes an object with a known place into the list of a zone.
+    /// Writes an object into the list of a zone, out of any other.
     fn enter_zone(&mut self, slot: Slot, zone: IVec3) {
         let (object, id) = (&self.slots[slot], self.slots.id(slot));
         let aabb = object.bounds.aabb();
@@ -141,7 +147,7 @@ impl Scene {
     /// Brings the entry of an object in the list of its zone up to date with it.
     pub(super) fn refresh_mover(&mut self, slot: Slot) {
         let object = self.object(slot);
-        if !object.in_zone || object.is_unlocated() {
+        if !object.in_zone {
             return;
         }
         // Its bounds may have become those of a larger object, in the same room.
@@ -170,6 +176,7 @@ impl Scene {
         }
         self.rooms.close(slot);
         self.movers.remove(slot);
+        self.reports.leave_zone(slot);
     }
 
     /// Erases a listed object from I and O.
@@ -182,7 +189,7 @@ impl Scene {
         let object = &mut self.slots[slot];
         let in_cells = std::mem::take(&mut object.in_cells);
         let (bounds, occluder) = (object.bounds.clone(), object.occluder().cloned());
-        let (dynamic, on_expiry) = (!object.is_static(), object.on_expiry());
+        let dynamic = !object.is_static();
         let part = object.opacity.take();
         let _cells = occluder.as_ref().and_then(|o| o.cache_cells(&grid));
         if in_cells {
@@ -193,7 +200,7 @@ impl Scene {
         if span.overhangs() {
             self.members.remove_overhang(&span.cells, slot);
         }
-        self.members.remove_mover(slot, on_expiry);
+        self.members.remove_mover(slot);
         match occluder.zip(part) {
             Some((occluder, part)) if dynamic => self.opacity.remove_moving(part, &occluder, &grid),
             Some((occluder, part)) => self.remove_static_solid(slot, part, &occluder),

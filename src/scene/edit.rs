@@ -29,9 +29,10 @@ impl Scene {
         desc.check()?;
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
-        let object = Object::new(desc, placed, self.now, self.changes.moves());
+        let object = Object::new(desc, placed, self.changes.moves());
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
         self.changes.changed();
+        self.note_report(slot);
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
+use crate::scene::seen::Seen;
 use crate::scene::validity::Validity;
 
 /// The changes that [`Scene::end_frame`] made.
@@ -47,6 +48,9 @@ impl Scene {
         }
         self.opacity.refresh();
         let backwards = now < self.now;
+        if now != self.now {
+            self.reports.clock_moved();
+        }
         self.now = now;
         let mut due = Vec::new();
         let until = if backwards { f64::INFINITY } else { now };
@@ -59,25 +63,27 @@ impl Scene {
         Ok(due)
     }
 
-    /// Objects in the matrices were surely there only when they were last reported.
+    /// Listed objects were surely where they are listed only when they were last reported.
     fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
         let frame = self.frame;
         self.frame += 1;
-        let asked = if self.members.any_on_expiry() { self.members.movers().len() } else { 0 };
-        for i in 0..asked {
-            let slot = self.members.movers()[i];
-            let object = &mut self.slots[slot];
-            let on_expiry = object.on_expiry();
-            if !on_expiry || object.mover().is_none_or(|mover| mover.reported == self.now) {
+        // An object that the last frame showed is reported unasked.
+        let shown = |seen: &Seen, slot| seen.frame == frame && seen.contains(slot);
+        for i in 0..self.members.on_expiry().len() {
+            let slot = self.members.on_expiry()[i];
+            if self.reports.is_current(slot) {
                 continue;
             }
-            // An object that the last frame showed is reported unasked.
-            let shown = self.seen.frame == frame && self.seen.contains(slot);
-            object.adapt(Validity::passed);
-            if !shown {
+            if !shown(&self.seen, slot) {
                 due.push(self.id(slot));
             }
+            self.slots[slot].adapt(Validity::passed);
             self.miss(slot);
+        }
+        if self.reports.count_overdue() > 0 {
+            self.changes.changed();
+            let unseen = self.reports.overdue().filter(|&slot| !shown(&self.seen, slot));
+            due.extend(unseen.map(|slot| ObjectId(self.slots.id(slot))));
         }
     }
 

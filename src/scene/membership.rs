@@ -11,8 +11,8 @@ use crate::scene::outer::Outer;
 pub(super) struct Membership {
     /// Listed dynamic objects.
     movers: SlotSet,
-    /// How many of these are reported on expiry.
-    on_expiry: u32,
+    /// Those of them that are reported on expiry and are in no zone.
+    on_expiry: SlotSet,
     /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
     always: SlotSet,
     /// Listed objects in cells that reach beyond the grid, with their boxes.
@@ -32,22 +32,25 @@ impl Membership {
         self.movers.contains(slot)
     }
 
-    /// Whether one of the listed dynamic objects is reported on expiry.
-    pub(super) fn any_on_expiry(&self) -> bool {
-        self.on_expiry > 0
+    /// The listed dynamic objects in no zone that are reported on expiry.
+    pub(super) fn on_expiry(&self) -> &[Slot] {
+        self.on_expiry.as_slice()
     }
 
     /// A dynamic object is listed.
-    pub(super) fn add_mover(&mut self, slot: Slot, on_expiry: bool) {
+    pub(super) fn add_mover(&mut self, slot: Slot) {
         self.movers.insert(slot);
-        self.on_expiry += u32::from(on_expiry);
+    }
+
+    /// A listed dynamic object that is in no zone is reported on expiry.
+    pub(super) fn add_on_expiry(&mut self, slot: Slot) {
+        self.on_expiry.insert(slot);
     }
 
     /// An object is not listed any more; nothing changes if it is static.
-    pub(super) fn remove_mover(&mut self, slot: Slot, on_expiry: bool) {
-        if self.movers.remove(slot) {
-            self.on_expiry -= u32::from(on_expiry);
-        }
+    pub(super) fn remove_mover(&mut self, slot: Slot) {
+        self.movers.remove(slot);
+        self.on_expiry.remove(slot);
     }
 
     /// The objects that every query tests.
@@ -89,6 +92,6 @@ impl Membership {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.movers.bytes() + self.always.bytes() + self.overhang.bytes()
+        self.movers.bytes() + self.on_expiry.bytes() + self.always.bytes() + self.overhang.bytes()
     }
 }

@@ -45,6 +45,7 @@ impl Scene {
                 + self.members.bytes()
                 + self.rooms.bytes()
                 + self.movers.bytes()
+                + self.reports.bytes()
                 + self.resting.bytes()
                 + self.seams.bytes()
                 + self.expiries.bytes()

@@ -52,6 +52,7 @@ mod objects;
 mod opacity;
 mod opaque;
 mod outer;
+mod reports;
 mod resting;
 mod rooms;
 mod seen;
@@ -79,6 +80,7 @@ use crate::scene::journal::Journal;
 use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
+use crate::scene::reports::ReportLog;
 use crate::scene::resting::Resting;
 use crate::scene::rooms::Rooms;
 use crate::scene::seen::Seen;
@@ -164,6 +166,8 @@ pub struct Scene {
     rooms: Rooms,
     /// Small moving objects, by zones.
     movers: Movers,
+    /// When objects reported on expiry were last reported.
+    reports: ReportLog,
     /// Objects that get no volume for some frames.
     resting: Resting,
     expiries: ExpiryQueue,
@@ -202,6 +206,7 @@ impl Scene {
             members: Membership::default(),
             rooms: Rooms::default(),
             movers: Movers::default(),
+            reports: ReportLog::default(),
             resting: Resting::default(),
             expiries: ExpiryQueue::default(),
             next_to_hide: Slot::new(0),
@@ -287,6 +292,25 @@ impl Scene {
     #[inline]
     pub(crate) fn always(&self) -> &[Slot] {
         self.members.always()
+    }
+
+    /// Objects that every query counts as visible, beside those that it tests: they are overdue and
+    /// listed in zones.
+    pub(crate) fn overdue(&self) -> impl Iterator<Item = Slot> {
+        self.reports.overdue()
+    }
+
+    /// Whether there are overdue objects in zones.
+    #[inline]
+    pub(crate) fn any_overdue(&self) -> bool {
+        self.reports.count_overdue() > 0
+    }
+
+    /// Whether the place of an object is unknown: it counts as visible and hides nothing.
+    #[inline]
+    pub(crate) fn is_unlocated(&self, slot: Slot) -> bool {
+        let object = self.object(slot);
+        object.is_unlocated() || object.in_zone && object.on_expiry() && !self.reports.is_current(slot)
     }
 
     /// Small moving objects that hide nothing.

@@ -54,8 +54,9 @@ impl Scene {
         if object.placed.is_some() {
             return false;
         }
-        object.reported(self.now);
-        if replace(&mut object.bounds, bounds) {
+        // Objects reported on expiry have no rooms but in zones.
+        let overdue = object.on_expiry() && self.reports.report(id.slot());
+        if replace(&mut object.bounds, bounds) || overdue {
             object.moved = self.changes.moved();
             // Where it is in its volume tells a result nothing.
             if !object.is_hidden() {
@@ -66,9 +67,8 @@ impl Scene {
         true
     }
 
-    /// Moves an object that is listed in a zone to another, or tells where it is if its report is
-    /// overdue; false, without a change, for other objects, and for bounds that are to be checked
-    /// or may not be listed by zones.
+    /// Moves an object that is listed in a zone to another; false, without a change, for other
+    /// objects, and for bounds that are to be checked or may not be listed by zones.
     #[inline(never)]
     pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((lower, upper)) = quick_box(bounds) else { return false };
@@ -80,16 +80,12 @@ impl Scene {
         let (min, max) = (lower.as_dvec3(), upper.as_dvec3());
         let zone = Movers::zone_of(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
         let Some(zone) = zone else { return false };
-        let overdue = object.is_overdue();
         // The same bounds again are no change, also where a corner lies on the side of a room.
-        if !overdue && (object.is_unlocated() || object.bounds.same(bounds)) {
+        if object.bounds.same(bounds) {
             return false;
         }
-        if overdue {
-            self.locate(slot);
-        }
+        self.note_report(slot);
         let object = &mut self.slots[slot];
-        object.reported(self.now);
         object.moved = self.changes.moved();
         object.bounds = bounds.clone();
         let plain = object.is_plain();

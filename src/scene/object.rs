@@ -26,7 +26,7 @@ pub(crate) struct Object {
     /// Of a dynamic object. Apart, so that static ones stay small.
     mover: Option<Box<Mover>>,
     pub(super) layers: u64,
-    /// Whether it is listed in a zone instead of cells, unless it is overdue.
+    /// Whether it is listed in a zone instead of cells.
     pub(super) in_zone: bool,
     /// Where the cells of its occluder are, if they are in O.
     pub(super) opacity: Option<OpacityPart>,
@@ -42,14 +42,12 @@ pub(crate) struct Object {
 pub(super) struct Mover {
     state: State,
     validity: Validity,
-    /// The time of the last report.
-    pub(super) reported: f64,
 }
 
 impl Object {
     /// A listed object as described, but without its occluder: the scene adds that.
-    pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, now: f64, moved: u64) -> Self {
-        let mover = || Mover { state: State::Listed, validity: Validity::first(), reported: now };
+    pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, moved: u64) -> Self {
+        let mover = || Mover { state: State::Listed, validity: Validity::first() };
         Self {
             bounds: desc.bounds,
             occluder: None,
@@ -122,14 +120,6 @@ impl Object {
         self.mover.as_deref_mut()
     }
 
-    /// Notes the time of a report, where that matters.
-    #[inline]
-    pub(super) fn reported(&mut self, now: f64) {
-        if self.on_expiry() {
-            self.mover().into_iter().for_each(|mover| mover.reported = now);
-        }
-    }
-
     /// Where it is. Static objects are always listed.
     #[inline]
     pub(super) fn state(&self) -> State {
@@ -160,9 +150,10 @@ impl Object {
         next.is_some()
     }
 
-    /// Whether its place is unknown: it counts as visible and hides nothing.
+    /// Whether its place is unknown by its state. [`Scene::is_unlocated`](crate::scene::Scene)
+    /// also knows those that are overdue in a zone.
     #[inline]
-    pub(crate) fn is_unlocated(&self) -> bool {
+    pub(super) fn is_unlocated(&self) -> bool {
         self.is_unlocated
     }
 

@@ -126,6 +126,7 @@ impl Scene {
         self.members = Membership::default();
         self.rooms.clear();
         self.movers.clear();
+        self.reports.leave_all_zones();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
@@ -139,9 +140,9 @@ impl Scene {
         match self.object(slot).state() {
             State::Listed => self.list(slot),
             State::Overdue => {
+                self.slots[slot].apply(Event::Reported);
+                // It misses the report again.
                 self.list(slot);
-                self.opacity.miss(self.object(slot).opacity);
-                self.members.add_always(slot);
             }
             State::Hidden(hidden) => self.shift_volume(slot, hidden, offset),
             // Its report finds a new volume.

@@ -18,6 +18,7 @@ impl Scene {
         let (object, occluder) = self.object_of(desc);
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
         self.changes.changed();
+        self.note_report(slot);
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
@@ -49,19 +50,15 @@ impl Scene {
             return;
         }
         self.changes.changed();
+        self.reports.forget(slot);
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);
         self.list(slot);
-        if self.object(slot).on_expiry() {
-            // No frame ends at this time: it is due in the next one.
-            self.slots[slot].mover().into_iter().for_each(|mover| mover.reported = f64::NEG_INFINITY);
-            self.miss(slot);
-        }
     }
 
     fn object_of(&self, mut desc: ObjectDesc) -> (Object, Option<Occluder>) {
         let occluder = desc.occluder.take();
-        (Object::new(desc, None, self.now, self.changes.moves()), occluder)
+        (Object::new(desc, None, self.changes.moves()), occluder)
     }
 
     /// A slot of another scene, whose objects this one takes over, holds no object.

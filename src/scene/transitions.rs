@@ -28,9 +28,9 @@ const REST: u64 = 256;
 impl Scene {
     /// An object is reported to be somewhere.
     pub(super) fn report(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
+        self.note_report(slot);
         self.locate(slot);
         let object = &mut self.slots[slot];
-        object.reported(self.now);
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
         if same && !object.is_unlocated() || occluder.is_none() && self.stay_in_room(slot, &bounds) {
             return;
@@ -55,6 +55,13 @@ impl Scene {
         }
     }
 
+    /// Notes when an object was reported, where that matters.
+    pub(super) fn note_report(&mut self, slot: Slot) {
+        if self.object(slot).on_expiry() && self.reports.report(slot) {
+            self.changes.changed();
+        }
+    }
+
     /// Notes that an object is about to change, if it is static.
     pub(super) fn note_static(&mut self, slot: Slot) {
         let object = self.object(slot);
@@ -68,23 +75,16 @@ impl Scene {
     /// its layers.
     pub(super) fn change_layers(&mut self, slot: Slot, layers: u64) {
         let object = self.object(slot);
-        let overdue = object.is_overdue();
-        let listed = overdue || matches!(object.state(), State::Listed);
+        let listed = matches!(object.state(), State::Listed | State::Overdue);
         if !listed || object.occluder().is_none() {
             self.slots[slot].layers = layers;
             self.refresh_mover(slot);
             return;
         }
-        if overdue {
-            self.opacity.locate(object.opacity);
-        }
+        self.locate(slot);
         self.unlist(slot);
         self.slots[slot].layers = layers;
         self.list(slot);
-        if overdue {
-            self.opacity.miss(self.object(slot).opacity);
-            self.members.add_always(slot);
-        }
     }
 
     /// Gives an object that is in no matrix another shape.
@@ -146,15 +146,14 @@ impl Scene {
         self.enclose_or_list(slot, next);
     }
 
-    /// The place of a listed object is no longer known: until it is reported it counts as visible
-    /// and hides nothing. Its cells stay as they are, since the report mostly comes at once.
+    /// The place of an object that is listed in no zone is not known any more: until it is reported
+    /// it counts as visible and hides nothing. Its cells stay, since its report mostly comes at
+    /// once.
     pub(super) fn miss(&mut self, slot: Slot) {
         let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
             self.members.add_always(slot);
-            self.rooms.close(slot);
-            self.movers.remove(slot);
             self.changes.changed();
         }
     }
@@ -164,10 +163,7 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
-            if object.in_zone {
-                self.members.remove_always(slot);
-                self.refresh_mover(slot);
-            } else if Span::of(&self.grid, &object.bounds.block()).suffices() {
+            if Span::of(&self.grid, &object.bounds.block()).suffices() {
                 self.members.remove_always(slot);
             }
             self.changes.changed();
@@ -225,7 +221,7 @@ impl Scene {
     /// No view saw a listed dynamic object: puts it into a volume, if one fits.
     pub(super) fn try_hide(&mut self, slot: Slot) -> bool {
         // A volume around an old place contains nothing for certain.
-        if self.object(slot).is_unlocated() {
+        if self.is_unlocated(slot) {
             return false;
         }
         let Some(hidden) = self.make_volume(slot) else {

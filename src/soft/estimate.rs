@@ -156,7 +156,7 @@ impl SoftGrid {
         let Some(eye) = pvs.view.as_ref().and_then(|view| view.eye()) else { return Ok(()) };
         for item in items {
             let Ok(object) = scene.find(item.id) else { continue };
-            if !object.is_unlocated() && object.unreported_volume().is_none() {
+            if !scene.is_unlocated(item.id.slot()) && object.unreported_volume().is_none() {
                 item.fraction = self.fraction(eye, object.bounds(), rays);
             }
         }

@@ -62,6 +62,8 @@ mod pieces;
 
 pub use light::Light;
 
+use casca_slots::Slot;
+
 use crate::derived::shadows::light::Lamp;
 use crate::derived::shadows::pieces::find_pieces;
 use crate::error::Error;
@@ -72,7 +74,7 @@ use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::target::Target;
 use crate::query::point::pitch;
 use crate::query::{CameraQuery, Extras, Query};
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::view::View;
 
 impl Query {
@@ -256,7 +258,7 @@ impl Query {
             (true, Some(view)) => {
                 mask(scene, &view, pieces, &mut scratch.mask);
                 let found = self.run(scene, &view).visible();
-                out.extend(found.iter().filter(|id| may_shade(&scratch.mask, scene.object(id.slot()))));
+                out.extend(found.iter().filter(|id| may_shade(&scratch.mask, scene, id.slot())));
             }
         }
         self.shadows = scratch;
@@ -270,10 +272,11 @@ fn mask(scene: &Scene, view: &View, pieces: &[Block], buffers: &mut OcclusionBuf
 }
 
 /// Whether an object may come before a piece.
-fn may_shade(mask: &OcclusionBuffers, object: &Object) -> bool {
+fn may_shade(mask: &OcclusionBuffers, scene: &Scene, slot: Slot) -> bool {
+    let object = scene.object(slot);
     if let Some(volume) = object.unreported_volume() {
         return !mask.hides(&mask.relative(volume));
     }
     let body = object.bounds().kind().outer(mask.origin(), mask.uncertainty());
-    object.is_unlocated() || mask.test(&Target::new(body, mask.direction())) == Verdict::Visible
+    scene.is_unlocated(slot) || mask.test(&Target::new(body, mask.direction())) == Verdict::Visible
 }

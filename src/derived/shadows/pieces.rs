@@ -38,7 +38,7 @@ pub(super) fn find_pieces(
         |block: &Block| (block.max - block.min).max_element() / distance(&sight, block, scene).max(cell);
     for &id in receivers.visible() {
         let Ok(object) = scene.find(id) else { continue };
-        if object.is_unlocated() {
+        if scene.is_unlocated(id.slot()) {
             return false;
         }
         for block in visible_boxes(object, &sight) {

@@ -33,7 +33,7 @@ impl Walk<'_> {
             } else {
                 self.marks.decide(slot);
             }
-            if self.is_in_view(object) {
+            if self.is_in_view(slot) {
                 found.push((begins.shell(&object.bounds().block()).max(first), slot, Found::Object));
             }
         }

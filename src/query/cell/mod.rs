@@ -120,7 +120,7 @@ impl<'a> Walk<'a> {
                 self.decide(slot);
             }
         }
-        for &slot in self.scene.always() {
+        for slot in self.scene.always().iter().copied().chain(self.scene.overdue()) {
             self.decide(slot);
         }
         self.pvs.stats = self.stats;

@@ -8,7 +8,6 @@ use crate::grid::side::Side;
 use crate::matrix::tbv::TbvMatrix;
 use crate::query::cell::Walk;
 use crate::query::cell::shell_scale::ShellScale;
-use crate::scene::Object;
 use crate::shape::Shape;
 
 /// A revealed object with more cells than this is decided without testing which of them are in
@@ -38,23 +37,23 @@ impl Walk<'_> {
     /// Decides an object one of whose cells is in sight.
     pub(super) fn decide(&mut self, slot: Slot) {
         let object = self.scene.object(slot);
-        if self.marks.decide(slot) && object.is_shown(self.view) && self.is_in_view(object) {
+        if self.marks.decide(slot) && object.is_shown(self.view) && self.is_in_view(slot) {
             self.pvs.push(self.scene.id(slot));
         }
     }
 
     /// Compares the bounds of an object with the frustum.
-    pub(super) fn is_in_view(&mut self, object: &Object) -> bool {
+    pub(super) fn is_in_view(&mut self, slot: Slot) -> bool {
         self.stats.objects_tested += 1;
         // An object whose place is not known may be anywhere.
-        object.is_unlocated() || self.view.may_see(object.bounds())
+        self.scene.is_unlocated(slot) || self.view.may_see(self.scene.object(slot).bounds())
     }
 
     /// Reveals a volume. Returns whether its object remains to be decided.
     pub(super) fn uncover(&mut self, slot: Slot) -> bool {
         let object = self.scene.object(slot);
         // An object of unknown place is always found, and is in its old volume no more for certain.
-        if object.is_unlocated() || !self.marks.reveal(slot) || !object.is_shown(self.view) {
+        if self.scene.is_unlocated(slot) || !self.marks.reveal(slot) || !object.is_shown(self.view) {
             return false;
         }
         self.stats.tbvs_revealed += 1;

@@ -50,7 +50,7 @@ impl<'a> Walk<'a> {
             object.occluder().is_some()
                 && object.is_shown(self.view)
                 && (object.is_static() || !self.fixed_only)
-                && !object.is_unlocated()
+                && !self.scene.is_unlocated(slot)
                 && !object.is_hidden_unreported()
         })
     }

@@ -187,7 +187,7 @@ impl<'a> Walk<'a> {
 
     /// Finds the objects of the whole scene that the buffers do not hide.
     fn find_all(&mut self) {
-        for &slot in self.scene.always() {
+        for slot in self.scene.always().iter().copied().chain(self.scene.overdue()) {
             self.find(slot);
         }
         self.settle();

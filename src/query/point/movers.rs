@@ -79,7 +79,12 @@ impl Walk<'_> {
         match outlook {
             Outlook::Open => {
                 self.stats.objects_tested += zone.plain().len() as u32;
-                self.scratch.movers.extend(zone.plain().iter().map(|&id| ObjectId(id)));
+                let ids = zone.plain().iter().map(|&id| ObjectId(id));
+                if self.scene.any_overdue() {
+                    self.scratch.movers.extend(ids.filter(|id| !self.marks.is_decided(id.slot())));
+                } else {
+                    self.scratch.movers.extend(ids);
+                }
             }
             Outlook::Mixed(side) => self.test_boxes(zone, side, planes),
             Outlook::Hidden | Outlook::Close => zone.plain().iter().for_each(|id| self.find(id.slot())),
@@ -113,7 +118,12 @@ impl Walk<'_> {
         let scene = self.scene;
         let PointScratch { buffers, movers, candidates, .. } = &mut *self.scratch;
         let origin = buffers.origin().as_vec3a();
+        // Those that are overdue were found as such.
+        let any_overdue = scene.any_overdue();
         for &id in zone.plain() {
+            if any_overdue && self.marks.is_decided(id.slot()) {
+                continue;
+            }
             let own = scene.movers().box_of(id.slot());
             let (min, max) = own.corners();
             let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);

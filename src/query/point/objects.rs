@@ -25,7 +25,7 @@ impl Walk<'_> {
         }
         let scratch = &mut *self.scratch;
         let id = self.scene.id(slot);
-        if object.is_unlocated() || object.is_hidden_unreported() {
+        if self.scene.is_unlocated(slot) || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
             let anywhere = Candidate { id, block: None, is_centered: false, occludes: false };
             scratch.candidates.push(anywhere);

@@ -103,6 +103,7 @@ impl World {
     fn kind(&self) -> Kind {
         match self.scene.find(self.ball).map(|object| object.state()) {
             Err(_) => Gone,
+            Ok(State::Listed) if self.scene.is_unlocated(self.ball.slot()) => Overdue,
             Ok(State::Listed) => Listed,
             Ok(State::Overdue) => Overdue,
             Ok(State::Hidden(_)) => InVolume,
@@ -218,7 +219,8 @@ fn nothing_is_left_of_a_removed_object() {
         let World { scene, .. } = prepare().remove();
         assert_eq!((scene.cell_ids().ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
         assert!(scene.members.movers().is_empty() && scene.always().is_empty());
-        assert_eq!((scene.members.any_on_expiry(), scene.opacity.overdue()), (false, 0));
+        assert!(scene.members.on_expiry().is_empty() && !scene.any_overdue());
+        assert_eq!(scene.opacity.overdue(), 0);
     }
 }
 
