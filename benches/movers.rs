@@ -31,12 +31,23 @@ fn balls(places: &[Vec3], by: Vec3) -> Vec<Sphere> {
     places.iter().map(|&p| Sphere::new(p + by, RADIUS)).collect()
 }
 
-fn scene(balls: &[Sphere], hidden: bool) -> (Scene, Vec<ObjectId>) {
+/// Where the balls are, or how they are reported.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Listed,
+    Hidden,
+    OnExpiry,
+}
+
+fn scene(balls: &[Sphere], kind: Kind) -> (Scene, Vec<ObjectId>) {
     let spec = GridSpec::fit(Aabb::new(Vec3::ZERO, HALL), COUNT).expect("a plain region");
     let mut scene = Scene::new(&spec).expect("a plain grid");
-    let mut insert = |&ball| scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0)).expect("a plain ball");
-    let ids = balls.iter().map(&mut insert).collect();
-    if hidden {
+    let desc = |ball| {
+        let desc = ObjectDesc::dynamic(ball).max_speed(1.0);
+        if kind == Kind::OnExpiry { desc.reported_on_expiry() } else { desc }
+    };
+    let ids = balls.iter().map(|&ball| scene.insert(desc(ball)).expect("a plain ball")).collect();
+    if kind == Kind::Hidden {
         // A view of nothing puts all of them into volumes, some thousand in each frame.
         let mut query = Query::new();
         let away = View::from_planes(Vec3::ONE, &[casca::Plane { normal: Vec3::NEG_X, offset: 1.0 }]);
@@ -57,16 +68,18 @@ fn view() -> (View, [Vec4; 5]) {
     (View::perspective(eye, m).expect("a plain camera"), planes)
 }
 
-/// Reports of all balls, in turns at two places.
-fn moves(c: &mut Criterion, name: &str, by: Vec3, hidden: bool) {
+/// Frames begun and reports of all balls, in turns at two places.
+fn moves(c: &mut Criterion, name: &str, by: Vec3, kind: Kind) {
     let places = places();
     let there = [balls(&places, Vec3::ZERO), balls(&places, by)];
-    let (mut scene, ids) = scene(&there[0], hidden);
-    let mut turn = 0;
+    let (mut scene, ids) = scene(&there[0], kind);
+    let (mut turn, mut frame) = (0, 0u32);
     let mut group = c.benchmark_group(GROUP);
     group.bench_function(name, |b| {
         b.iter(|| {
-            turn ^= 1;
+            (turn, frame) = (turn ^ 1, frame + 1);
+            // Those that are reported on expiry are all due: no frame ends.
+            black_box(scene.begin_frame(1.0 + f64::from(frame) / 60.0).expect("a finite time"));
             scene.update_many(ids.iter().copied().zip(there[turn].iter().copied())).expect("plain moves")
         });
     });
@@ -75,13 +88,14 @@ fn moves(c: &mut Criterion, name: &str, by: Vec3, hidden: bool) {
 fn main() {
     let mut c = Criterion::default().configure_from_args();
     c = c.sample_size(20).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_secs(1));
-    moves(&mut c, "a step", Vec3::splat(0.01), false);
-    moves(&mut c, "a step, hidden", Vec3::splat(0.01), true);
+    moves(&mut c, "a step", Vec3::splat(0.01), Kind::Listed);
+    moves(&mut c, "a step, hidden", Vec3::splat(0.01), Kind::Hidden);
+    moves(&mut c, "a step, on expiry", Vec3::splat(0.01), Kind::OnExpiry);
     // A brick has 2.45 m.
-    moves(&mut c, "to another brick", Vec3::X * 1.9, false);
+    moves(&mut c, "to another brick", Vec3::X * 1.9, Kind::Listed);
     let places = places();
     let (balls, (view, planes)) = (balls(&places, Vec3::ZERO), view());
-    let (scene, _) = scene(&balls, false);
+    let (scene, _) = scene(&balls, Kind::Listed);
     let mut query = Query::new();
     let mut group = c.benchmark_group(GROUP);
     group.bench_function("query", |b| b.iter(|| query.run(&scene, &view).len()));
@@ -116,6 +130,7 @@ fn main() {
     for (name, of) in [
         ("a step", COUNT),
         ("a step, hidden", COUNT),
+        ("a step, on expiry", COUNT),
         ("to another brick", COUNT),
         ("query", seen),
         ("array, written", COUNT),

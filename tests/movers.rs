@@ -321,3 +321,19 @@ fn a_mover_whose_report_is_overdue_is_in_the_set_once_wherever_it_was() {
         assert_eq!(times(&scene), 1, "its old place is hidden");
     }
 }
+
+#[test]
+fn in_an_open_zone_the_overdue_are_in_the_set_once_too() {
+    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(96) }).unwrap();
+    let ball = |i: u8| Sphere::new(Vec3::new(80.0, 12.5, 10.0 + f32::from(i)), 0.2);
+    let insert = |i| {
+        let desc = ObjectDesc::dynamic(ball(i)).max_speed(1.0);
+        scene.insert(if i % 2 == 0 { desc.reported_on_expiry() } else { desc }).unwrap()
+    };
+    let mut ids: Vec<_> = (0..8).map(insert).collect();
+    scene.begin_frame(1.0).unwrap();
+    let mut query = Query::new();
+    let mut found = query.run(&scene, &View::omnidirectional(Vec3::splat(4.5)).unwrap()).visible().to_vec();
+    (found.sort_unstable(), ids.sort_unstable());
+    assert_eq!(found, ids);
+}

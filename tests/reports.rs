@@ -242,3 +242,107 @@ fn an_object_that_is_due_is_in_every_set_though_its_old_place_is_out_of_the_view
         assert!(!query(method).run(&scene, &view).contains(id), "{method:?}");
     }
 }
+
+/// Numbers from 0 to below `n`, the same in each run.
+struct Dice(u32);
+
+impl Dice {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((u64::from(self.0 >> 8) * u64::from(n)) >> 24) as u32
+    }
+}
+
+#[test]
+fn whoever_is_overdue_is_in_each_set_once_until_it_is_reported() {
+    // Behind the wall; the largest is in no zone.
+    let shape = |i: usize, dice: &mut Dice| {
+        let at = |n: u32, dice: &mut Dice| 6.0 + dice.below(n) as f32 * 0.5;
+        Sphere::new(
+            Vec3::new(at(36, dice), at(90, dice), 40.0),
+            if i == 0 { 3.7 } else { 0.25 + (i % 3) as f32 * 0.5 },
+        )
+    };
+    for (method, by_cell) in METHODS.into_iter().map(|m| (m, false)).chain([(Method::point(), true)]) {
+        let (mut scene, mut dice) = (scene(), Dice(7));
+        let (mut query, view) = (query(method), view(method));
+        // The bounds of each, and whether it was reported since the clock last moved.
+        let mut balls: Vec<(ObjectId, Sphere, bool)> = Vec::new();
+        let (mut now, mut counts) = (0.0, [0; 2]);
+        for step in 0..1500 {
+            if by_cell && step == 700 {
+                self::query(Method::cell()).run(&scene, &view);
+            }
+            let i = dice.below(24) as usize;
+            match dice.below(24) {
+                _ if i >= balls.len() => {
+                    let ball = shape(balls.len(), &mut dice);
+                    let desc = ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry();
+                    balls.push((scene.insert(desc).unwrap(), ball, true));
+                }
+                0..3 => {
+                    // Or to the same time.
+                    let passed = dice.below(2);
+                    now += f64::from(passed);
+                    balls.iter_mut().for_each(|ball| ball.2 &= passed == 0);
+                    let mut due = scene.begin_frame(now).unwrap();
+                    let mut expected: Vec<_> = balls.iter().filter(|b| !b.2).map(|b| b.0).collect();
+                    (due.sort_unstable(), expected.sort_unstable());
+                    assert_eq!(due, expected, "{method:?} {step}");
+                }
+                3 => {
+                    let by = Vec3::new(8.0, -16.0, 3.5);
+                    scene.shift_origin(by).unwrap();
+                    scene.shift_origin(-by).unwrap();
+                }
+                4 => scene.set_layers(balls[i].0, 1 << dice.below(3)).unwrap(),
+                5 => {
+                    scene.remove(balls[i].0).unwrap();
+                    balls.remove(i);
+                }
+                6 => scene = scene.clone(),
+                7..9 => {
+                    scene.set_bounds(balls[i].0, balls[i].1).unwrap();
+                    balls[i].2 = true;
+                }
+                9 | 10 => {
+                    scene.update_many(balls.iter().map(|b| (b.0, b.1))).unwrap();
+                    balls.iter_mut().for_each(|ball| ball.2 = true);
+                }
+                way => {
+                    let (id, ball, current) = &mut balls[i];
+                    if way > 14 {
+                        *ball = shape(usize::from(ball.radius < 3.0), &mut dice);
+                    }
+                    scene.update(*id, *ball, None).unwrap();
+                    assert!(*current || !query.pvs().is_valid_for(&scene, &view), "{method:?} {step}");
+                    *current = true;
+                }
+            }
+            let overdue = balls.iter().filter(|b| !b.2).count();
+            let mut found = query.run(&scene, &view).visible().to_vec();
+            found.retain(|id| balls.iter().any(|b| b.0 == *id));
+            let mut expected: Vec<_> = balls.iter().filter(|b| !b.2).map(|b| b.0).collect();
+            (found.sort_unstable(), expected.sort_unstable());
+            assert_eq!(found, expected, "{method:?} {step}");
+            counts[usize::from(overdue > 0)] += 1;
+        }
+        assert!(counts.iter().all(|&n| n > 100), "{counts:?}");
+    }
+}
+
+#[test]
+fn views_of_other_layers_put_nobody_whose_report_is_overdue_into_a_volume() {
+    let mut scene = scene();
+    let desc = ObjectDesc::dynamic(ball(20.0)).layers(0b10).max_speed(1.0).reported_on_expiry();
+    let id = scene.insert(desc).unwrap();
+    let (mut query, view) = (query(Method::point()), view(Method::point()).with_layers(0b01));
+    let mut end = |scene: &mut Scene| {
+        query.run(scene, &view);
+        scene.end_frame([query.pvs()]).unwrap().hidden
+    };
+    assert_eq!(scene.begin_frame(1.0).unwrap(), [id]);
+    assert_eq!(end(&mut scene), 0, "its place is not known");
+    scene.update(id, ball(20.0), None).unwrap();
+    assert_eq!(end(&mut scene), 1);
+}

@@ -34,9 +34,7 @@ impl Squares {
         let (x, y) = (place(x, self.count[0]), place(y, self.count[1]));
         x < self.count[0] && y < self.count[1] && self.clear[(y * self.count[0] + x) as usize]
     }
-}
 
-impl Squares {
     /// Whether all squares that a rectangle of the face touches are clear.
     fn are_clear(&self, rect: &Rect) -> bool {
         // Numbers that are not finite, or outside, become places that are not there.

@@ -12,7 +12,8 @@
 //! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
 //!   report came. It is visible to every query and hides nothing.
 //!
-//! Most moves change nothing of that: [`rooms`] tells how far an object may go.
+//! Most moves change nothing of that: [`rooms`] tells how far an object may go, and [`reports`] who
+//! is overdue in the zones of small movers ([`movers`]).
 //!
 //! Lists beside the matrices ([`membership`]): objects whose cells do not tell all - outside the
 //! grid, too large, or of unknown place - are in the set `always`, which every query tests. Those

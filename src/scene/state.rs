@@ -19,7 +19,7 @@
 //!
 //! | Call                       | Object                                        | Events                                        |
 //! |----------------------------|-----------------------------------------------|-----------------------------------------------|
-//! | `begin_frame`              | listed, reported on expiry, no report yet     | `Missed`                                      |
+//! | `begin_frame`              | listed, reported on expiry, in no zone        | `Missed`                                      |
 //! | `begin_frame`              | hidden, its expiry was put off                | `Requeued`                                    |
 //! | `begin_frame`              | hidden, its expiry is due                     | `Expired`                                     |
 //! | `update`, `set_occluder`   | overdue                                       | `Reported`, then as listed                    |
@@ -28,6 +28,7 @@
 //! | `update`, `set_occluder`   | hidden, outside its volume                    | `Enclosed` if a new volume fits, else `Listed`|
 //! | `update`, `set_occluder`   | the same, small, and the volume was new       | `Listed`                                      |
 //! | `update`, `set_occluder`   | unlocated, its volume expired                 | `Enclosed` (old or new volume), else `Listed` |
+//! | `update`, `set_occluder`   | the same, small, and the volume was new       | `Listed`                                      |
 //! | `update`, `set_occluder`   | unlocated, its volume revealed                | `Listed`                                      |
 //! | `end_frame`                | listed, in no set                             | `Enclosed` if a volume fits, else none        |
 //! | `end_frame`                | hidden, volume revealed, reported on expiry   | `Revealed`                                    |
@@ -37,7 +38,8 @@
 //! | `shift_origin`             | hidden or unlocated, reported on expiry       | `Revealed` if it may be outside               |
 //! | `shift_origin`             | hidden, reported when moved, outside by now   | `Listed`                                      |
 //!
-//! An overdue object gets no volume: a volume around an old place contains nothing for certain.
+//! An overdue object gets no volume: a volume around an old place contains nothing for certain. One
+//! that is listed in a zone is overdue without an event: [`crate::scene::reports`] tells.
 
 use crate::scene::volume::Tbv;
 
@@ -46,8 +48,8 @@ use crate::scene::volume::Tbv;
 pub(super) enum State {
     /// Its cells are in I, and in O if it has an occluder.
     Listed,
-    /// As `Listed`, but the object is reported on expiry and was not reported since the clock last
-    /// moved. It may be anywhere: it counts as visible and hides nothing.
+    /// As `Listed`, but the object is reported on expiry, in no zone, and was not reported since
+    /// the clock last moved. It may be anywhere: it counts as visible and hides nothing.
     Overdue,
     /// It is inside a temporal bounding volume, and its cells are in no matrix.
     Hidden(Hidden),

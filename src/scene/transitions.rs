@@ -22,6 +22,10 @@ const WORTH_KEEPING: f64 = 0.5;
 /// as some thirty reports.
 const WORTH_FRAMES: u64 = 32;
 
+/// An object reported on expiry is given more: a volume saves it reports, which cost the
+/// application, too. One that did not last for so many frames costs more than these reports.
+const WORTH_ASKING: u64 = 8;
+
 /// For so many frames from then on it gets no volume.
 const REST: u64 = 256;
 
@@ -131,6 +135,11 @@ impl Scene {
             // volume would only be seen again.
             return self.list(slot);
         }
+        if self.resting.contains(slot) && self.zone_to_list(slot, &self.object(slot).bounds).is_some() {
+            // Reports in each frame cost less than a volume that does not last.
+            self.drop_volume(slot);
+            return self.list(slot);
+        }
         let next = self.make_volume(slot);
         if let (Some(old), Some(new)) = (volume, &next) {
             let room = old.room(&block);
@@ -170,6 +179,19 @@ impl Scene {
         }
     }
 
+    /// The volume of an object that is reported on expiry is over. If it did not last, a small
+    /// object gets none for some time.
+    fn tire(&mut self, slot: Slot) {
+        let object = self.object(slot);
+        if let State::Hidden(hidden) = object.state()
+            && object.on_expiry()
+            && self.frame.saturating_sub(hidden.since) < WORTH_ASKING
+            && self.zone_to_list(slot, &object.bounds).is_some()
+        {
+            self.resting.rest(slot, self.frame + REST);
+        }
+    }
+
     /// An entry of the queue of expiries came up; whether a report of its object is due. After the
     /// clock went backwards, no volume is certain.
     pub(super) fn expire(&mut self, entry: Expiry, backwards: bool) -> bool {
@@ -186,6 +208,8 @@ impl Scene {
                 false
             }
             State::Hidden(_) => {
+                self.tire(entry.slot);
+                let object = &mut self.slots[entry.slot];
                 object.apply(Event::Expired);
                 object.adapt(Validity::passed);
                 self.members.add_always(entry.slot);
@@ -201,6 +225,7 @@ impl Scene {
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
     pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
         let outer = self.volumes.is_outer(slot);
+        self.tire(slot);
         self.drop_volume(slot);
         let generation = self.slots.id(slot).generation();
         let object = &mut self.slots[slot];

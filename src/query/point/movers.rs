@@ -7,7 +7,6 @@
 //! array ([`crate::scene::Movers`]).
 
 use casca_slots::Slot;
-use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
@@ -55,17 +54,6 @@ impl Walk<'_> {
         }
         self.scratch.zones = order;
         self.settle();
-    }
-
-    /// A number by which boxes are sorted from front to back.
-    fn distance(&self, block: &Block) -> f64 {
-        match self.scratch.buffers.direction() {
-            Some(direction) => ((block.min + block.max) * 0.5).dot(direction),
-            None => {
-                let eye = self.scratch.buffers.origin();
-                (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
-            }
-        }
     }
 
     /// Finds the objects of a zone in the frustum.

@@ -3,6 +3,7 @@
 use casca_slots::Slot;
 use glam::DVec3;
 
+use crate::geometry::Block;
 use crate::query::point::Walk;
 use crate::query::point::scratch::Candidate;
 
@@ -23,24 +24,18 @@ impl Walk<'_> {
         if !self.marks.decide(slot) || passed_over || !object.is_shown(self.view) {
             return;
         }
-        let scratch = &mut *self.scratch;
         let id = self.scene.id(slot);
         if self.scene.is_unlocated(slot) || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
             let anywhere = Candidate { id, block: None, is_centered: false, occludes: false };
-            scratch.candidates.push(anywhere);
+            self.scratch.candidates.push(anywhere);
             return;
         }
         self.stats.objects_tested += 1;
         if self.view.may_see(object.bounds()) {
             let block = object.bounds().block();
-            let distance = match scratch.buffers.direction() {
-                Some(d) => ((block.min + block.max) * 0.5).dot(d),
-                None => {
-                    let eye = scratch.buffers.origin();
-                    (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
-                }
-            };
+            let distance = self.distance(&block);
+            let scratch = &mut *self.scratch;
             let place = scratch.objects.len() as u32;
             scratch.objects.push(Candidate {
                 id,
@@ -49,6 +44,17 @@ impl Walk<'_> {
                 occludes: object.occluder().is_some(),
             });
             scratch.found.push(sort_key(distance, slot, place));
+        }
+    }
+
+    /// A number by which boxes are sorted from front to back.
+    pub(super) fn distance(&self, block: &Block) -> f64 {
+        match self.scratch.buffers.direction() {
+            Some(direction) => ((block.min + block.max) * 0.5).dot(direction),
+            None => {
+                let eye = self.scratch.buffers.origin();
+                (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
+            }
         }
     }
 

@@ -137,8 +137,14 @@ fn plain_hidden() -> World {
     World::hidden(false)
 }
 
-fn expired() -> World {
+/// A world whose ball left its volume at once.
+fn expired_soon() -> World {
     hidden().begin(100.0)
+}
+
+fn expired() -> World {
+    let frames = (1..=WORTH_ASKING).map(|frame| frame as f64 * 1e-6);
+    frames.fold(hidden(), World::begin).begin(100.0)
 }
 
 fn revealed() -> World {
@@ -160,7 +166,7 @@ fn put_off() -> World {
 fn every_call_changes_states_as_the_table_says() {
     /// Name, world before with the state of its ball, the call, and the state after it.
     type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
-    let table: [Row; 30] = [
+    let table: [Row; 32] = [
         ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
         ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
         ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
@@ -180,6 +186,14 @@ fn every_call_changes_states_as_the_table_says() {
         ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
         ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
         ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
+        ("update: expired soon, inside", expired_soon, EXPIRED, |w| w.update(BEHIND), Listed),
+        (
+            "update: expired soon, and unseen",
+            expired_soon,
+            EXPIRED,
+            |w| w.update(BEHIND).seen_from(2.5),
+            Listed,
+        ),
         ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), Listed),
         ("end: unseen", || World::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
         ("end: unseen, no volume fits", || World::new(OUTSIDE, false), Listed, |w| w.seen_from(2.5), Listed),
@@ -239,4 +253,21 @@ fn an_expiry_is_void_once_its_slot_has_another_object() {
     assert_eq!(world.kind(), InVolume);
     assert_eq!(world.scene.begin_frame(100.0).unwrap(), []);
     assert_eq!(world.kind(), InVolume);
+}
+
+#[test]
+fn only_small_objects_rest_after_a_volume_that_did_not_last() {
+    for (radius, last) in [(0.5, Listed), (4.0, InVolume)] {
+        let ball = Sphere { radius, ..ball(BEHIND) };
+        let desc = ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry();
+        let mut world = World::new(BEHIND, true).remove();
+        world.ball = world.scene.insert(desc).unwrap();
+        world = world.seen_from(2.5);
+        assert_eq!(world.kind(), InVolume);
+        world = world.begin(0.01).seen_from(28.5);
+        assert_eq!(world.kind(), REVEALED);
+        world = world.begin(0.02);
+        world.scene.update(world.ball, ball, None).unwrap();
+        assert_eq!(world.seen_from(2.5).kind(), last, "{radius}");
+    }
 }
