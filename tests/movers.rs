@@ -334,6 +334,7 @@ fn in_an_open_zone_the_overdue_are_in_the_set_once_too() {
     scene.begin_frame(1.0).unwrap();
     let mut query = Query::new();
     let mut found = query.run(&scene, &View::omnidirectional(Vec3::splat(4.5)).unwrap()).visible().to_vec();
-    (found.sort_unstable(), ids.sort_unstable());
+    found.sort_unstable();
+    ids.sort_unstable();
     assert_eq!(found, ids);
 }

@@ -287,7 +287,8 @@ fn whoever_is_overdue_is_in_each_set_once_until_it_is_reported() {
                     balls.iter_mut().for_each(|ball| ball.2 &= passed == 0);
                     let mut due = scene.begin_frame(now).unwrap();
                     let mut expected: Vec<_> = balls.iter().filter(|b| !b.2).map(|b| b.0).collect();
-                    (due.sort_unstable(), expected.sort_unstable());
+                    due.sort_unstable();
+                    expected.sort_unstable();
                     assert_eq!(due, expected, "{method:?} {step}");
                 }
                 3 => {
@@ -323,7 +324,8 @@ fn whoever_is_overdue_is_in_each_set_once_until_it_is_reported() {
             let mut found = query.run(&scene, &view).visible().to_vec();
             found.retain(|id| balls.iter().any(|b| b.0 == *id));
             let mut expected: Vec<_> = balls.iter().filter(|b| !b.2).map(|b| b.0).collect();
-            (found.sort_unstable(), expected.sort_unstable());
+            found.sort_unstable();
+            expected.sort_unstable();
             assert_eq!(found, expected, "{method:?} {step}");
             counts[usize::from(overdue > 0)] += 1;
         }
