@@ -128,7 +128,15 @@ fn charts(lab: &Lab, section: &mut Section, drive: &Drive) -> Result<(), LabErro
         let greatest = |bin: &[Frame]| bin.iter().map(value).fold(0.0, f64::max);
         drive.frames.chunks(BIN).map(|bin| (bin[0].way / 1e3, greatest(bin))).collect()
     };
-    let title = "Frames take as long while pages come and go and the window moves";
+    let most = |moves: bool| {
+        let of = drive.frames.iter().filter(|f| f.shifting == moves && !f.shifted);
+        of.map(|f| f.begin).fold(0.0, f64::max)
+    };
+    let title = format!(
+        "Pages that come and go take up to {:.0} ms of a frame, a window that moves up to {:.0}",
+        most(false),
+        most(true)
+    );
     let subtitle = format!("The greatest time of {BIN} frames, on the clock of the thread.");
     let all = [
         Line::new("query", POINT, bins(|f| f.query)),
@@ -140,8 +148,8 @@ fn charts(lab: &Lab, section: &mut Section, drive: &Drive) -> Result<(), LabErro
         ),
     ];
     let axes = (&Axis::linear("way, km"), &Axis::linear("time, ms"));
-    lines(&lab.folder.join("world-times.svg"), title, &subtitle, axes, &all)?;
-    section.picture("world-times.svg", title);
+    lines(&lab.folder.join("world-times.svg"), &title, &subtitle, axes, &all)?;
+    section.picture("world-times.svg", &title);
     let counted = || drive.frames.iter().filter(|f| f.bytes > 0);
     let title = "Memory follows what is loaded, and both scenes while the window moves";
     let all = [
