@@ -1,0 +1,98 @@
+//! The scene behind the entities, and the component of those that are in it.
+
+use bevy_camera::primitives::Aabb;
+use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+use casca::{ObjectId, Scene};
+
+use crate::occluders::{Key, Occluders};
+
+/// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
+///
+/// An object's [user data](casca::Scene::user_data) are the bits of its entity.
+#[derive(Resource, Default)]
+pub struct CascaScene {
+    pub(crate) scene: Option<Scene>,
+    pub(crate) occluders: Occluders,
+    pub(crate) cameras: EntityHashMap<casca::Query>,
+    /// Entities whose component went, with what it held.
+    pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
+    /// Entities that move, and the frame from which on each counts as still if it stays.
+    pub(crate) movers: EntityHashMap<u32>,
+    pub(crate) frame: u32,
+    /// The frame in which the grid was made.
+    pub(crate) grid_made: u32,
+}
+
+impl CascaScene {
+    /// The scene; `None` as long as no entity is in it.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
+    /// What a camera may see of the entities in the scene, found in this frame. `None` if it is
+    /// culled by frustum only.
+    pub fn camera(&self, entity: Entity) -> Option<&casca::Query> {
+        self.cameras.get(&entity)
+    }
+
+    /// The number of meshes that are prepared to hide.
+    pub fn occluders(&self) -> usize {
+        self.occluders.ready()
+    }
+
+    /// Whether meshes are being prepared in the background.
+    pub fn is_preparing(&self) -> bool {
+        self.occluders.are_preparing()
+    }
+
+    /// The number of meshes that hide nothing because only the graphics processor has them.
+    pub fn unreadable(&self) -> usize {
+        self.occluders.unreadable
+    }
+}
+
+/// On entities that are in the scene. Put there and taken away by the plugin.
+#[derive(Component, Debug)]
+#[component(clone_behavior = Ignore, on_remove = leave)]
+pub struct InScene {
+    pub(crate) id: ObjectId,
+    /// Whether it is dynamic in the scene.
+    pub(crate) moves: bool,
+    /// The mesh that it hides with, or will when that is ready.
+    pub(crate) key: Option<Key>,
+    /// Whether that mesh was refused, because it reaches out of the box.
+    pub(crate) refused: bool,
+    pub(crate) layers: u64,
+    pub(crate) aabb: Aabb,
+    /// After so many frames without a move it counts as still.
+    pub(crate) patience: u32,
+}
+
+impl InScene {
+    /// The object that stands for the entity. It changes when the entity begins or ends to move,
+    /// or hides by another mesh.
+    pub fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    /// Whether it counts as moving.
+    pub fn moves(&self) -> bool {
+        self.moves
+    }
+}
+
+impl InScene {
+    pub(crate) fn copy(&self) -> Self {
+        Self { ..*self }
+    }
+}
+
+fn leave(mut world: DeferredWorld, HookContext { entity, .. }: HookContext) {
+    let Some(&InScene { id, key, .. }) = world.get::<InScene>(entity) else { return };
+    if let Some(mut casca) = world.get_resource_mut::<CascaScene>() {
+        casca.left.push((entity, id, key));
+    }
+}

@@ -1,0 +1,347 @@
+//! Brings the scene up to date with the entities.
+
+use std::sync::Arc;
+
+use bevy_asset::{AssetEvent, Assets};
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::{
+    DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers,
+    VisibilityRange,
+};
+use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
+use bevy_light::NotShadowCaster;
+use bevy_log::warn_once;
+use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy_mesh::skinning::SkinnedMesh;
+use bevy_mesh::{Mesh, Mesh3d};
+use bevy_transform::components::GlobalTransform;
+
+use casca::{ObjectDesc, Scene, TriMesh};
+
+use crate::occluders::{Key, Occluders};
+use crate::scene::{CascaScene, InScene};
+use crate::settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
+use crate::{border, grid, layers};
+
+/// After a move, an entity has to rest twice as long as before to count as still, up to this.
+const MOST_PATIENCE: u32 = 1024;
+
+/// A grid is kept for so many frames at least.
+const GRID_FRAMES: u32 = 64;
+
+/// Of the entities in the scene, so many tell whether the grid still suits them.
+const GRID_SAMPLE: usize = 4096;
+
+/// All that decides how an entity is in the scene.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Managed {
+    entity: Entity,
+    mesh: &'static Mesh3d,
+    aabb: &'static Aabb,
+    transform: &'static GlobalTransform,
+    visible: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
+    opaque: Option<&'static Opaque>,
+    proxy: Option<&'static Occluder>,
+    not_occluder: Has<NotOccluder>,
+    not_caster: Has<NotShadowCaster>,
+    skinned: Has<SkinnedMesh>,
+    known: Option<&'static mut InScene>,
+}
+
+/// Components of which casca manages no entity, whatever else it has.
+type Excluded = Or<(
+    With<NoFrustumCulling>,
+    With<NoCpuCulling>,
+    With<NoOcclusionCulling>,
+    With<VisibilityRange>,
+    With<MorphWeights>,
+    With<MeshMorphWeights>,
+    (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>),
+)>;
+
+/// The opposite.
+type Manageable = (
+    Without<NoFrustumCulling>,
+    Without<NoCpuCulling>,
+    Without<NoOcclusionCulling>,
+    Without<VisibilityRange>,
+    Without<MorphWeights>,
+    Without<MeshMorphWeights>,
+    Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
+);
+
+/// Entities that have all that is needed.
+type Complete = (With<Mesh3d>, With<Aabb>, With<GlobalTransform>, With<InheritedVisibility>);
+
+/// Entities in the scene that have no place there any more.
+type Gone = (With<InScene>, Or<(Excluded, Without<Mesh3d>, Without<Aabb>, Without<GlobalTransform>)>);
+
+/// Entities that are not in the scene yet.
+type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
+
+type Changes = Or<(
+    Changed<GlobalTransform>,
+    Changed<Aabb>,
+    Changed<InheritedVisibility>,
+    Changed<RenderLayers>,
+    Changed<Mesh3d>,
+    Changed<Opaque>,
+    Changed<Occluder>,
+    Added<NotOccluder>,
+    Added<NotShadowCaster>,
+)>;
+
+/// On entities that casca refused, until they change.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Refused;
+
+/// The entities whose state in the scene is to be looked at.
+#[derive(SystemParam)]
+pub(crate) struct Candidates<'w, 's> {
+    new: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform), New>,
+    gone: Query<'w, 's, (Entity, &'static InScene), Gone>,
+    changed: Query<'w, 's, Entity, (With<InScene>, Changes)>,
+    refused: Query<'w, 's, Entity, (With<Refused>, Changes)>,
+    all: Query<'w, 's, Entity, With<InScene>>,
+    no_layers: RemovedComponents<'w, 's, RenderLayers>,
+    no_opaque: RemovedComponents<'w, 's, Opaque>,
+    no_proxy: RemovedComponents<'w, 's, Occluder>,
+    hides_again: RemovedComponents<'w, 's, NotOccluder>,
+    casts_again: RemovedComponents<'w, 's, NotShadowCaster>,
+}
+
+/// The system of [`CascaSystems::Sync`](crate::CascaSystems::Sync).
+pub(crate) fn sync(
+    mut commands: Commands,
+    mut casca: ResMut<CascaScene>,
+    settings: Res<CascaSettings>,
+    meshes: Option<Res<Assets<Mesh>>>,
+    mut events: Option<MessageReader<AssetEvent<Mesh>>>,
+    mut candidates: Candidates,
+    mut managed: Query<Managed, (Manageable, Without<Refused>)>,
+    mut look: Local<Vec<Entity>>,
+) {
+    let Some(meshes) = meshes else { return };
+    let casca = &mut *casca;
+    casca.frame = casca.frame.wrapping_add(1);
+    for (entity, id, key) in casca.left.drain(..) {
+        casca.movers.remove(&entity);
+        key.iter().for_each(|key| casca.occluders.leave(*key, entity));
+        // An id of an earlier grid names nothing any more.
+        let _ = casca.scene.as_mut().map(|scene| scene.remove(id));
+    }
+    for (entity, known) in &candidates.gone {
+        // At once: it may not hide any more in this frame.
+        let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
+        commands.entity(entity).try_remove::<InScene>();
+    }
+    for entity in &candidates.refused {
+        commands.entity(entity).try_remove::<Refused>();
+    }
+    if choose_grid(casca, &settings, &candidates) {
+        // All are taken over anew, from the next frame on.
+        candidates.all.iter().for_each(|entity| {
+            commands.entity(entity).try_remove::<InScene>();
+        });
+        return;
+    }
+    let CascaScene { scene: Some(scene), occluders, movers, frame, .. } = casca else { return };
+    // The clock only has to run.
+    let _ = scene.begin_frame(f64::from(*frame) / 60.0);
+    look.clear();
+    for event in events.iter_mut().flat_map(|events| events.read()) {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            occluders.changed(*id, &mut look);
+        }
+    }
+    occluders.poll(&mut look);
+    look.extend(&candidates.changed);
+    candidates.extend_removed(&mut look);
+    let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
+    look.extend(rested.take(settings.most_new));
+    look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
+    // Twice would be two objects.
+    look.sort_unstable();
+    look.dedup();
+    let mut sync = Sync { scene, occluders, movers, frame: *frame, settings: &settings, meshes: &meshes };
+    for &entity in &*look {
+        let Ok(mut item) = managed.get_mut(entity) else { continue };
+        match sync.bring_up_to_date(&mut item) {
+            Ok(None) => {}
+            Ok(Some(known)) => {
+                commands.entity(entity).try_insert(known);
+            }
+            Err(error) => {
+                warn_once!("{entity} is culled by frustum only: {error}");
+                commands.entity(entity).try_remove::<InScene>().try_insert(Refused);
+            }
+        }
+    }
+}
+
+impl Candidates<'_, '_> {
+    /// Appends entities that lost a component which counts.
+    fn extend_removed(&mut self, out: &mut Vec<Entity>) {
+        out.extend(self.no_layers.read());
+        out.extend(self.no_opaque.read());
+        out.extend(self.no_proxy.read());
+        out.extend(self.hides_again.read());
+        out.extend(self.casts_again.read());
+    }
+}
+
+/// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
+/// empty.
+fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Candidates) -> bool {
+    let new = candidates.new.iter();
+    let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
+    let make = |spec: Option<casca::GridSpec>| spec.and_then(|spec| Scene::new(&spec).ok());
+    let Some(scene) = &casca.scene else {
+        let boxes: Vec<_> = new.collect();
+        if !boxes.is_empty() {
+            casca.scene = make(settings.grid).or_else(|| make(grid::around(&boxes)));
+            casca.grid_made = casca.frame;
+        }
+        return false;
+    };
+    if settings.grid.is_some() || casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
+        return false;
+    }
+    casca.grid_made = casca.frame;
+    let step = (scene.len() / GRID_SAMPLE).max(1);
+    let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
+    let boxes: Vec<_> = known.chain(new).collect();
+    let outside = boxes.iter().filter(|b| grid::is_outside(scene.grid(), **b)).count();
+    // The estimate of cells is for a sample of them.
+    let Some(scene) = make(grid::around(&boxes)).filter(|_| outside * 4 > boxes.len()) else { return false };
+    casca.scene = Some(scene);
+    casca.movers.clear();
+    casca.cameras.clear();
+    true
+}
+
+struct Sync<'a> {
+    scene: &'a mut Scene,
+    occluders: &'a mut Occluders,
+    movers: &'a mut EntityHashMap<u32>,
+    frame: u32,
+    settings: &'a CascaSettings,
+    meshes: &'a Assets<Mesh>,
+}
+
+impl Sync<'_> {
+    /// Puts an entity into the scene or changes it there. Returns the component that it needs.
+    ///
+    /// # Errors
+    /// If casca refuses its place or its box. It is not in the scene then.
+    fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, casca::Error> {
+        let Some(known) = item.known.as_deref() else {
+            let patience = self.settings.still_after.max(1);
+            return self.put(item, item.skinned, patience).map(Some);
+        };
+        let (id, was) = (known.id, known.key);
+        let done = self.change(item);
+        match &done {
+            Ok(Some(new)) if new.key == was => {}
+            Ok(None) => return Ok(None),
+            _ => was.iter().for_each(|key| self.occluders.leave(*key, item.entity)),
+        }
+        if done.is_err() {
+            let _ = self.scene.remove(id);
+        }
+        if let (Some(known), Some(new)) = (item.known.as_deref_mut(), done?) {
+            *known = new;
+        }
+        Ok(None)
+    }
+
+    /// Changes an entity that is in the scene. Returns its state if that is another one now.
+    fn change(&mut self, item: &ManagedItem) -> Result<Option<InScene>, casca::Error> {
+        let Some(known) = item.known.as_deref() else { return Ok(None) };
+        let id = known.id;
+        let transform = border::affine(&item.transform.affine());
+        let moved = self.scene.transform(id)? != Some(transform);
+        let rested = self.movers.get(&item.entity).is_none_or(|at| *at <= self.frame);
+        let moves = moved || item.skinned || known.moves && !rested;
+        let key = self.key(item, moves);
+        let ready = key.and_then(|key| self.ask(key, item));
+        let hides = self.scene.occluder(id)?.is_some();
+        let other_box = known.aabb != *item.aabb;
+        let keeps_occluder = key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
+        if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
+            self.scene.remove(id)?;
+            // Who moves often has to rest for longer.
+            let patience = if moves && !known.moves { known.patience * 2 } else { known.patience };
+            return self.put(item, moves, patience.min(MOST_PATIENCE)).map(Some);
+        }
+        let layers = layers_of(item);
+        if moved {
+            self.scene.set_transform(id, transform)?;
+            self.movers.insert(item.entity, self.frame.saturating_add(known.patience));
+        }
+        if other_box {
+            self.scene.set_bounds(id, border::aabb(item.aabb))?;
+        }
+        self.scene.set_layers(id, layers)?;
+        let changed = other_box || layers != known.layers;
+        Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.copy() }))
+    }
+
+    /// Puts an entity into the scene.
+    fn put(&mut self, item: &ManagedItem, moves: bool, patience: u32) -> Result<InScene, casca::Error> {
+        let (bounds, layers) = (border::aabb(item.aabb), layers_of(item));
+        let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
+        let desc = desc
+            .placed(border::affine(&item.transform.affine()))
+            .layers(layers)
+            .user_data(item.entity.to_bits());
+        let key = self.key(item, moves);
+        let mesh = key.and_then(|key| self.ask(key, item));
+        // A mesh that reaches out of the box is drawn where that is not looked for.
+        let fits = |mesh: &Arc<TriMesh>| border::holds(&bounds, &mesh.aabb());
+        let hider = mesh.as_ref().filter(|mesh| fits(mesh));
+        let placed = hider.and_then(|mesh| self.scene.insert(desc.clone().occluder(mesh.clone())).ok());
+        let refused = mesh.is_some() && placed.is_none();
+        let id = placed.map_or_else(|| self.scene.insert(desc), Ok)?;
+        if moves {
+            self.movers.insert(item.entity, self.frame.saturating_add(patience));
+        } else {
+            self.movers.remove(&item.entity);
+        }
+        Ok(InScene { id, moves, key, refused, layers, aabb: *item.aabb, patience })
+    }
+
+    /// The mesh that an entity hides with, if it does.
+    fn key(&self, item: &ManagedItem, moves: bool) -> Option<Key> {
+        let determinant = item.transform.affine().matrix3.determinant();
+        let hides = !item.not_occluder
+            && !item.skinned
+            && layers::may_hide(layers_of(item))
+            && determinant.is_finite()
+            && determinant != 0.0;
+        if !hides {
+            return None;
+        }
+        if let Some(Occluder(proxy)) = item.proxy {
+            return Some(Key { mesh: proxy.id(), sides: Opaque::Both });
+        }
+        let sides = *item.opaque.filter(|_| !moves)?;
+        // Mirrored, its fronts are its backs.
+        let seen = sides == Opaque::Both || determinant > 0.0;
+        seen.then(|| Key { mesh: item.mesh.id(), sides })
+    }
+
+    fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {
+        self.occluders.ask(key, item.entity, self.meshes, self.settings.most_triangles)
+    }
+}
+
+fn layers_of(item: &ManagedItem) -> u64 {
+    layers::of_entity(item.layers, !item.visible.get(), !item.not_caster)
+}
