@@ -8,12 +8,12 @@ use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_math::Mat4;
-use bevy_tasks::ComputeTaskPool;
 use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
-use casca::{Method, Scene, View};
+use casca::{Method, View};
 
 use crate::candidate::{Candidate, CandidateItem, Viewer};
+use crate::run::run_all;
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{border, layers};
@@ -75,9 +75,7 @@ pub(crate) fn check_cameras(
                 }
             }
         };
-        unmanaged
-            .par_iter_mut()
-            .for_each_init(|| queues.borrow_local_mut(), |queue, item| note(queue, item));
+        unmanaged.par_iter_mut().for_each_init(|| queues.borrow_local_mut(), |queue, item| note(queue, item));
         match (casca.cameras.get(&camera.entity), &casca.scene) {
             (Some(query), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
@@ -126,42 +124,16 @@ impl CamerasReadOnlyItem<'_, '_> {
 /// Runs the queries of some cameras, and forgets those of others.
 fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)]) {
     let culls = settings.enabled && !matches!(settings.method, Method::Frustum);
-    let Some(scene) = casca.scene.as_ref().filter(|_| culls) else {
-        casca.cameras.clear();
-        return;
-    };
-    let mut jobs = Vec::with_capacity(views.len());
-    let mut old = std::mem::take(&mut casca.cameras);
-    for (entity, view) in views {
-        let mut query = old.remove(entity).unwrap_or_default();
-        if query.method() == settings.method || query.set_method(settings.method).is_ok() {
-            jobs.push((*entity, query, view));
-        }
+    match casca.scene.as_ref().filter(|_| culls) {
+        Some(scene) => run_all(scene, &mut casca.cameras, settings, views),
+        None => casca.cameras.clear(),
     }
-    run_all(scene, &mut jobs, settings.parallel);
-    casca.cameras.extend(jobs.into_iter().map(|(entity, query, _)| (entity, query)));
 }
 
-/// Runs queries, one task each.
-fn run_all(scene: &Scene, jobs: &mut [(Entity, casca::Query, &View)], parallel: bool) {
-    if jobs.len() < 2 || !parallel {
-        jobs.iter_mut().for_each(|(_, query, view)| {
-            query.run(scene, view);
-        });
-        return;
-    }
-    ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
-        for (_, query, view) in jobs {
-            scope.spawn(async move {
-                query.run(scene, view);
-            });
-        }
-    });
-}
-
-/// Ends the frame of the scene with the sets of all cameras.
+/// Ends the frame of the scene with the sets of all cameras and lights.
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
-    let CascaScene { scene: Some(scene), cameras, .. } = &mut *casca else { return };
+    let CascaScene { scene: Some(scene), cameras, suns, lamps, .. } = &mut *casca else { return };
+    let queries = cameras.values().chain(suns.values()).chain(lamps.values());
     // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
-    let _ = scene.end_frame(cameras.values().map(casca::Query::pvs));
+    let _ = scene.end_frame(queries.map(casca::Query::pvs));
 }

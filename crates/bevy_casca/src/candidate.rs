@@ -38,9 +38,8 @@ impl CandidateItem<'_, '_> {
     /// Whether Bevy takes it to be visible.
     pub(crate) fn is_seen(&self, viewer: &Viewer) -> bool {
         let drawn = self.inherited.get() && viewer.layers.intersects(self.layers.unwrap_or_default());
-        let out_of_range = |ranges: &VisibleEntityRanges| {
-            !ranges.entity_is_in_range_of_view(self.entity, viewer.entity)
-        };
+        let out_of_range =
+            |ranges: &VisibleEntityRanges| !ranges.entity_is_in_range_of_view(self.entity, viewer.entity);
         if !drawn || self.has_range && viewer.ranges.is_some_and(out_of_range) {
             return false;
         }

@@ -46,12 +46,17 @@
 mod border;
 mod cameras;
 mod candidate;
+mod casters;
 mod grid;
+mod lamps;
 mod layers;
+mod lights;
 mod occluders;
 mod plugin;
+mod run;
 mod scene;
 mod settings;
+mod suns;
 mod sync;
 
 pub use casca;

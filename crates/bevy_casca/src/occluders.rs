@@ -166,7 +166,8 @@ mod tests {
         for sides in [Opaque::Front, Opaque::Both] {
             let mesh = Arc::new(prepare(positions.clone(), corners.clone(), sides).unwrap());
             assert!(mesh.is_closed());
-            let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+            let mut scene =
+                Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
             let bounds = Aabb::new(Vec3::splat(-0.5), Vec3::splat(0.5));
             let place = Affine3A::from_scale(Vec3::new(2.0, 20.0, 20.0));
             let place = Affine3A::from_translation(Vec3::splat(16.0)) * place;

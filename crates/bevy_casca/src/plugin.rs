@@ -4,13 +4,15 @@ use bevy_app::{App, Plugin, PostUpdate, PreStartup};
 use bevy_camera::visibility::{VisibilitySystems, check_visibility_cpu_culling, check_visibility_ranges};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
-use bevy_light::SimulationLightSystems;
+use bevy_light::{
+    SimulationLightSystems, check_dir_light_mesh_visibility, check_point_light_mesh_visibility,
+};
 use bevy_log::warn;
 use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
 use crate::settings::CascaSettings;
-use crate::{cameras, sync};
+use crate::{cameras, lamps, suns, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
@@ -24,6 +26,8 @@ pub enum CascaSystems {
     Sync,
     /// Cameras find what they see. Part of [`VisibilitySystems::CheckVisibility`].
     Cameras,
+    /// Lights find what casts their shadows.
+    Lights,
     /// The frame ends: what nobody saw is put into volumes.
     End,
 }
@@ -45,6 +49,13 @@ impl Plugin for CascaPlugin {
                         .after(check_visibility_ranges)
                         .before(SimulationLightSystems::UpdateLightFrusta)
                         .before(SimulationLightSystems::AssignLightsToClusters),
+                    CascaSystems::Lights
+                        .in_set(SimulationLightSystems::CheckLightVisibility)
+                        .after(VisibilitySystems::CalculateBounds)
+                        .after(VisibilitySystems::CheckVisibility)
+                        .after(TransformSystems::Propagate)
+                        .after(SimulationLightSystems::UpdateLightFrusta)
+                        .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
                     CascaSystems::End
                         .after(CascaSystems::Cameras)
                         .after(SimulationLightSystems::CheckLightVisibility)
@@ -57,6 +68,7 @@ impl Plugin for CascaPlugin {
                 (
                     sync::sync.in_set(CascaSystems::Sync),
                     cameras::check_cameras.in_set(CascaSystems::Cameras),
+                    (suns::check_suns, lamps::check_lamps).chain().in_set(CascaSystems::Lights),
                     cameras::end_frame.in_set(CascaSystems::End),
                 ),
             );
@@ -66,10 +78,16 @@ impl Plugin for CascaPlugin {
 /// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
 fn take_over(world: &mut World) {
     let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
-        let policy = ScheduleCleanupPolicy::RemoveSystemsOnly;
-        schedule.remove_systems_in_set(check_visibility_cpu_culling, world, policy).is_ok()
+        let how = ScheduleCleanupPolicy::RemoveSystemsOnly;
+        [
+            schedule.remove_systems_in_set(check_visibility_cpu_culling, world, how),
+            schedule.remove_systems_in_set(check_dir_light_mesh_visibility, world, how),
+            schedule.remove_systems_in_set(check_point_light_mesh_visibility, world, how),
+        ]
+        .into_iter()
+        .all(|done| done.is_ok_and(|systems| systems == 1))
     });
     if !taken.unwrap_or(false) {
-        warn!("Bevy's own culling of cameras was not found: entities are culled by frustum only");
+        warn!("a system that culls in Bevy was not found: it may show what casca hides");
     }
 }

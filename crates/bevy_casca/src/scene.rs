@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use casca::{ObjectId, Scene};
 
+use crate::lights::Queries;
 use crate::occluders::{Key, Occluders};
 
 /// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
@@ -17,6 +18,12 @@ pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
     pub(crate) cameras: EntityHashMap<casca::Query>,
+    /// Of the cascades of directional lights.
+    pub(crate) suns: Queries,
+    /// Of point lights and spot lights.
+    pub(crate) lamps: Queries,
+    /// No coordinate of an entity in the scene was greater.
+    pub(crate) farthest: f32,
     /// Entities whose component went, with what it held.
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
     /// Entities that move, and the frame from which on each counts as still if it stays.

@@ -151,7 +151,7 @@ pub(crate) fn sync(
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, frame, .. } = casca else { return };
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, .. } = casca else { return };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
     look.clear();
@@ -169,7 +169,8 @@ pub(crate) fn sync(
     // Twice would be two objects.
     look.sort_unstable();
     look.dedup();
-    let mut sync = Sync { scene, occluders, movers, frame: *frame, settings: &settings, meshes: &meshes };
+    let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
+    let mut sync = Sync { scene, occluders, movers, farthest, frame, settings, meshes };
     for &entity in &*look {
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
@@ -223,6 +224,8 @@ fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Ca
     casca.scene = Some(scene);
     casca.movers.clear();
     casca.cameras.clear();
+    casca.suns.clear();
+    casca.lamps.clear();
     true
 }
 
@@ -230,6 +233,7 @@ struct Sync<'a> {
     scene: &'a mut Scene,
     occluders: &'a mut Occluders,
     movers: &'a mut EntityHashMap<u32>,
+    farthest: &'a mut f32,
     frame: u32,
     settings: &'a CascaSettings,
     meshes: &'a Assets<Mesh>,
@@ -241,6 +245,9 @@ impl Sync<'_> {
     /// # Errors
     /// If casca refuses its place or its box. It is not in the scene then.
     fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, casca::Error> {
+        let (min, max) = border::world_box(item.aabb, &item.transform.affine());
+        // Also if one is no number: such a box is refused.
+        *self.farthest = self.farthest.max(min.abs().max(max.abs()).max_element());
         let Some(known) = item.known.as_deref() else {
             let patience = self.settings.still_after.max(1);
             return self.put(item, item.skinned, patience).map(Some);
@@ -273,7 +280,8 @@ impl Sync<'_> {
         let ready = key.and_then(|key| self.ask(key, item));
         let hides = self.scene.occluder(id)?.is_some();
         let other_box = known.aabb != *item.aabb;
-        let keeps_occluder = key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
+        let keeps_occluder =
+            key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
         if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
             self.scene.remove(id)?;
             // Who moves often has to rest for longer.
