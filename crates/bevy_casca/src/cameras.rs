@@ -7,7 +7,7 @@ use bevy_camera::visibility::{
 use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_math::Mat4;
+use bevy_math::{Mat4, Vec3};
 use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
@@ -115,8 +115,10 @@ impl CamerasReadOnlyItem<'_, '_> {
             (None, None) => projection.get_clip_from_view(),
         };
         let matrix = border::mat4(&(clip_from_view * Mat4::from(transform.affine().inverse())));
+        // Not `GlobalTransform::forward`, which is no direction for some transforms, and says so loudly.
+        let forward = Vec3::from(-transform.affine().matrix3.z_axis);
         let view = View::perspective(border::vec3(transform.translation()), matrix)
-            .or_else(|_| View::orthographic(border::vec3(transform.forward().into()), matrix));
+            .or_else(|_| View::orthographic(border::vec3(forward), matrix));
         Some(view.ok()?.with_layers(layers))
     }
 }

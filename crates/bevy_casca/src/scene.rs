@@ -76,6 +76,10 @@ pub struct InScene {
     pub(crate) aabb: Aabb,
     /// After so many frames without a move it counts as still.
     pub(crate) patience: u32,
+    /// The frame in which it was put there.
+    pub(crate) since: u32,
+    /// Whether it was put there for the first time.
+    pub(crate) is_new: bool,
 }
 
 impl InScene {

@@ -284,13 +284,14 @@ impl Sync<'_> {
             key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
         if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
             self.scene.remove(id)?;
-            // Who moves often has to rest for longer.
-            let patience = if moves && !known.moves { known.patience * 2 } else { known.patience };
-            return self.put(item, moves, patience.min(MOST_PATIENCE)).map(Some);
+            let patience = if moves && !known.moves { self.patience(known) } else { known.patience };
+            return self.put(item, moves, patience).map(Some);
         }
         let layers = layers_of(item);
         if moved {
             self.scene.set_transform(id, transform)?;
+        }
+        if moved && !item.skinned {
             self.movers.insert(item.entity, self.frame.saturating_add(known.patience));
         }
         if other_box {
@@ -299,6 +300,14 @@ impl Sync<'_> {
         self.scene.set_layers(id, layers)?;
         let changed = other_box || layers != known.layers;
         Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.copy() }))
+    }
+
+    /// For how many frames an entity has to rest that begins to move: who moves often for longer.
+    fn patience(&self, known: &InScene) -> u32 {
+        let first = self.settings.still_after.max(1);
+        let rested = self.frame.saturating_sub(known.since);
+        let again = known.patience.saturating_mul(2).min(MOST_PATIENCE).max(first);
+        if known.is_new || rested > again.saturating_mul(4) { first } else { again }
     }
 
     /// Puts an entity into the scene.
@@ -317,12 +326,22 @@ impl Sync<'_> {
         let placed = hider.and_then(|mesh| self.scene.insert(desc.clone().occluder(mesh.clone())).ok());
         let refused = mesh.is_some() && placed.is_none();
         let id = placed.map_or_else(|| self.scene.insert(desc), Ok)?;
-        if moves {
+        if moves && !item.skinned {
             self.movers.insert(item.entity, self.frame.saturating_add(patience));
         } else {
             self.movers.remove(&item.entity);
         }
-        Ok(InScene { id, moves, key, refused, layers, aabb: *item.aabb, patience })
+        Ok(InScene {
+            id,
+            moves,
+            key,
+            refused,
+            layers,
+            aabb: *item.aabb,
+            patience,
+            since: self.frame,
+            is_new: item.known.is_none(),
+        })
     }
 
     /// The mesh that an entity hides with, if it does.

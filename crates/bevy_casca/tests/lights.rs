@@ -172,7 +172,7 @@ fn casters_that_are_left_out_are_hidden_from_the_light() {
             if frame % 6 != 0 {
                 continue;
             }
-            let objects = asked(truth(&mut pair.ours), &bevys[key]);
+            let objects = asked(truth(&mut pair.ours).1, &bevys[key]);
             let all: Vec<usize> = (0..objects.len()).collect();
             let mut oracle = Oracle::new(&objects, options);
             let verdict = oracle.frame(&objects, &all, &cameras[key], &|i| list.contains(&(i as u32)));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy_app::{App, Last, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, Assets, Handle};
-use bevy_camera::visibility::{ViewVisibility, VisibleEntities};
+use bevy_camera::visibility::{InheritedVisibility, ViewVisibility, VisibleEntities};
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
 use bevy_casca::casca::glam;
 use bevy_casca::{CascaPlugin, CascaScene};
@@ -19,6 +19,7 @@ use bevy_shape::Cuboid;
 use bevy_transform::TransformPlugin;
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_truth::oracle::{Oracle, OracleOptions};
 
 /// The number of an entity, the same in both apps.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,9 +56,10 @@ pub fn headless(with_casca: bool) -> App {
 fn note_changes(
     mut changes: ResMut<Changes>,
     all: Query<(&Nr, &ViewVisibility)>,
-    changed: Query<&Nr, Changed<ViewVisibility>>,
+    changed: Query<(&Nr, Ref<ViewVisibility>), Changed<ViewVisibility>>,
 ) {
-    changes.changed = changed.iter().map(|nr| nr.0).collect();
+    let old = changed.iter().filter(|(_, seen)| !seen.is_added());
+    changes.changed = old.map(|(nr, _)| nr.0).collect();
     changes.visible = all.iter().filter(|(_, seen)| seen.get()).map(|(nr, _)| nr.0).collect();
 }
 
@@ -149,14 +151,14 @@ impl Pair {
 
 pub type Lists = BTreeMap<u32, BTreeSet<u32>>;
 
-/// The boxes of an app as the oracle takes them, by number.
-pub fn truth(app: &mut App) -> Vec<Object> {
+/// The boxes of an app as the oracle takes them, with their numbers.
+pub fn truth(app: &mut App) -> (Vec<u32>, Vec<Object>) {
     let cube = Arc::new(casca_scenes::world::Mesh::cuboid(glam::Vec3::splat(-0.5), glam::Vec3::splat(0.5)));
     let world = app.world_mut();
-    let mut all = world.query_filtered::<(&Nr, &GlobalTransform), With<Mesh3d>>();
-    let mut boxes: Vec<(u32, Affine3A)> = all.iter(world).map(|(nr, at)| (nr.0, at.affine())).collect();
+    let mut all = world.query_filtered::<(&Nr, &GlobalTransform, &InheritedVisibility), With<Mesh3d>>();
+    let drawn = all.iter(world).filter(|(.., drawn)| drawn.get());
+    let mut boxes: Vec<(u32, Affine3A)> = drawn.map(|(nr, at, _)| (nr.0, at.affine())).collect();
     boxes.sort_by_key(|(nr, _)| *nr);
-    assert!(boxes.iter().enumerate().all(|(i, (nr, _))| i == *nr as usize), "numbers have gaps");
     let shape = |at: &Affine3A| Shape::Mesh {
         mesh: cube.clone(),
         transform: glam::Affine3A::from_cols_array(&at.to_cols_array()),
@@ -168,7 +170,21 @@ pub fn truth(app: &mut App) -> Vec<Object> {
         occludes: true,
         tested: true,
     };
-    boxes.iter().map(|(_, at)| object(at)).collect()
+    let objects = boxes.iter().map(|(_, at)| object(at)).collect();
+    (boxes.into_iter().map(|(nr, _)| nr).collect(), objects)
+}
+
+/// Asks the oracle whether a set of numbers lacks anything that a camera sees. Returns how many
+/// boxes it sees.
+pub fn judge(app: &mut App, camera: &Camera, set: &BTreeSet<u32>) -> usize {
+    let (numbers, objects) = truth(app);
+    let options = OracleOptions { width: 96, height: 54, samples_per_object: 4, ..Default::default() };
+    let all: Vec<usize> = (0..objects.len()).collect();
+    let verdict =
+        Oracle::new(&objects, options).frame(&objects, &all, camera, &|i| set.contains(&numbers[i]));
+    let lost: Vec<u32> = verdict.false_negatives.iter().map(|lost| numbers[lost.object]).collect();
+    assert_eq!(lost, [0; 0], "visible, but not in the set");
+    verdict.exact.len()
 }
 
 /// A camera as the oracle takes it.
