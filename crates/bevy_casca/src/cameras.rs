@@ -8,6 +8,7 @@ use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_math::{Mat4, Vec3};
+use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
@@ -49,6 +50,7 @@ pub(crate) fn check_cameras(
     mut unmanaged: Query<Candidate, Unmanaged>,
     ranges: Option<Res<VisibleEntityRanges>>,
 ) {
+    let start = Instant::now();
     let casca = &mut *casca;
     let views: Vec<(Entity, View)> = cameras
         .iter()
@@ -68,27 +70,34 @@ pub(crate) fn check_cameras(
             frustum: Some(camera.frustum).filter(|_| !camera.no_cpu_culling),
         };
         let note = |queue: &mut Lists, mut item: CandidateItem| {
-            if item.is_seen(&viewer) {
+            let seen = item.is_seen(&viewer);
+            if seen {
                 item.view_visibility.set_visible();
                 for class in item.classes.iter().flat_map(|classes| classes.iter()) {
                     queue.entry(*class).or_default().push(item.entity);
                 }
             }
+            seen
         };
-        unmanaged.par_iter_mut().for_each_init(|| queues.borrow_local_mut(), |queue, item| note(queue, item));
+        unmanaged
+            .par_iter_mut()
+            .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item));
         match (casca.cameras.get(&camera.entity), &casca.scene) {
             (Some(query), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
+                let mut seen = 0;
                 for &id in query.pvs().visible() {
                     let entity = scene.user_data(id).ok().and_then(Entity::try_from_bits);
                     if let Some(item) = entity.and_then(|entity| managed.get_mut(entity).ok()) {
-                        note(&mut queue, item);
+                        seen += usize::from(note(&mut queue, item));
                     }
                 }
+                casca.counts.visible += seen;
+                casca.counts.culled += scene.len().saturating_sub(seen);
             }
             _ => managed
                 .par_iter_mut()
-                .for_each_init(|| queues.borrow_local_mut(), |queue, item| note(queue, item)),
+                .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item)),
         }
         camera.visible.clear_all();
         for (class, entities) in queues.iter_mut().flatten() {
@@ -97,6 +106,7 @@ pub(crate) fn check_cameras(
         // Renderers compare the lists of two frames in their order.
         camera.visible.entities.values_mut().for_each(|list| list.sort_unstable());
     }
+    casca.counts.time += start.elapsed();
 }
 
 impl CamerasReadOnlyItem<'_, '_> {
@@ -134,8 +144,10 @@ fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)
 
 /// Ends the frame of the scene with the sets of all cameras and lights.
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
-    let CascaScene { scene: Some(scene), cameras, suns, lamps, .. } = &mut *casca else { return };
+    let start = Instant::now();
+    let CascaScene { scene: Some(scene), cameras, suns, lamps, counts, .. } = &mut *casca else { return };
     let queries = cameras.values().chain(suns.values()).chain(lamps.values());
     // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
     let _ = scene.end_frame(queries.map(casca::Query::pvs));
+    counts.time += start.elapsed();
 }

@@ -14,6 +14,7 @@ use bevy_light::{
 };
 use bevy_math::proj::perspective_infinite_reverse;
 use bevy_math::{Affine3A, Mat4, Vec3A};
+use bevy_platform::time::Instant;
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca::View;
 
@@ -54,6 +55,7 @@ pub(crate) fn check_lamps(
     mut origins: Query<Entity, With<ShadowLodOrigin>>,
     mut all: Query<Entity, Or<(With<PointLight>, With<SpotLight>)>>,
 ) {
+    let start = Instant::now();
     let casca = &mut *casca;
     let class = TypeId::of::<ClusterVisibilityClass>();
     let lit: EntityHashSet = cameras.iter().flat_map(|seen| seen.get(class)).copied().collect();
@@ -81,7 +83,8 @@ pub(crate) fn check_lamps(
         origins.transmute_lens_filtered(),
         all.transmute_lens_filtered(),
     );
-    let (scene, queries) = (casca.scene.as_ref(), &casca.lamps);
+    let CascaScene { scene, lamps: queries, counts, .. } = casca;
+    let scene = scene.as_ref();
     for entity in lit {
         if let Ok((light, transform, frusta, mut visible, layers, _)) = bulbs.get_mut(entity)
             && light.shadow_maps_enabled
@@ -89,6 +92,7 @@ pub(crate) fn check_lamps(
             let views: Vec<LightView> = of_faces(queries, entity, frusta);
             let shine = shine(layers, origin, transform, light.range);
             for (out, list) in visible.iter_mut().zip(casters.lists(scene, &shine, &views)) {
+                counts.casters += list.len();
                 lights::replace(out, list);
             }
         }
@@ -98,10 +102,12 @@ pub(crate) fn check_lamps(
             let views = [LightView { frustum, query: queries.get(&(entity, entity, SPOT)) }];
             let shine = shine(layers, origin, transform, light.range);
             for list in casters.lists(scene, &shine, &views) {
+                counts.casters += list.len();
                 lights::replace(&mut visible, list);
             }
         }
     }
+    counts.time += start.elapsed();
 }
 
 /// The number of a spot light's view; point lights have views 0 to 5.

@@ -12,7 +12,7 @@ use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
 use crate::settings::CascaSettings;
-use crate::{cameras, lamps, suns, sync};
+use crate::{cameras, diagnostics, lamps, suns, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
@@ -22,6 +22,8 @@ pub struct CascaPlugin;
 /// What the plugin does in [`PostUpdate`], in this order.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CascaSystems {
+    /// Materials are judged: [`MaterialsPlugin`](crate::MaterialsPlugin).
+    Materials,
     /// Entities that came, moved, changed or went are brought up to date in the [`CascaScene`].
     Sync,
     /// Cameras find what they see. Part of [`VisibilitySystems::CheckVisibility`].
@@ -34,11 +36,13 @@ pub enum CascaSystems {
 
 impl Plugin for CascaPlugin {
     fn build(&self, app: &mut App) {
+        diagnostics::register(app);
         app.init_resource::<CascaSettings>()
             .init_resource::<CascaScene>()
             .configure_sets(
                 PostUpdate,
                 (
+                    CascaSystems::Materials.before(CascaSystems::Sync),
                     CascaSystems::Sync
                         .after(TransformSystems::Propagate)
                         .after(VisibilitySystems::CalculateBounds)
@@ -69,7 +73,7 @@ impl Plugin for CascaPlugin {
                     sync::sync.in_set(CascaSystems::Sync),
                     cameras::check_cameras.in_set(CascaSystems::Cameras),
                     (suns::check_suns, lamps::check_lamps).chain().in_set(CascaSystems::Lights),
-                    cameras::end_frame.in_set(CascaSystems::End),
+                    (cameras::end_frame, diagnostics::measure).chain().in_set(CascaSystems::End),
                 ),
             );
     }

@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use casca::{ObjectId, Scene};
 
+use crate::diagnostics::Counts;
 use crate::lights::Queries;
 use crate::occluders::{Key, Occluders};
 
@@ -28,6 +29,7 @@ pub struct CascaScene {
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
     /// Entities that move, and the frame from which on each counts as still if it stays.
     pub(crate) movers: EntityHashMap<u32>,
+    pub(crate) counts: Counts,
     pub(crate) frame: u32,
     /// The frame in which the grid was made.
     pub(crate) grid_made: u32,

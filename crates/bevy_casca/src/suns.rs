@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_light::cascade::Cascade;
 use bevy_light::{Cascades, DirectionalLight, SpotLight};
 use bevy_math::Mat4;
+use bevy_platform::time::Instant;
 use casca::View;
 
 use crate::casters::{Casters, LightView, Shine};
@@ -32,6 +33,7 @@ pub(crate) fn check_suns(
     mut suns: Query<Sun, Without<SpotLight>>,
     mut casters: Casters,
 ) {
+    let start = Instant::now();
     let casca = &mut *casca;
     let mut views = Vec::new();
     for (entity, light, _, cascades, _, layers, seen, opt_out) in &suns {
@@ -66,10 +68,12 @@ pub(crate) fn check_suns(
             let out = visible.entities.entry(camera).or_default();
             out.resize_with(frusta.len(), VisibleMeshEntities::default);
             for (out, list) in out.iter_mut().zip(lists) {
+                casca.counts.casters += list.len();
                 lights::replace(out, list);
             }
         }
     }
+    casca.counts.time += start.elapsed();
 }
 
 /// The view of a cascade, opened towards the light as far as entities may be.

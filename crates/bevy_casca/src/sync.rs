@@ -17,10 +17,12 @@ use bevy_log::warn_once;
 use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
+use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 
 use casca::{ObjectDesc, Scene, TriMesh};
 
+use crate::materials::{Hides, InFront};
 use crate::occluders::{Key, Occluders};
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
@@ -46,6 +48,7 @@ pub(crate) struct Managed {
     visible: &'static InheritedVisibility,
     layers: Option<&'static RenderLayers>,
     opaque: Option<&'static Opaque>,
+    material: Option<&'static Hides>,
     proxy: Option<&'static Occluder>,
     not_occluder: Has<NotOccluder>,
     not_caster: Has<NotShadowCaster>,
@@ -58,6 +61,7 @@ type Excluded = Or<(
     With<NoFrustumCulling>,
     With<NoCpuCulling>,
     With<NoOcclusionCulling>,
+    With<InFront>,
     With<VisibilityRange>,
     With<MorphWeights>,
     With<MeshMorphWeights>,
@@ -69,6 +73,7 @@ type Manageable = (
     Without<NoFrustumCulling>,
     Without<NoCpuCulling>,
     Without<NoOcclusionCulling>,
+    Without<InFront>,
     Without<VisibilityRange>,
     Without<MorphWeights>,
     Without<MeshMorphWeights>,
@@ -91,6 +96,7 @@ type Changes = Or<(
     Changed<RenderLayers>,
     Changed<Mesh3d>,
     Changed<Opaque>,
+    Changed<Hides>,
     Changed<Occluder>,
     Added<NotOccluder>,
     Added<NotShadowCaster>,
@@ -111,6 +117,7 @@ pub(crate) struct Candidates<'w, 's> {
     all: Query<'w, 's, Entity, With<InScene>>,
     no_layers: RemovedComponents<'w, 's, RenderLayers>,
     no_opaque: RemovedComponents<'w, 's, Opaque>,
+    not_by_material: RemovedComponents<'w, 's, Hides>,
     no_proxy: RemovedComponents<'w, 's, Occluder>,
     hides_again: RemovedComponents<'w, 's, NotOccluder>,
     casts_again: RemovedComponents<'w, 's, NotShadowCaster>,
@@ -128,6 +135,7 @@ pub(crate) fn sync(
     mut look: Local<Vec<Entity>>,
 ) {
     let Some(meshes) = meshes else { return };
+    let start = Instant::now();
     let casca = &mut *casca;
     casca.frame = casca.frame.wrapping_add(1);
     for (entity, id, key) in casca.left.drain(..) {
@@ -151,7 +159,9 @@ pub(crate) fn sync(
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, .. } = casca else { return };
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, counts, .. } = casca else {
+        return;
+    };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
     look.clear();
@@ -184,6 +194,7 @@ pub(crate) fn sync(
             }
         }
     }
+    counts.time += start.elapsed();
 }
 
 impl Candidates<'_, '_> {
@@ -191,6 +202,7 @@ impl Candidates<'_, '_> {
     fn extend_removed(&mut self, out: &mut Vec<Entity>) {
         out.extend(self.no_layers.read());
         out.extend(self.no_opaque.read());
+        out.extend(self.not_by_material.read());
         out.extend(self.no_proxy.read());
         out.extend(self.hides_again.read());
         out.extend(self.casts_again.read());
@@ -358,7 +370,8 @@ impl Sync<'_> {
         if let Some(Occluder(proxy)) = item.proxy {
             return Some(Key { mesh: proxy.id(), sides: Opaque::Both });
         }
-        let sides = *item.opaque.filter(|_| !moves)?;
+        let by_material = item.material.map(|hides| hides.0);
+        let sides = item.opaque.copied().or(by_material).filter(|_| !moves)?;
         // Mirrored, its fronts are its backs.
         let seen = sides == Opaque::Both || determinant > 0.0;
         seen.then(|| Key { mesh: item.mesh.id(), sides })

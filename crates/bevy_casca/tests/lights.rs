@@ -23,6 +23,9 @@ use common::{Nr, Pair, entity, spawn_box, spawn_camera, truth};
 use glam::camera::rh::proj::directx;
 
 const CAMERA: u32 = 1_000_000;
+
+/// Ends a statement in the place of an expression.
+fn done<T>(_: T) {}
 const SUN: u32 = 1_000_001;
 const BULB: u32 = 1_000_002;
 const SPOT: u32 = 1_000_003;
@@ -199,8 +202,8 @@ fn lists_are_bevys_where_all_casters_are_asked_for() {
             let bulb = entity(world, BULB);
             // Of one layer that nobody is on; off; and on again.
             match frame {
-                5 => drop(world.entity_mut(bulb).insert(RenderLayers::layer(3))),
-                10 => drop(world.entity_mut(bulb).remove::<RenderLayers>()),
+                5 => done(world.entity_mut(bulb).insert(RenderLayers::layer(3))),
+                10 => done(world.entity_mut(bulb).remove::<RenderLayers>()),
                 12 => world.get_mut::<PointLight>(bulb).unwrap().shadow_maps_enabled = false,
                 _ => {}
             }
