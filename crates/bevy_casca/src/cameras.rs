@@ -125,7 +125,7 @@ impl CamerasReadOnlyItem<'_, '_> {
             (None, None) => projection.get_clip_from_view(),
         };
         let matrix = border::mat4(&(clip_from_view * Mat4::from(transform.affine().inverse())));
-        // Not `GlobalTransform::forward`, which is no direction for some transforms, and says so loudly.
+        // `GlobalTransform::forward` panics for transforms that have none.
         let forward = Vec3::from(-transform.affine().matrix3.z_axis);
         let view = View::perspective(border::vec3(transform.translation()), matrix)
             .or_else(|_| View::orthographic(border::vec3(forward), matrix));

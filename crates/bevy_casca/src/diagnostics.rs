@@ -6,9 +6,8 @@ use bevy_diagnostic::{
 };
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
-use std::time::Duration;
 
-use crate::scene::CascaScene;
+use crate::scene::{CascaScene, Counts};
 
 /// Names of what the plugin measures in each frame, for Bevy's
 /// [`DiagnosticsStore`](bevy_diagnostic::DiagnosticsStore).
@@ -28,15 +27,6 @@ impl CascaDiagnostics {
     pub const OCCLUDERS: DiagnosticPath = DiagnosticPath::const_new("casca/occluders");
     /// The time of the plugin's systems, which take the place of Bevy's, in milliseconds.
     pub const TIME: DiagnosticPath = DiagnosticPath::const_new("casca/time");
-}
-
-/// What a frame came to.
-#[derive(Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) visible: usize,
-    pub(crate) culled: usize,
-    pub(crate) casters: usize,
-    pub(crate) time: Duration,
 }
 
 pub(crate) fn register(app: &mut App) {

@@ -23,17 +23,18 @@
 //! 4. what nobody sees waits in volumes that cost nothing until they come into sight
 //!    ([`CascaSystems::End`]).
 //!
-//! All else is culled as Bevy does it, by the same tests: sprites, entities without `Aabb`, with
-//! `NoFrustumCulling`, `VisibilityRange` or morph targets, skinned meshes unless they have
-//! `DynamicSkinnedMeshBounds`, cameras with `NoCpuCulling`, and whatever casca refuses, such as
-//! transforms that are not finite.
+//! All else is culled as Bevy does it, by the same tests: sprites, lights (also with a mesh),
+//! entities without `Aabb`, with `NoFrustumCulling`, `VisibilityRange` or morph targets, skinned
+//! meshes unless they have `DynamicSkinnedMeshBounds`, cameras with `NoCpuCulling`, and whatever
+//! casca refuses, such as transforms that are not finite.
 //!
 //! # What hides
 //!
 //! A mesh hides others if it is known to be opaque, does not move, and its triangles can be read.
 //! It is prepared in the background, once for all entities that share it. Known to be opaque are
-//! entities with an opaque `StandardMaterial`, and those that have the component [`Opaque`]. An
-//! [`Occluder`] hides wherever it moves; [`NotOccluder`] and [`NoOcclusionCulling`] take exceptions.
+//! entities with the component [`Opaque`], and those with materials that a rule of the program
+//! calls so ([`MaterialsPlugin`]). An [`Occluder`] hides wherever it moves; [`NotOccluder`] and
+//! [`NoOcclusionCulling`] take exceptions.
 //!
 //! # Limits
 //!
@@ -60,10 +61,12 @@ mod scene;
 mod settings;
 mod suns;
 mod sync;
+mod systems;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
 pub use materials::{MaterialsPlugin, Surface};
-pub use plugin::{CascaPlugin, CascaSystems};
+pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
 pub use settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
+pub use systems::CascaSystems;

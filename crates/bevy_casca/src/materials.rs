@@ -7,8 +7,8 @@ use bevy_asset::{AsAssetId, AssetEvent, AssetEventSystems, Assets, prelude::Asse
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashSet;
 
-use crate::plugin::CascaSystems;
 use crate::settings::Opaque;
+use crate::systems::CascaSystems;
 
 /// What a material says about how entities with it are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -12,27 +12,13 @@ use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
 use crate::settings::CascaSettings;
+use crate::systems::CascaSystems;
 use crate::{cameras, diagnostics, lamps, suns, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct CascaPlugin;
-
-/// What the plugin does in [`PostUpdate`], in this order.
-#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CascaSystems {
-    /// Materials are judged: [`MaterialsPlugin`](crate::MaterialsPlugin).
-    Materials,
-    /// Entities that came, moved, changed or went are brought up to date in the [`CascaScene`].
-    Sync,
-    /// Cameras find what they see. Part of [`VisibilitySystems::CheckVisibility`].
-    Cameras,
-    /// Lights find what casts their shadows.
-    Lights,
-    /// The frame ends: what nobody saw is put into volumes.
-    End,
-}
 
 impl Plugin for CascaPlugin {
     fn build(&self, app: &mut App) {

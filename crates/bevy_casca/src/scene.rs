@@ -1,5 +1,7 @@
 //! The scene behind the entities, and the component of those that are in it.
 
+use std::time::Duration;
+
 use bevy_camera::primitives::Aabb;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::lifecycle::HookContext;
@@ -7,7 +9,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use casca::{ObjectId, Scene};
 
-use crate::diagnostics::Counts;
 use crate::lights::Queries;
 use crate::occluders::{Key, Occluders};
 
@@ -33,6 +34,15 @@ pub struct CascaScene {
     pub(crate) frame: u32,
     /// The frame in which the grid was made.
     pub(crate) grid_made: u32,
+}
+
+/// What a frame came to: see [`CascaDiagnostics`](crate::CascaDiagnostics).
+#[derive(Debug, Default)]
+pub(crate) struct Counts {
+    pub(crate) visible: usize,
+    pub(crate) culled: usize,
+    pub(crate) casters: usize,
+    pub(crate) time: Duration,
 }
 
 impl CascaScene {

@@ -69,9 +69,9 @@ pub enum Shadows {
 /// On an entity: whatever is behind its [`Mesh3d`](bevy_mesh::Mesh3d) cannot be seen through it.
 /// While it stays where it is, it hides others.
 ///
-/// The plugin gives it to entities with an opaque `StandardMaterial` by itself. Give it to entities
-/// with a material of yours that is opaque, casts its shadow (or add
-/// [`NotShadowCaster`](bevy_light::NotShadowCaster)) and moves no vertices.
+/// Give it to entities with a material that is opaque, casts the shadow of the mesh (or add
+/// [`NotShadowCaster`](bevy_light::NotShadowCaster)) and moves no vertices. Where materials tell by
+/// themselves, a [`MaterialsPlugin`](crate::MaterialsPlugin) does for all entities.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Opaque {
     /// Drawn from its front only: back faces are culled, as by default.

@@ -1,12 +1,13 @@
 //! Brings the scene up to date with the entities.
 
+use std::any::TypeId;
 use std::sync::Arc;
 
 use bevy_asset::{AssetEvent, Assets};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{
     DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers,
-    VisibilityRange,
+    VisibilityClass, VisibilityRange,
 };
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -53,6 +54,7 @@ pub(crate) struct Managed {
     not_occluder: Has<NotOccluder>,
     not_caster: Has<NotShadowCaster>,
     skinned: Has<SkinnedMesh>,
+    classes: Option<&'static VisibilityClass>,
     known: Option<&'static mut InScene>,
 }
 
@@ -97,6 +99,7 @@ type Changes = Or<(
     Changed<Mesh3d>,
     Changed<Opaque>,
     Changed<Hides>,
+    Changed<VisibilityClass>,
     Changed<Occluder>,
     Added<NotOccluder>,
     Added<NotShadowCaster>,
@@ -188,8 +191,10 @@ pub(crate) fn sync(
             Ok(Some(known)) => {
                 commands.entity(entity).try_insert(known);
             }
-            Err(error) => {
-                warn_once!("{entity} is culled by frustum only: {error}");
+            Err(refusal) => {
+                if let Refusal::Of(error) = refusal {
+                    warn_once!("{entity} is culled by frustum only: {error}");
+                }
                 commands.entity(entity).try_remove::<InScene>().try_insert(Refused);
             }
         }
@@ -241,6 +246,19 @@ fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Ca
     true
 }
 
+/// Why an entity is not in the scene.
+enum Refusal {
+    /// It is more than a mesh.
+    NotMeshAlone,
+    Of(casca::Error),
+}
+
+impl From<casca::Error> for Refusal {
+    fn from(error: casca::Error) -> Self {
+        Self::Of(error)
+    }
+}
+
 struct Sync<'a> {
     scene: &'a mut Scene,
     occluders: &'a mut Occluders,
@@ -255,33 +273,40 @@ impl Sync<'_> {
     /// Puts an entity into the scene or changes it there. Returns the component that it needs.
     ///
     /// # Errors
-    /// If casca refuses its place or its box. It is not in the scene then.
-    fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, casca::Error> {
-        let (min, max) = border::world_box(item.aabb, &item.transform.affine());
-        // Also if one is no number: such a box is refused.
-        *self.farthest = self.farthest.max(min.abs().max(max.abs()).max_element());
-        let Some(known) = item.known.as_deref() else {
-            let patience = self.settings.still_after.max(1);
-            return self.put(item, item.skinned, patience).map(Some);
+    /// If it may not be hidden. It is not in the scene then.
+    fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, Refusal> {
+        let done = match item.known.as_deref() {
+            // A lamp with a light in it goes on shining where nobody sees it.
+            _ if !is_mesh_alone(item) => Err(Refusal::NotMeshAlone),
+            None => self.put(item, item.skinned, self.settings.still_after.max(1)).map(Some),
+            Some(_) => self.change(item),
         };
-        let (id, was) = (known.id, known.key);
-        let done = self.change(item);
-        match &done {
-            Ok(Some(new)) if new.key == was => {}
-            Ok(None) => return Ok(None),
-            _ => was.iter().for_each(|key| self.occluders.leave(*key, item.entity)),
+        if done.is_ok() {
+            let (min, max) = border::world_box(item.aabb, &item.transform.affine());
+            *self.farthest = self.farthest.max(min.abs().max(max.abs()).max_element());
         }
-        if done.is_err() {
-            let _ = self.scene.remove(id);
+        let Some(known) = item.known.as_deref_mut() else { return done };
+        let leaves = match &done {
+            Ok(None) => false,
+            Ok(Some(new)) => new.key != known.key,
+            Err(_) => true,
+        };
+        if let Some(key) = known.key.filter(|_| leaves) {
+            self.occluders.leave(key, item.entity);
         }
-        if let (Some(known), Some(new)) = (item.known.as_deref_mut(), done?) {
-            *known = new;
+        match done {
+            Ok(new) => new.into_iter().for_each(|new| *known = new),
+            Err(refusal) => {
+                // Unless it was taken out already.
+                let _ = self.scene.remove(known.id);
+                return Err(refusal);
+            }
         }
         Ok(None)
     }
 
     /// Changes an entity that is in the scene. Returns its state if that is another one now.
-    fn change(&mut self, item: &ManagedItem) -> Result<Option<InScene>, casca::Error> {
+    fn change(&mut self, item: &ManagedItem) -> Result<Option<InScene>, Refusal> {
         let Some(known) = item.known.as_deref() else { return Ok(None) };
         let id = known.id;
         let transform = border::affine(&item.transform.affine());
@@ -323,7 +348,7 @@ impl Sync<'_> {
     }
 
     /// Puts an entity into the scene.
-    fn put(&mut self, item: &ManagedItem, moves: bool, patience: u32) -> Result<InScene, casca::Error> {
+    fn put(&mut self, item: &ManagedItem, moves: bool, patience: u32) -> Result<InScene, Refusal> {
         let (bounds, layers) = (border::aabb(item.aabb), layers_of(item));
         let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
         let desc = desc
@@ -380,6 +405,10 @@ impl Sync<'_> {
     fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {
         self.occluders.ask(key, item.entity, self.meshes, self.settings.most_triangles)
     }
+}
+
+fn is_mesh_alone(item: &ManagedItem) -> bool {
+    item.classes.is_some_and(|classes| classes.0.as_slice() == [TypeId::of::<Mesh3d>()])
 }
 
 fn layers_of(item: &ManagedItem) -> u64 {

@@ -16,7 +16,7 @@ use bevy_camera::{
 };
 use bevy_casca::{CascaScene, InScene, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
 use bevy_ecs::prelude::*;
-use bevy_light::NotShadowCaster;
+use bevy_light::{NotShadowCaster, PointLight};
 use bevy_math::{UVec2, Vec2, Vec3};
 use bevy_mesh::morph::MorphWeights;
 use bevy_mesh::skinning::SkinnedMesh;
@@ -182,6 +182,11 @@ fn who_is_never_hidden() {
     });
     let (ours, _) = rest(&mut pair);
     assert_eq!(ours[&CAMERA], BTreeSet::from([WALL, 1, 2, 3, 4, 5, 51, 52]));
+    // A lamp shines past the wall, and so may one that gets its light later.
+    let (ours, bevys) = pair.frame(|world| on(world, 8, |thing| done(thing.insert(PointLight::default()))));
+    assert!(ours[&CAMERA].contains(&8) && bevys[&CAMERA].contains(&8));
+    let (ours, _) = rest(&mut pair);
+    assert!(ours[&CAMERA].contains(&8));
     // A culler on the graphics processor: the entity is in no list, and is drawn all the same.
     pair.frame(|world| on(world, 7, |thing| done(thing.insert(NoCpuCulling))));
     let thing = entity(pair.ours.world_mut(), 7);
