@@ -397,9 +397,7 @@ impl Sync<'_> {
         }
         let by_material = item.material.map(|hides| hides.0);
         let sides = item.opaque.copied().or(by_material).filter(|_| !moves)?;
-        // Mirrored, its fronts are its backs.
-        let seen = sides == Opaque::Both || determinant > 0.0;
-        seen.then(|| Key { mesh: item.mesh.id(), sides })
+        Some(Key { mesh: item.mesh.id(), sides })
     }
 
     fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {

@@ -11,7 +11,7 @@ use bevy_light::{DirectionalLight, PointLight};
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology};
 use bevy_transform::components::Transform;
-use common::{Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
+use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
 
 const CAMERA: u32 = 1_000_000;
 
@@ -72,19 +72,32 @@ fn transforms_that_make_no_sense_hide_nothing() {
 
 #[test]
 fn an_occluder_that_loses_its_place_hides_nothing_in_the_same_frame() {
-    let mut pair = Pair::new(|world| {
-        let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
-        world.entity_mut(wall).insert(Opaque::Front);
-        background(world, 1);
-        view(world, CAMERA);
-    });
-    let (ours, _) = pair.frame(|_| {});
-    assert_eq!(ours[&CAMERA].len(), 1);
-    let (ours, bevys) = pair.frame(|world| {
-        let wall = entity(world, 0);
-        world.get_mut::<Transform>(wall).unwrap().translation.y = f32::NAN;
-    });
-    assert_eq!(ours, bevys);
+    for moves in [false, true] {
+        let mut pair = Pair::new(|world| {
+            let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+            let cube = world.resource::<Cube>().0.clone();
+            match moves {
+                false => world.entity_mut(wall).insert(Opaque::Front),
+                true => world.entity_mut(wall).insert(Occluder(cube)),
+            };
+            background(world, 1);
+            view(world, CAMERA);
+        });
+        let step = |world: &mut World, by: f32| {
+            let wall = entity(world, 0);
+            world.get_mut::<Transform>(wall).unwrap().translation.y += by;
+        };
+        for _ in 0..3 {
+            let (ours, _) = pair.frame(|world| {
+                if moves {
+                    step(world, 0.1)
+                }
+            });
+            assert_eq!(ours[&CAMERA].len(), 1);
+        }
+        let (ours, bevys) = pair.frame(|world| step(world, f32::NAN));
+        assert_eq!(ours, bevys);
+    }
 }
 
 #[test]

@@ -87,6 +87,8 @@ fn yard(world: &mut World) {
         let at = Vec3::new(dice(i) * 70.0 - 35.0, 0.3 + 5.0 * dice(i + 1), dice(i + 2) * 70.0 - 35.0);
         spawn_box(world, i, at, Vec3::splat(0.4));
     }
+    // High in the air, before the near planes of all cascades.
+    spawn_box(world, 400, Vec3::new(-36.0, 180.0, 108.0), Vec3::new(40.0, 1.0, 40.0));
     let front = Transform::from_xyz(0.0, 3.0, 30.0).looking_at(Vec3::new(0.0, 2.0, 0.0), Vec3::Y);
     spawn_camera(world, CAMERA, front);
     let down = Transform::default().looking_to(Vec3::new(0.2, -1.0, -0.6), Vec3::Y);
@@ -200,8 +202,12 @@ fn lists_are_bevys_where_all_casters_are_asked_for() {
         pair.frame(|world| {
             tick(world, frame);
             let bulb = entity(world, BULB);
-            // Of one layer that nobody is on; off; and on again.
+            // On other layers, off, and with things on layers of which the lamps know nothing.
             match frame {
+                3 => {
+                    let thing = entity(world, 50);
+                    done(world.entity_mut(thing).insert(RenderLayers::layer(4)));
+                }
                 5 => done(world.entity_mut(bulb).insert(RenderLayers::layer(3))),
                 10 => done(world.entity_mut(bulb).remove::<RenderLayers>()),
                 12 => world.get_mut::<PointLight>(bulb).unwrap().shadow_maps_enabled = false,

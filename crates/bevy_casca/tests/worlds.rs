@@ -5,7 +5,7 @@ mod common;
 use bevy_asset::Handle;
 use bevy_camera::visibility::VisibleEntities;
 use bevy_casca::casca::{self, Method};
-use bevy_casca::{CascaScene, CascaSettings, Occluder, Opaque};
+use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::Mesh;
@@ -180,7 +180,12 @@ fn a_crowd_of_5000_that_moves() {
         };
         n += check(&mut pair, frame, change, 20);
     }
-    println!("{} hidden in a frame", n as f32 / FRAMES as f32);
+    let world = pair.ours.world_mut();
+    let ids: Vec<_> = world.query::<&InScene>().iter(world).map(InScene::id).collect();
+    let scene = world.resource::<CascaScene>().scene().unwrap();
+    let waiting = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
+    println!("{} hidden in a frame; at the end {waiting} wait in volumes", n as f32 / FRAMES as f32);
+    assert!(waiting > 0, "the scene is not told that frames end");
     assert!(n > 500 * FRAMES as usize, "little is hidden: {n}");
 }
 

@@ -7,7 +7,10 @@ use std::sync::Arc;
 
 use bevy_app::{App, Last, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, Assets, Handle};
-use bevy_camera::visibility::{InheritedVisibility, ViewVisibility, VisibleEntities};
+use bevy_camera::visibility::{
+    CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, ViewVisibility,
+    VisibleEntities, VisibleMeshEntities,
+};
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
 use bevy_casca::casca::glam;
 use bevy_casca::{CascaPlugin, CascaScene};
@@ -97,6 +100,25 @@ pub fn lists(app: &mut App) -> BTreeMap<u32, BTreeSet<u32>> {
     out
 }
 
+/// The numbers of meshes that are culled here, and of those in any list.
+fn culled_and_listed(app: &mut App) -> (BTreeSet<u32>, BTreeSet<u32>) {
+    let world = app.world_mut();
+    let mut meshes = world.query_filtered::<&Nr, (With<Mesh3d>, Without<NoCpuCulling>)>();
+    let culled = meshes.iter(world).map(|nr| nr.0).collect();
+    let mut listed = Vec::new();
+    let mut cameras = world.query::<&VisibleEntities>();
+    listed.extend(cameras.iter(world).flat_map(|seen| seen.get(TypeId::of::<Mesh3d>())).copied());
+    let mut suns = world.query::<&CascadesVisibleEntities>();
+    let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
+    listed.extend(cascades.flat_map(|list| &list.entities).copied());
+    let mut bulbs = world.query::<&CubemapVisibleEntities>();
+    listed.extend(bulbs.iter(world).flat_map(|bulb| bulb.iter()).flat_map(|list| &list.entities).copied());
+    let mut spots = world.query::<&VisibleMeshEntities>();
+    listed.extend(spots.iter(world).flat_map(|list| &list.entities).copied());
+    let number = |entity: Entity| world.get::<Nr>(entity).map(|nr| nr.0);
+    (culled, listed.into_iter().filter_map(number).collect())
+}
+
 /// Runs an app until no mesh is being prepared, and all that waits has been taken over.
 pub fn settle(app: &mut App) {
     for _ in 0..200 {
@@ -145,6 +167,11 @@ impl Pair {
         let needless: Vec<_> = changes.changed.difference(&other).collect();
         assert!(needless.is_empty(), "marked changed, but as before: {needless:?}");
         self.before.clone_from(&changes.visible);
+        let visible = changes.visible.clone();
+        let (culled, listed) = culled_and_listed(&mut self.ours);
+        let hidden: Vec<_> = visible.intersection(&culled).filter(|nr| !listed.contains(nr)).collect();
+        assert!(hidden.is_empty(), "visible, but in no list: {hidden:?}");
+        assert!(ours.values().flatten().all(|nr| visible.contains(nr)), "listed, but not visible");
         (ours, bevys)
     }
 }
