@@ -42,6 +42,8 @@ type Spot = (
     Has<NoOcclusionCulling>,
 );
 
+type Lamps = Or<(With<PointLight>, With<SpotLight>)>;
+
 /// Fills the lists of all point lights and spot lights that a camera sees.
 #[expect(clippy::too_many_arguments, reason = "it asks for what Bevy's system asks for")]
 pub(crate) fn check_lamps(
@@ -53,7 +55,7 @@ pub(crate) fn check_lamps(
     mut casters: Casters,
     mut targets: Query<(Entity, &RenderTarget), With<Camera>>,
     mut origins: Query<Entity, With<ShadowLodOrigin>>,
-    mut all: Query<Entity, Or<(With<PointLight>, With<SpotLight>)>>,
+    mut all: Query<Entity, Lamps>,
 ) {
     let start = Instant::now();
     let casca = &mut *casca;

@@ -73,11 +73,14 @@ pub(crate) struct Hides(pub(crate) Opaque);
 #[derive(Component, Debug, Clone, Copy)]
 pub(crate) struct InFront;
 
+/// Of entities whose material is another one, or another than before.
+type OtherMaterial<C> = Or<(Changed<C>, AssetChanged<C>)>;
+
 fn judge<C: Component + AsAssetId>(
     mut commands: Commands,
     rule: Res<Rule<C>>,
     assets: Option<Res<Assets<C::Asset>>>,
-    changed: Query<(Entity, &C), Or<(Changed<C>, AssetChanged<C>)>>,
+    changed: Query<(Entity, &C), OtherMaterial<C>>,
     all: Query<(Entity, &C)>,
     mut gone: RemovedComponents<C>,
     mut events: Option<MessageReader<AssetEvent<C::Asset>>>,

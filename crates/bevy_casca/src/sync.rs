@@ -135,7 +135,6 @@ pub(crate) fn sync(
     mut events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut candidates: Candidates,
     mut managed: Query<Managed, (Manageable, Without<Refused>)>,
-    mut look: Local<Vec<Entity>>,
 ) {
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
@@ -167,7 +166,7 @@ pub(crate) fn sync(
     };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
-    look.clear();
+    let mut look = Vec::new();
     for event in events.iter_mut().flat_map(|events| events.read()) {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
             occluders.changed(*id, &mut look);
@@ -184,7 +183,7 @@ pub(crate) fn sync(
     look.dedup();
     let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
     let mut sync = Sync { scene, occluders, movers, farthest, frame, settings, meshes };
-    for &entity in &*look {
+    for &entity in &look {
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
             Ok(None) => {}
