@@ -52,6 +52,13 @@ pub(crate) fn check_cameras(
 ) {
     let start = Instant::now();
     let casca = &mut *casca;
+    // Whoever was despawned meanwhile may not hide in this frame.
+    let lost = casca.fresh.extract_if(.., |(entity, _)| !managed.contains(*entity));
+    for (entity, id) in lost {
+        casca.left.push((entity, id, None));
+    }
+    casca.fresh.clear();
+    casca.forget();
     let views: Vec<(Entity, View)> = cameras
         .iter()
         .filter(|camera| camera.camera.is_active && settings.enabled)

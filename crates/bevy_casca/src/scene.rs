@@ -28,6 +28,8 @@ pub struct CascaScene {
     pub(crate) farthest: f32,
     /// Entities whose component went, with what it held.
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
+    /// Entities that were put into the scene in this frame, and do not have their component yet.
+    pub(crate) fresh: Vec<(Entity, ObjectId)>,
     /// Entities that move, and the frame from which on each counts as still if it stays.
     pub(crate) movers: EntityHashMap<u32>,
     pub(crate) counts: Counts,
@@ -55,6 +57,16 @@ impl CascaScene {
     /// culled by frustum only.
     pub fn camera(&self, entity: Entity) -> Option<&casca::Query> {
         self.cameras.get(&entity)
+    }
+
+    /// Takes out of the scene what is not in it any more.
+    pub(crate) fn forget(&mut self) {
+        for (entity, id, key) in self.left.drain(..) {
+            self.movers.remove(&entity);
+            key.iter().for_each(|key| self.occluders.leave(*key, entity));
+            // An id of an earlier grid names nothing any more.
+            let _ = self.scene.as_mut().map(|scene| scene.remove(id));
+        }
     }
 
     /// The number of meshes that are prepared to hide.

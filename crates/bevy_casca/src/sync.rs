@@ -140,12 +140,7 @@ pub(crate) fn sync(
     let start = Instant::now();
     let casca = &mut *casca;
     casca.frame = casca.frame.wrapping_add(1);
-    for (entity, id, key) in casca.left.drain(..) {
-        casca.movers.remove(&entity);
-        key.iter().for_each(|key| casca.occluders.leave(*key, entity));
-        // An id of an earlier grid names nothing any more.
-        let _ = casca.scene.as_mut().map(|scene| scene.remove(id));
-    }
+    casca.forget();
     for (entity, known) in &candidates.gone {
         // At once: it may not hide any more in this frame.
         let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
@@ -161,7 +156,8 @@ pub(crate) fn sync(
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, counts, .. } = casca else {
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, counts, fresh, .. } = casca
+    else {
         return;
     };
     // The clock only has to run.
@@ -188,6 +184,7 @@ pub(crate) fn sync(
         match sync.bring_up_to_date(&mut item) {
             Ok(None) => {}
             Ok(Some(known)) => {
+                fresh.push((entity, known.id));
                 commands.entity(entity).try_insert(known);
             }
             Err(refusal) => {

@@ -4,10 +4,14 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use bevy_casca::{CascaScene, CascaSettings, InScene, Opaque};
+use bevy_app::PostUpdate;
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::VisibilitySystems;
+use bevy_casca::{CascaScene, CascaSettings, CascaSystems, InScene, Opaque};
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::Mesh3d;
+use bevy_transform::TransformSystems;
 use bevy_transform::components::Transform;
 use common::{Nr, Pair, entity, eye, judge, spawn_box, spawn_camera};
 
@@ -71,6 +75,45 @@ fn pages_come_and_go() {
         let ids: BTreeSet<_> = known.iter(world).map(|(_, known)| known.id()).collect();
         assert_eq!(ids.len(), 4 * PAGE as usize);
         assert_eq!(ids, scene.ids().collect());
+    }
+}
+
+/// A system that runs beside the plugin's, and takes its time to say who is gone.
+fn despawn_late(mut commands: Commands, gone: Query<Entity, With<Gone>>) {
+    gone.iter().for_each(|entity| commands.entity(entity).despawn());
+}
+
+#[derive(Component)]
+struct Gone;
+
+#[test]
+fn who_goes_while_it_is_taken_over_hides_nothing() {
+    let mut app = common::headless(true);
+    let late = despawn_late.after(TransformSystems::Propagate).before_ignore_deferred(CascaSystems::Sync);
+    app.add_systems(PostUpdate, late.after(VisibilitySystems::CalculateBounds));
+    let world = app.world_mut();
+    spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::ONE);
+    spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    let wall = |world: &mut World| {
+        let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::splat(20.0));
+        world
+            .entity_mut(wall)
+            .insert((Opaque::Front, Aabb::from_min_max(Vec3::splat(-0.5), Vec3::splat(0.5))));
+        wall
+    };
+    // The mesh is prepared.
+    let first = wall(world);
+    common::settle(&mut app);
+    assert!(!common::lists(&mut app)[&CAMERA].contains(&1));
+    app.world_mut().despawn(first);
+    app.update();
+    assert!(common::lists(&mut app)[&CAMERA].contains(&1));
+    for frame in 0..3 {
+        let second = wall(app.world_mut());
+        app.world_mut().entity_mut(second).insert(Gone);
+        app.update();
+        assert!(common::lists(&mut app)[&CAMERA].contains(&1), "frame {frame}");
+        assert_eq!(app.world().resource::<CascaScene>().scene().unwrap().len(), 1, "frame {frame}");
     }
 }
 
